@@ -76,8 +76,8 @@ class Driver {
   /// most `timeout` for it.
   virtual DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept = 0;
   /// Force and torque in D, applied for one period. Refuses non-finite and over-limit commands (the
-  /// last check before the wire, beside the guard's; see limits.hpp): a refused command is zero
-  /// force for that period, not the one before it.
+  /// last check before the hardware, in addition to the guard's; see limits.hpp): a refused command
+  /// is zero force for that period, not the one before it.
   virtual DeviceResult<void> write(const Wrench& command) noexcept = 0;
   /// Zero force, now; what is still under way to the motors is dropped. Safe to call twice. The
   /// next accepted `write` pushes again: whoever has to stay at zero keeps its guard stopped.
@@ -91,9 +91,9 @@ class Driver {
   /// What keeps the device from giving samples or taking force now, and what to do about it; empty:
   /// nothing that it knows of. For people: allocates, so not for the loop, but any other thread may
   /// ask while the loop runs.
-  virtual std::string trouble() const { return {}; }
+  virtual std::string last_error() const { return {}; }
   /// The arm that the device is, the same from opening to the end; null where it is none, or its
-  /// joints are not told.
+  /// joints are not reported.
   virtual const arm::ArmDescription* arm_description() const noexcept { return nullptr; }
   /// Angles of its joints in the last sample that `read` gave, if that had a valid pose [rad]. Of
   /// the thread that owns it; real-time safe.

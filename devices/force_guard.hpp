@@ -1,6 +1,6 @@
 #pragma once
 /// The last stop before any device: whatever comes in, what goes out is finite, within the limits,
-/// and fades when nobody speaks any more.
+/// and fades when commands stop.
 #include <cstdint>
 #include <optional>
 

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <array>
 
-#include "devices/arm/wire_arm.hpp"
-#include "devices/fr3/counterpart.hpp"
-#include "devices/lwr/counterpart.hpp"
-#include "devices/phantom/counterpart.hpp"
+#include "devices/arm/emulated_arm.hpp"
+#include "devices/fr3/emulator.hpp"
+#include "devices/lwr/emulator.hpp"
+#include "devices/phantom/emulator.hpp"
 #include "devices/settings.hpp"
 #include "devices/sim/simulated_device.hpp"
 
@@ -57,9 +57,9 @@ const std::array kEntries{
     Entry{"emulated-phantom", phantom::open_emulated_phantom, phantom::describe_emulated_phantom,
           [](const DeviceOptions&) { return sim::sim_phantom().hand; }},
     Entry{"emulated-lwr", lwr::open_emulated_lwr, lwr::describe_emulated_lwr,
-          [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
+          [](const DeviceOptions&) { return arm::default_emulator_hand(); }},
     Entry{"emulated-fr3", fr3::open_emulated_fr3, fr3::describe_emulated_fr3,
-          [](const DeviceOptions&) { return arm::usual_hand_at_wire(); }},
+          [](const DeviceOptions&) { return arm::default_emulator_hand(); }},
     Entry{"phantom", phantom::open_phantom, phantom::describe_phantom_device, nullptr},
     Entry{"lwr", lwr::open_lwr, lwr::describe_lwr_device, nullptr},
     Entry{"fr3", fr3::open_fr3, fr3::describe_fr3_device, nullptr},
@@ -93,7 +93,7 @@ const Entry& find(std::string_view name) {
 /// A faulty file or a controller that says nonsense must not become what force is limited and
 /// designed by.
 void require_possible(std::string_view name, const DeviceDescription& description) {
-  if (const std::string wrong = what_is_wrong(description); !wrong.empty())
+  if (const std::string wrong = validate(description); !wrong.empty())
     throw DeviceOpenError(fmt::format("device '{}' cannot be used: {}", name, wrong));
 }
 

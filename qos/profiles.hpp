@@ -48,9 +48,9 @@ inline constexpr Profile kProfiles[] = {
     {ProfileId::kTap, "tap", false, false, false, 64,
      0.0},  // matches every stream and event, slows none
     {ProfileId::kState, "state", true, false, false, 10,
-     0.0},  // ROS standard types; a full history drops, nobody waits
+     0.0},  // ROS standard types; a full history drops, no writer waits
     {ProfileId::kService, "service", true, false, false, 64,
-     0.0},  // requests and replies; a client that stands still holds up nobody
+     0.0},  // requests and replies; a stalled client blocks no writer
     {ProfileId::kLog, "log", true, true, false, 64,
      0.0},  // /rosout: who comes later gets the last lines too
     {ProfileId::kRecord, "record", true, true, false, 256,

@@ -11,7 +11,7 @@ namespace voxtouch::qos {
 
 /// Nodes of the ring, as a set.
 using Nodes = std::uint8_t;
-inline constexpr Nodes kNobody = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8,
+inline constexpr Nodes kNone = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8,
                        kLogger = 16, kEveryNode = 31;
 
 /// Names of the nodes in a set, as they stand in statuses and options.
@@ -30,8 +30,8 @@ struct Topic {
   std::string_view type;       ///< "pkg/msg/Name"
   ProfileId profile;           ///< in real time; see `profile_in`
   double rate_hz;              ///< 0: on a change only
-  Nodes writers = kNobody;     ///< kNobody: who is no node of the ring, such as `voxtouch change`
-  Nodes readers = kNobody;     ///< of the ring; the logger is one of those that it records unasked
+  Nodes writers = kNone;       ///< kNone: who is no node of the ring, such as `voxtouch change`
+  Nodes readers = kNone;       ///< of the ring; the logger is one of those that it records unasked
   std::string_view why = {};   ///< it is written, for the scene's plan
   bool global = false;         ///< outside the rig's namespace: /tf, /diagnostics
   bool lockstep_only = false;  ///< there is no writer in real time
@@ -79,7 +79,7 @@ inline constexpr Topic kScenePlan{
     0,
     kRendering,
     kCoupling | kValidator | kLogger,
-    "The coupling is designed for the contact that it tells of. Once a session."};
+    "The coupling is designed for the contact that it reports. Once a session."};
 inline constexpr Topic kCouplingDesign{
     "coupling/design",
     "voxtouch_msgs/msg/CouplingDesign",
@@ -95,7 +95,7 @@ inline constexpr Topic kValidation{
     0,
     kValidator,
     kLogger,
-    "Verdicts; made only while a validator runs and somebody reads them."};
+    "Verdicts; made only while a validator runs and they have a reader."};
 inline constexpr Topic kNodeStatus{
     "node_status",
     "voxtouch_msgs/msg/NodeStatus",
@@ -109,7 +109,7 @@ inline constexpr Topic kEffectChange{
     "voxtouch_msgs/msg/EffectChange",
     ProfileId::kEvent,
     0,
-    kNobody,
+    kNone,
     kRendering | kLogger,
     "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."};
 inline constexpr Topic kEffectChanged{"rendering/changed",
@@ -131,14 +131,14 @@ inline constexpr Topic kRecover{"recover",
                                 "voxtouch_msgs/msg/Recover",
                                 ProfileId::kEvent,
                                 0,
-                                kNobody,
+                                kNone,
                                 kDevice | kCoupling | kLogger,
                                 "A person lets a locked node give force again: voxtouch recover."};
 inline constexpr Topic kOperatorTarget{"operator/target",
                                        "voxtouch_msgs/msg/OperatorTarget",
                                        ProfileId::kTap,
                                        0,
-                                       kNobody,
+                                       kNone,
                                        kDevice | kLogger,
                                        "The page that leads a simulated device's hand writes it.",
                                        false,
@@ -152,7 +152,7 @@ inline constexpr Topic kRigClaim{
     "voxtouch_msgs/msg/RigClaim",
     ProfileId::kStatus,
     0,
-    kNobody,
+    kNone,
     kEveryNode,
     "A rig is one `voxtouch up`'s; it names the participants that play its roles.",
     false,
@@ -164,9 +164,9 @@ inline constexpr Topic kExternalWrench{
     "geometry_msgs/msg/WrenchStamped",
     ProfileId::kTap,
     0,
-    kNobody,
+    kNone,
     kRendering,
-    "Somebody outside the ring writes what the effect 'external' gives; one writer is followed.",
+    "A program outside the ring writes what the effect 'external' gives; one writer is followed.",
     false,
     false,
     true};
@@ -182,14 +182,14 @@ inline constexpr Topic kExternalSample{
     false,
     true};
 inline constexpr std::string_view kForRos =
-    "For ROS tools; made and written only while somebody reads it, outside the loop.";
+    "For ROS tools; made and written only while it has a reader, outside the loop.";
 inline constexpr Topic kDiagnostics{"diagnostics",
                                     "diagnostic_msgs/msg/DiagnosticArray",
                                     ProfileId::kState,
                                     1,
                                     kEveryNode,
-                                    kNobody,
-                                    "For ROS tools; made and written only while somebody reads it.",
+                                    kNone,
+                                    "For ROS tools; made and written only while it has a reader.",
                                     true};
 inline constexpr Topic kParameterEvents{
     "parameter_events",
@@ -197,8 +197,8 @@ inline constexpr Topic kParameterEvents{
     ProfileId::kState,
     0,
     kRendering,
-    kNobody,
-    "Changes of parameters, for ROS tools; made and written only while somebody reads it.",
+    kNone,
+    "Changes of parameters, for ROS tools; made and written only while it has a reader.",
     true};
 inline constexpr Topic kRosout{
     "rosout",
@@ -206,17 +206,17 @@ inline constexpr Topic kRosout{
     ProfileId::kLog,
     0,
     kEveryNode,
-    kNobody,
-    "What each node says, for ROS tools; made and written only while somebody reads it.",
+    kNone,
+    "What each node says, for ROS tools; made and written only while it has a reader.",
     true};
 inline constexpr Topic kJointStates{"joint_states",
                                     "sensor_msgs/msg/JointState",
                                     ProfileId::kState,
                                     100,
                                     kDevice,
-                                    kNobody,
+                                    kNone,
                                     "Joints of an arm, for ROS tools; made and written only while "
-                                    "somebody reads it, outside the loop.",
+                                    "it has a reader, outside the loop.",
                                     true,
                                     false,
                                     false,
@@ -228,41 +228,41 @@ inline constexpr Topic kRobotDescription{
     ProfileId::kLatched,
     0,
     kDevice,
-    kNobody,
-    "The arm itself, for ROS tools; written once, and only while somebody reads it.",
+    kNone,
+    "The arm itself, for ROS tools; written once, and only while it has a reader.",
     true,
     false,
     false,
     false,
     true};
 inline constexpr Topic kTf{
-    "tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNobody, kForRos, true};
+    "tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNone, kForRos, true};
 inline constexpr Topic kTfStatic{"tf_static",
                                  "tf2_msgs/msg/TFMessage",
                                  ProfileId::kLatched,
                                  0,
                                  kRendering,
-                                 kNobody,
+                                 kNone,
                                  "Frames that do not move, for ROS tools; made and written once, "
-                                 "and only while somebody reads it.",
+                                 "and only while it has a reader.",
                                  true};
 inline constexpr Topic kClock{"clock",
                               "rosgraph_msgs/msg/Clock",
                               ProfileId::kState,
                               100,
                               kRendering,
-                              kNobody,
+                              kNone,
                               "Simulated time for ROS tools, in lockstep; made and written only "
-                              "while somebody reads it, outside the loop.",
+                              "while it has a reader, outside the loop.",
                               true,
                               true};
 inline constexpr Topic kPose{
-    "pose", "geometry_msgs/msg/PoseStamped", ProfileId::kState, 100, kRendering, kNobody, kForRos};
+    "pose", "geometry_msgs/msg/PoseStamped", ProfileId::kState, 100, kRendering, kNone, kForRos};
 inline constexpr Topic kWrench{
-    "wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kState, 100, kRendering, kNobody,
+    "wrench", "geometry_msgs/msg/WrenchStamped", ProfileId::kState, 100, kRendering, kNone,
     kForRos};
 inline constexpr Topic kMarkers{
-    "markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNobody,
+    "markers", "visualization_msgs/msg/MarkerArray", ProfileId::kState, 10, kRendering, kNone,
     kForRos};
 
 inline constexpr Topic kTopics[] = {kDeviceState,

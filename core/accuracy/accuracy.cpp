@@ -97,7 +97,7 @@ class Measurement {
                     guess_.places_s(options.contacts));
     reference_ = std::make_unique<reference::ReferenceScene>(scene);
     places_ = contact_places(scene, options.contacts, options.seed,
-                             [this](double share) { progress_.at(share); });
+                             [this](double fraction) { progress_.at(fraction); });
     if (places_.empty())
       throw std::runtime_error(scene.file.string() +
                                ": no place was found where the tool can touch from outside; is it "
@@ -221,14 +221,14 @@ class Measurement {
     return rendering::contact_parameters(scene_.contact, setting.model, shell, setting.weights);
   }
 
-  /// What the rows of this voxel size are held beside.
+  /// The reference that the rows of this voxel size are compared with.
   void know_truth(double voxel_m) {
     if (!known_.insert({voxel_m, true}).second)
       return;
     for (const auto& [depth_m, count] : truths_of(voxel_m)) {
       progress_.begin(Step::kTruth, "true forces",
                       guess_.truth_s(truth().unknown(places_, count, depth_m)));
-      truth().at(places_, count, depth_m, [this](double share) { progress_.at(share); });
+      truth().at(places_, count, depth_m, [this](double fraction) { progress_.at(fraction); });
     }
   }
 
@@ -245,22 +245,22 @@ class Measurement {
     return clear;
   }
 
-  static std::vector<WrenchPair> scaled(const std::vector<Wrench>& wanted, double stiffness) {
+  static std::vector<WrenchPair> scaled(const std::vector<Wrench>& requested, double stiffness) {
     std::vector<WrenchPair> pairs;
-    for (const Wrench& w : wanted)
+    for (const Wrench& w : requested)
       pairs.push_back({{}, {stiffness * w.force, stiffness * w.torque}});
     return pairs;
   }
 
   void judge(contact::ContactRenderer& renderer, double stiffness, AccuracyRow& row) {
     const double edge = row.setting.voxel_m, depth = options_.depth_edges * edge;
-    const std::vector<Wrench> wanted = truth().at(places_, places_.size(), depth);
+    const std::vector<Wrench> requested = truth().at(places_, places_.size(), depth);
     const std::vector<bool>& clear = clear_before(edge);
-    std::vector<WrenchPair> pairs = scaled(wanted, stiffness);
+    std::vector<WrenchPair> pairs = scaled(requested, stiffness);
     std::vector<double> onsets;
     for (std::size_t n = 0; n < places_.size(); ++n) {
       progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
-      if (wanted[n].force.isZero(0.0))
+      if (requested[n].force.isZero(0.0))
         continue;
       pairs[n].given = renderer.probe(places_[n].at(depth)).wrench;
       if (clear[n])
@@ -268,7 +268,7 @@ class Measurement {
     }
     judge_wrenches(pairs, row);
     judge_onsets(onsets, row);
-    measure_times(renderer, wanted, depth, row);
+    measure_times(renderer, requested, depth, row);
     judge_depths(renderer, stiffness, row);
   }
 
@@ -362,14 +362,14 @@ class Measurement {
     return clock_s;
   }
 
-  void measure_times(contact::ContactRenderer& renderer, const std::vector<Wrench>& wanted,
+  void measure_times(contact::ContactRenderer& renderer, const std::vector<Wrench>& requested,
                      double depth, AccuracyRow& row) const {
     if (!options_.cpu_time_s)
       return;
     const double clock_s = clock_cost_s();
     std::vector<double> all;
     for (std::size_t n = 0; n < places_.size(); ++n) {
-      if (wanted[n].force.isZero(0.0))
+      if (requested[n].force.isZero(0.0))
         continue;
       double best = 1.0;
       for (int round = 0; round < kRounds; ++round) {
@@ -389,10 +389,10 @@ class Measurement {
     if (options_.phases == 0 || spread_count() == 0 || origin == origins_.end())
       return;
     std::mt19937_64 random(options_.seed);
-    const auto share = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+    const auto fraction = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     for (std::uint32_t n = 0; n < options_.phases; ++n) {
       progress_.begin(Step::kPhase, "other places of the grid", guess_.phase_s(voxel_m));
-      const Vec3 moved(share(), share(), share());
+      const Vec3 moved(fraction(), fraction(), fraction());
       add_phase(voxel_m, origin->second - voxel_m * moved, rows);
     }
   }
@@ -417,10 +417,10 @@ class Measurement {
         ++row.phases.phases;
         row.phases.contacts = figures.contacts + figures.missed;
         widen(row.phases.direction_mean_deg, figures.direction_mean_deg);
-        widen(row.phases.missed_share, figures.missed_share());
+        widen(row.phases.missed_ratio, figures.missed_ratio());
         widen(row.phases.force_ratio, figures.force_ratio);
       } catch (
-          const std::exception&) {  // of this grid nothing is known: the row tells how many were
+          const std::exception&) {  // of this grid nothing is known: the row reports how many were
       }
     }
   }

@@ -46,7 +46,7 @@ struct ErrorFigures {
   double magnitude_noise = 0.0;  ///< standard deviation over mean of the same
 
   /// Of all places where a contact is due, those without one; 0 where none was due.
-  double missed_share() const noexcept {
+  double missed_ratio() const noexcept {
     return contacts + missed > 0 ? static_cast<double>(missed) / (contacts + missed) : 0.0;
   }
 };
@@ -61,7 +61,7 @@ struct DepthFigures : ErrorFigures {
 struct PhaseFigures {
   std::uint32_t phases = 0;  ///< places of the grid that were built; 0: none, and nothing is known
   std::uint32_t contacts = 0;  ///< poses judged at each
-  Interval direction_mean_deg, missed_share, force_ratio;
+  Interval direction_mean_deg, missed_ratio, force_ratio;
 };
 
 /// What one setting gives and costs.
@@ -103,16 +103,16 @@ struct AccuracyOptions {
   std::uint32_t phases = 4;
   std::function<double()>
       cpu_time_s;  ///< a clock that counts this thread's CPU time [s]; none: times read 0
-  /// Called often, first before anything is measured; 0 <= share <= 1, roughly of the time;
+  /// Called often, first before anything is measured; 0 <= fraction <= 1, roughly of the time;
   /// `left_s`: CPU time left, as guessed and then measured [s].
-  std::function<void(const std::string& what, double share, double left_s)> progress;
+  std::function<void(const std::string& what, double fraction, double left_s)> progress;
   mesh::TriangleReader read = mesh::read_triangles;  ///< see BuildChoices
 };
 
 /// Places: random points of the static surface, area for area, which the tool meets along the
 /// surface's normal there, turned at random; the touch is found by moving it on by its distance
-/// until nothing is left. From there it goes in by the wanted depth. So walls, edges and corners
-/// come as often as the mesh has them. What is there to be told: ReferenceWrench, at a resolution
+/// until nothing is left. From there it goes in by the requested depth. So walls, edges and corners
+/// come as often as the mesh has them. What there is to report: ReferenceWrench, at a resolution
 /// of the depth itself.
 ///
 /// Rows in the order of `settings`. Reads the scene's meshes itself. Throws MeshError and

@@ -39,8 +39,8 @@ std::size_t least(const std::vector<AccuracyRow>& rows, Key&& key) {
 
 void choose_for_error(const std::vector<AccuracyRow>& rows, const AccuracyGoal& goal,
                       AccuracyAdvice& out) {
-  // Settings that meet the goal share the key 1 and are told apart by their cost; the others by how
-  // far they are off.
+  // Settings that meet the goal have the key 1 in common and are distinguished by their cost; the
+  // others by how far they are off.
   const std::size_t row = least(rows, [&](const AccuracyRow& r) {
     return std::tuple(std::max(1.0, excess(r, goal)), r.median_us, r.bytes);
   });
@@ -78,15 +78,15 @@ std::optional<std::size_t> tool_not_judged(const std::vector<AccuracyRow>& rows)
 void AccuracyGoal::validate() const {
   const auto check = [](const char* name, const std::optional<double>& value) {
     if (value && !(std::isfinite(*value) && *value > 0.0))
-      throw std::invalid_argument(
-          fmt::format("the wanted {} is {}; it must be finite and greater than 0", name, *value));
+      throw std::invalid_argument(fmt::format(
+          "the requested {} is {}; it must be finite and greater than 0", name, *value));
   };
   check("direction error [deg]", direction_deg);
   check("magnitude noise", noise);
   check("torque error [m]", torque_m);
   check("onset error [m]", onset_m);
   check("time per frame [us]", within_us);
-  if (wants_error() && within_us)
+  if (requests_error() && within_us)
     throw std::invalid_argument("an error and a time are both limited; limit one of them");
 }
 
@@ -106,9 +106,9 @@ AccuracyAdvice advise(const std::vector<AccuracyRow>& rows, const AccuracyGoal& 
   out.front = pareto_front(points);
   out.knee = knee(points, out.front, kMinDirectionDeg);
   if (out.front.empty()) {
-    if (goal.wants_error() || goal.within_us)
+    if (goal.requests_error() || goal.within_us)
       out.met = false;
-  } else if (goal.wants_error()) {
+  } else if (goal.requests_error()) {
     choose_for_error(rows, goal, out);
   } else if (goal.within_us) {
     choose_for_time(rows, *goal.within_us, out);

@@ -23,7 +23,7 @@ struct AccuracyGoal {
   std::optional<double> onset_m = {};    ///< |median onset error|
   std::optional<double> within_us = {};  ///< median CPU time of a frame
 
-  bool wants_error() const noexcept { return direction_deg || noise || torque_m || onset_m; }
+  bool requests_error() const noexcept { return direction_deg || noise || torque_m || onset_m; }
   /// Throws std::invalid_argument for a limit that is not finite and above 0, and for limits on
   /// errors and time at once.
   void validate() const;

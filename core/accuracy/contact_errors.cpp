@@ -8,11 +8,11 @@
 namespace voxtouch::accuracy {
 namespace {
 
-double at_share(std::vector<double> values, double share) {
+double quantile(std::vector<double> values, double fraction) {
   if (values.empty())
     return 0.0;
-  const auto wanted = static_cast<std::size_t>(share * static_cast<double>(values.size()));
-  const std::size_t n = std::min(wanted, values.size() - 1);
+  const auto requested = static_cast<std::size_t>(fraction * static_cast<double>(values.size()));
+  const std::size_t n = std::min(requested, values.size() - 1);
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
   return values[n];
 }
@@ -39,11 +39,11 @@ std::size_t lower_rank(std::size_t n) {
   const auto count = static_cast<double>(n);
   if (n > 1000)
     return static_cast<std::size_t>(std::floor(0.5 * count - 0.5 * kSigmas * std::sqrt(count)));
-  double share = std::pow(0.5, count), sum = 0.0;  // of rows with `l` heads, and with fewer
+  double fraction = std::pow(0.5, count), sum = 0.0;  // of rows with `l` heads, and with fewer
   std::size_t l = 0;
-  for (; sum + share <= kTail; ++l) {
-    sum += share;
-    share *= (count - static_cast<double>(l)) / (static_cast<double>(l) + 1.0);
+  for (; sum + fraction <= kTail; ++l) {
+    sum += fraction;
+    fraction *= (count - static_cast<double>(l)) / (static_cast<double>(l) + 1.0);
   }
   return l;
 }
@@ -56,8 +56,8 @@ double angle_deg(const Vec3& a, const Vec3& b) noexcept {
   return std::atan2(a.cross(b).norm(), a.dot(b)) * 180.0 / std::numbers::pi;
 }
 
-double median_of(std::vector<double> values) { return at_share(std::move(values), 0.5); }
-double p95_of(std::vector<double> values) { return at_share(std::move(values), 0.95); }
+double median_of(std::vector<double> values) { return quantile(std::move(values), 0.5); }
+double p95_of(std::vector<double> values) { return quantile(std::move(values), 0.95); }
 
 Interval median_interval(std::vector<double> values) {
   const std::size_t rank = lower_rank(values.size());
@@ -72,11 +72,11 @@ void judge_forces(const std::vector<WrenchPair>& pairs, ErrorFigures& figures) {
   double turned = 0.0;
   figures.contacts = figures.missed = 0;
   for (const auto& [given, truth] : pairs) {
-    const double size = given.force.norm(), wanted = truth.force.norm();
-    if (!(wanted > 0.0))
+    const double size = given.force.norm(), requested = truth.force.norm();
+    if (!(requested > 0.0))
       continue;
     ++(size > 0.0 ? figures.contacts : figures.missed);
-    ratios.push_back(size / wanted);
+    ratios.push_back(size / requested);
     turned += angle_deg(given.force, truth.force);
   }
   const Spread size = spread_of(ratios);
@@ -89,11 +89,11 @@ void judge_wrenches(const std::vector<WrenchPair>& pairs, AccuracyRow& row) {
   judge_forces(pairs, row);
   std::vector<double> directions, levers;
   for (const auto& [given, truth] : pairs) {
-    const double size = given.force.norm(), wanted = truth.force.norm();
-    if (!(wanted > 0.0))
+    const double size = given.force.norm(), requested = truth.force.norm();
+    if (!(requested > 0.0))
       continue;
     directions.push_back(angle_deg(given.force, truth.force));
-    levers.push_back(size > 0.0 ? (given.torque / size - truth.torque / wanted).norm()
+    levers.push_back(size > 0.0 ? (given.torque / size - truth.torque / requested).norm()
                                 : std::numeric_limits<double>::infinity());
   }
   row.direction_median_deg = median_of(directions);

@@ -12,9 +12,9 @@
 namespace voxtouch::accuracy {
 namespace {
 
-constexpr int kTrialsPerPlace = 20;
+constexpr int kAttemptsPerPlace = 20;
 constexpr int kMaxSteps = 80;
-constexpr double kTouchShare = 1e-7;  ///< of the tool's reach: a gap this small is a touch
+constexpr double kTouchRatio = 1e-7;  ///< of the tool's reach: a gap this small is a touch
 constexpr double kClear = 1.02;       ///< the tool starts this many reaches away
 
 /// The same numbers with every standard library.
@@ -95,7 +95,7 @@ std::optional<ContactPlace> approach(const reference::ReferenceScene& reference,
   if (!(gap > 0.0) || !(reference.gap(place.touch).gap_m > 0.0))
     return std::nullopt;  // something else is in the way
   for (int n = 0; n < kMaxSteps && gone <= 2.0 * kClear * tool.reach; ++n) {
-    if (gap <= kTouchShare * tool.reach)
+    if (gap <= kTouchRatio * tool.reach)
       return place;
     place.touch.position += gap * place.into;
     gone += gap;
@@ -111,7 +111,7 @@ std::optional<ContactPlace> approach(const reference::ReferenceScene& reference,
 
 std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count,
                                          std::uint64_t seed,
-                                         const std::function<void(double share)>& progress) {
+                                         const std::function<void(double fraction)>& progress) {
   scene::Scene by_triangles =
       scene;  // the contact models see triangles, not the primitives that stand for them
   by_triangles.dynamic_mesh.primitives.clear();
@@ -122,15 +122,16 @@ std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_
   const Tool tool(scene);
   RandomNumbers random(seed);
   std::vector<ContactPlace> places;
-  for (std::uint32_t trial = 0; trial < kTrialsPerPlace * count && places.size() < count; ++trial) {
+  for (std::uint32_t attempt = 0; attempt < kAttemptsPerPlace * count && places.size() < count;
+       ++attempt) {
     const Surface::Aim aim = surface.aim(random);
     const Quat turn = random.rotation();
     if (const auto place = approach(reference, tool, aim, turn))
       places.push_back(*place);
     if (progress)
-      progress(
-          std::max(static_cast<double>(places.size()) / count,
-                   static_cast<double>(trial) / (kTrialsPerPlace * static_cast<double>(count))));
+      progress(std::max(
+          static_cast<double>(places.size()) / count,
+          static_cast<double>(attempt) / (kAttemptsPerPlace * static_cast<double>(count))));
   }
   return places;
 }

@@ -22,10 +22,10 @@ struct ContactPlace {
 };
 
 /// Up to `count` places; fewer where most of the surface cannot be reached (a narrow slot). The
-/// same for the same seed, everywhere. Reads the scene's meshes itself; `progress` hears what share
-/// has been found. Throws std::runtime_error naming a file that cannot be read.
+/// same for the same seed, everywhere. Reads the scene's meshes itself; `progress` receives the
+/// fraction that has been found. Throws std::runtime_error naming a file that cannot be read.
 std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count,
                                          std::uint64_t seed,
-                                         const std::function<void(double share)>& progress = {});
+                                         const std::function<void(double fraction)>& progress = {});
 
 }  // namespace voxtouch::accuracy

@@ -18,12 +18,12 @@ enum class Step : std::uint8_t { kPlaces, kBuild, kTruth, kJudge, kPhase, kCount
 class MeasuredProgress {
  public:
   /// `left_s`: what is left of the clock's time, as reckoned.
-  using Tell = std::function<void(const std::string& what, double share, double left_s)>;
+  using Report = std::function<void(const std::string& what, double fraction, double left_s)>;
 
   /// `now_s`: a clock, or none.
-  MeasuredProgress(std::function<double()> now_s, Tell tell)
+  MeasuredProgress(std::function<double()> now_s, Report report)
       : now_s_(std::move(now_s)),
-        tell_(std::move(tell)) {}
+        report_(std::move(report)) {}
 
   void plan(Step kind, double guess_s) { of(kind).planned_s += guess_s; }
   /// The step before has ended, and the next of `kind` begins.
@@ -33,25 +33,25 @@ class MeasuredProgress {
     of(kind).planned_s = std::max(0.0, of(kind).planned_s - guess_s);
     at(0.0);
   }
-  /// `share` of the present step is done.
-  void at(double share) {
-    if (!tell_)
+  /// `fraction` of the present step is done.
+  void at(double fraction) {
+    if (!report_)
       return;
-    const double gone = now_s_ ? now() - begun_s_ : share * guess_s_;
-    const bool tells =
-        now_s_ && share > kTold && guess_s_ > 0.0;  // the present step, of itself and of its kind
-    double left =
-        (1.0 - share) * (tells ? gone / share : std::max(guess_s_ * correction(kind_), gone));
+    const double gone = now_s_ ? now() - begun_s_ : fraction * guess_s_;
+    const bool reports_itself = now_s_ && fraction > kReportedRatio &&
+                                guess_s_ > 0.0;  // the present step, of itself and of its kind
+    double left = (1.0 - fraction) *
+                  (reports_itself ? gone / fraction : std::max(guess_s_ * correction(kind_), gone));
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
-      const bool present = tells && static_cast<Step>(k) == kind_;
+      const bool present = reports_itself && static_cast<Step>(k) == kind_;
       left += kinds_[k].planned_s *
-              (present ? (kinds_[k].took_s + gone) / (kinds_[k].guessed_s + share * guess_s_)
+              (present ? (kinds_[k].took_s + gone) / (kinds_[k].guessed_s + fraction * guess_s_)
                        : correction(static_cast<Step>(k)));
     }
     const double done = done_s_ + gone;
     if (done + left > 0.0)
       last_ = std::max(last_, std::clamp(done / (done + left), 0.0, 1.0));
-    tell_(what_, last_, left);
+    report_(what_, last_, left);
   }
 
  private:
@@ -59,7 +59,8 @@ class MeasuredProgress {
     double planned_s = 0.0;                ///< guesses of the steps to come
     double guessed_s = 0.0, took_s = 0.0;  ///< of those done
   };
-  static constexpr double kTold = 0.05;  ///< from this share on a step tells of itself
+  static constexpr double kReportedRatio =
+      0.05;  ///< from this fraction on a step reports its progress
 
   Kind& of(Step kind) { return kinds_[static_cast<std::size_t>(kind)]; }
   double now() const { return now_s_ ? now_s_() : 0.0; }
@@ -81,7 +82,7 @@ class MeasuredProgress {
 
   std::array<Kind, static_cast<std::size_t>(Step::kCount)> kinds_;
   std::function<double()> now_s_;
-  Tell tell_;
+  Report report_;
   Step kind_ = Step::kPlaces;
   std::string what_;
   double guess_s_ = 0.0, begun_s_ = 0.0, done_s_ = 0.0, guessed_s_ = 0.0, took_s_ = 0.0,

@@ -22,7 +22,7 @@ double drawn_radius_m(const scene::Scene& scene) {
 ToolPress::ToolPress(rendering::BuiltScene& built, double edge_m)
     : renderer_(built.scene_renderer()),
       edge_m_(edge_m) {
-  renderer_.aim_for_spring(1.0);
+  renderer_.set_spring_target(1.0);
 }
 
 Wrench ToolPress::into(const ContactPlace& place, double depth_m) {

@@ -37,10 +37,10 @@ class ToolPress {
   /// Force at the end, for a spring of 1 N/m.
   Wrench into(const ContactPlace& place, double depth_m);
   /// Frames of a hand that slides across the way in, kSlideEdges of a voxel each, from where `into`
-  /// has left it. Each frame's time is the least of several runs of the same slide, which give the
-  /// same bits, so that interruptions do not count. A hand that goes on straight in is no measure:
-  /// the tool stays where it is, and a frame makes no query. `cpu_time_s`: a clock [s]; none: times
-  /// read 0.
+  /// has left it. Each frame's time is the least of several runs of the same slide, with
+  /// bit-identical results, so that interruptions do not count. A hand that goes on straight in is
+  /// no measure: the tool stays where it is, and a frame makes no query. `cpu_time_s`: a clock [s];
+  /// none: times read 0.
   std::vector<SlideFrame> slide(const ContactPlace& place, double depth_m,
                                 const std::function<double()>& cpu_time_s);
 

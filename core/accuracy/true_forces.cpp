@@ -7,24 +7,25 @@
 
 namespace voxtouch::accuracy {
 namespace {
-constexpr double kFaintShare = 0.05;  ///< of the median true force
+constexpr double kFaintRatio = 0.05;  ///< of the median true force
 }  // namespace
 
 std::vector<Wrench> TrueForces::at(const std::vector<ContactPlace>& places, std::size_t count,
                                    double depth_m,
-                                   const std::function<void(double share)>& progress) {
+                                   const std::function<void(double fraction)>& progress) {
   std::vector<Wrench>& known = known_[depth_m];
-  const std::size_t wanted = std::min(count, places.size()), before = known.size();
-  while (known.size() < wanted) {
+  const std::size_t requested = std::min(count, places.size()), before = known.size();
+  while (known.size() < requested) {
     if (progress)
-      progress(static_cast<double>(known.size() - before) / static_cast<double>(wanted - before));
+      progress(static_cast<double>(known.size() - before) /
+               static_cast<double>(requested - before));
     known.push_back(reference_.at(places[known.size()].at(depth_m), depth_m).wrench);
   }
-  std::vector<Wrench> out(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(wanted));
+  std::vector<Wrench> out(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(requested));
   std::vector<double> sizes;
   for (const Wrench& w : out)
     sizes.push_back(w.force.norm());
-  const double faint = kFaintShare * median_of(sizes);
+  const double faint = kFaintRatio * median_of(sizes);
   for (Wrench& w : out)
     if (!(w.force.norm() > faint))
       w = {};
@@ -34,9 +35,9 @@ std::vector<Wrench> TrueForces::at(const std::vector<ContactPlace>& places, std:
 std::size_t TrueForces::unknown(const std::vector<ContactPlace>& places, std::size_t count,
                                 double depth_m) const {
   const auto known = known_.find(depth_m);
-  const std::size_t wanted = std::min(count, places.size()),
+  const std::size_t requested = std::min(count, places.size()),
                     has = known == known_.end() ? 0 : known->second.size();
-  return wanted > has ? wanted - has : 0;
+  return requested > has ? requested - has : 0;
 }
 
 std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m,

@@ -17,10 +17,10 @@ class TrueForces {
   explicit TrueForces(const scene::Scene& scene) : reference_(scene, scene.voxel_size_m) {}
 
   /// At the first `count` of `places`, `depth_m` in; zero where the contact is too faint to judge:
-  /// it would tell of rounding, not of a model. The same places in every call. `progress` hears the
-  /// share of what was not known yet.
+  /// it would show rounding, not of a model. The same places in every call. `progress` receives the
+  /// fraction of what was not known yet.
   std::vector<Wrench> at(const std::vector<ContactPlace>& places, std::size_t count, double depth_m,
-                         const std::function<void(double share)>& progress = {});
+                         const std::function<void(double fraction)>& progress = {});
   /// How many of these have not been worked out yet.
   std::size_t unknown(const std::vector<ContactPlace>& places, std::size_t count,
                       double depth_m) const;

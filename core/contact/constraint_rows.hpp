@@ -55,7 +55,7 @@ void add_edge_rows(const HitList& hits, const ContactQuery& edges,
 
 /// Of the rows of `frame`'s object that are about to push (limits::kSmoothGapEdges) and whose plane
 /// is the field's, the normal becomes that of the gradient which does not jump from voxel to voxel,
-/// where that is no shorter than beside an even surface (limits::kSmoothGradient). Gaps stay.
+/// where that is no shorter than next to an even surface (limits::kSmoothGradient). Gaps stay.
 /// Real-time safe.
 void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame,
                     std::span<ConstraintRow> rows) noexcept;

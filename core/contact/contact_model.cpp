@@ -28,7 +28,7 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
   begin_result(hits, result);
   if (!(hits.surface.weight_sum() > 0.0))
     return true;
-  tell_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
+  give_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
   return result.coherence > limits::kFallbackCoherence;
 }
 
@@ -80,8 +80,8 @@ class AdaptedModel final : public ContactModel {
   void evaluate(const HitList& hits, bool stage_blends, ContactResult& result) const noexcept {
     const bool agree = summarise(hits, result);
     result.fallback = !agree;
-    const double share = mean_share(kind(), result.coherence);
-    if (stage_blends && share > 0.0 && share < 1.0)
+    const double fraction = mean_weight(kind(), result.coherence);
+    if (stage_blends && fraction > 0.0 && fraction < 1.0)
       return;
     if (agree)
       // Paper, section 2.2: F = K m sum w_i d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
@@ -95,7 +95,7 @@ class AdaptedModel final : public ContactModel {
 
 }  // namespace
 
-double mean_share(ContactModelKind kind, double coherence) noexcept {
+double mean_weight(ContactModelKind kind, double coherence) noexcept {
   return kind == ContactModelKind::kOriginal
              ? 0.0
              : smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence);

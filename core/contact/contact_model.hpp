@@ -51,8 +51,8 @@ struct ContactResult {
 };
 
 /// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run
-/// over the hits in their order, in double, so that a list gives the same bits whenever it is
-/// evaluated. Real-time safe: no allocation, lock, throw.
+/// over the hits in their order, in double, so that a list gives bit-identical results whenever it
+/// is evaluated. Real-time safe: no allocation, lock, throw.
 class ContactModel {
  public:
   virtual ~ContactModel() = default;
@@ -66,15 +66,15 @@ class ContactModel {
   }
 };
 
-/// The share of the mean normal in a surface point's direction, as the stage behind the model
+/// The fraction of the mean normal in a surface point's direction, as the stage behind the model
 /// blends it; 1 or 0: as the model itself.
-double mean_share(ContactModelKind kind, double coherence) noexcept;
+double mean_weight(ContactModelKind kind, double coherence) noexcept;
 
 /// What a shell point counts in every sum of a contact model.
 enum class PointWeights : std::uint8_t {
   kOne,   ///< w_i = 1 (the paper): the force grows with the number of points that the shell happens
           ///< to have
-  kArea,  ///< w_i = the point's share of the tool's surface [m^2]: the force belongs to the
+  kArea,  ///< w_i = the point's fraction of the tool's surface [m^2]: the force belongs to the
           ///< contact's area
 };
 
@@ -87,7 +87,7 @@ struct ContactParameters {
   /// ContactRenderer::render gives what the model gives, bit for bit: no depths are held, no
   /// directions blended (`original` and `adapted` as in the papers). Behind its layer of voxels
   /// nothing pushes back.
-  bool alone = false;
+  bool memoryless = false;
 };
 
 /// The model for `kind`; `distances`, which `field` looks up, must outlive it. Throws

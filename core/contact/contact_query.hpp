@@ -22,20 +22,20 @@ class ContactQuery {
   ContactQuery(voxmap::Voxmap&&, pointshell::Pointshell,
                PointWeights = PointWeights::kOne) = delete;
 
-  /// All hits at `pose_WT`, in a fixed order (the shell's), so that sums give the same bits on
-  /// every run. Arithmetic is local to the grid: the grid's origin is taken off the pose first, so
-  /// a scene at 1e6 m gives what it gives at 0. The quaternion is brought to unit norm. A pose that
-  /// cannot be looked up gives no hits and says so in `hits.pose_status`. Real-time safe once
+  /// All hits at `pose_WT`, in a fixed order (the shell's), so that sums give bit-identical results
+  /// on every run. Arithmetic is local to the grid: the grid's origin is taken off the pose first,
+  /// so a scene at 1e6 m gives what it gives at 0. The quaternion is brought to unit norm. A pose
+  /// that cannot be looked up gives no hits and says so in `hits.pose_status`. Real-time safe once
   /// `hits.reserve(shell().size())` has been called.
   ///
-  /// Single precision decides where it is certain, doubles in a band beside the voxels' faces
+  /// Single precision decides where it is certain, doubles in a band next to the voxels' faces
   /// (query_kernel.hpp): which points hit is what doubles alone would say, to the last bit of the
   /// pose, on every processor.
   void find(const Pose& pose_WT, HitList& hits) const noexcept;
 
   const pointshell::Pointshell& shell() const noexcept { return shell_; }
   const voxmap::Voxmap& voxmap() const noexcept { return voxmap_; }
-  /// What a query over that many points takes beside the shell itself.
+  /// What a query over that many points takes in addition to the shell itself.
   static std::size_t lookup_bytes(std::size_t points) noexcept {
     return SphereTree::bytes(points) + 4 * sizeof(float) * points;
   }

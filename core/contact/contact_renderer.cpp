@@ -31,9 +31,9 @@ ContactRenderer::ContactRenderer(const voxmap::Voxmap& voxmap, pointshell::Point
     : query_(voxmap, std::move(shell), parameters.weights),
       model_(make_contact_model(model, parameters, field)),
       stage_({query_.shell().size(), query_.reach_m(), voxmap.grid().edge, parameters.stiffness,
-              model, parameters.alone}),
-      alone_(parameters.alone),
-      middle_T_(alone_ ? middle_inside(query_.shell()) : std::nullopt) {
+              model, parameters.memoryless}),
+      memoryless_(parameters.memoryless),
+      middle_T_(memoryless_ ? middle_inside(query_.shell()) : std::nullopt) {
   hits_.reserve(query_.shell().size());
 }
 
@@ -64,7 +64,7 @@ void ContactRenderer::share_memory(std::span<ContactRenderer* const> members) no
 
 StageResult ContactRenderer::render_found() noexcept {
   ContactResult plain;
-  if (alone_)
+  if (memoryless_)
     model_->evaluate(hits_, plain);
   else
     model_->evaluate_for_stage(hits_, plain);
@@ -72,12 +72,12 @@ StageResult ContactRenderer::render_found() noexcept {
     return stage_.apply(hits_, plain, 0.0);
   const double moved_m = stage_.motion_to(hits_.pose_WT);
   StageResult result = stage_.apply(hits_, plain, moved_m);
-  result.missed = result.fast && near_within(moved_m);
-  result.passing = middle_in_something();
+  result.tunnelling_suspected = result.fast && near_within(moved_m);
+  result.passed_through = tool_centre_in_solid();
   return result;
 }
 
-bool ContactRenderer::middle_in_something() const noexcept {
+bool ContactRenderer::tool_centre_in_solid() const noexcept {
   if (!middle_T_)
     return false;
   const voxmap::Voxmap& map = query_.voxmap();

@@ -29,12 +29,12 @@ class ContactRenderer {
   /// gives a zero wrench and the reason in `contact.pose_status`, and leaves the stage as it was.
   ///
   /// Where some point may have moved more than e/2 since the last frame it may have jumped over a
-  /// wall of a voxel: the frame is `fast`, and `missed` too unless the scene is so far away that
-  /// nothing can have lain in between.
+  /// wall of a voxel: the frame is `fast`, and `tunnelling_suspected` too unless the scene is so
+  /// far away that nothing can have lain in between.
   ///
   /// A model alone (ContactParameters) holds nothing in a wall. While the middle of the shell's
-  /// area is in a surface or interior voxel the frame is `passing`; never where that middle lies
-  /// outside the tool, as of a bowl.
+  /// area is in a surface or interior voxel the frame is `passed_through`; never where that middle
+  /// lies outside the tool, as of a bowl.
   StageResult render(const Pose& pose_WT) noexcept;
 
   /// `render` in steps, for objects that are one solid: each finds its hits, all share their
@@ -65,13 +65,13 @@ class ContactRenderer {
 
  private:
   bool near_within(double moved_m) const noexcept;
-  bool middle_in_something() const noexcept;
+  bool tool_centre_in_solid() const noexcept;
 
   ContactQuery query_;
   std::unique_ptr<ContactModel> model_;
   ContactStage stage_;
   HitList hits_;
-  bool alone_;
+  bool memoryless_;
   std::optional<Vec3> middle_T_;  ///< of a model alone, where it is inside the tool
 };
 

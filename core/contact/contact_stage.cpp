@@ -12,9 +12,9 @@ namespace voxtouch::contact {
 
 /// What one call of `apply` carries along.
 struct ContactStage::Frame {
-  double moved_m = 0.0;  ///< bound on every point's way since the last pose
-  PushDirection
-      direction;  ///< of the surface law; its share is 1 here where the mean normal alone is meant
+  double moved_m = 0.0;     ///< bound on every point's path since the last pose
+  PushDirection direction;  ///< of the surface law; its fraction is 1 here where the mean normal
+                            ///< alone is meant
   std::uint32_t shared_points = 0;  ///< that push along g in this frame
   StiffnessSum stiffness;           ///< of the points that the model has not summed ...
   CommonDirectionSum shared;        ///< ... and of those that push along g
@@ -24,13 +24,13 @@ ContactStage::ContactStage(const StageConfig& config) : config_(config) {
   if (!works())
     return;
   last_surface_.reserve(config.points);
-  for (std::vector<RetainedHit>* const list : {&retained_, &returning_, &inside_})
+  for (std::vector<LatchedHit>* const list : {&latched_, &returning_, &inside_})
     list->reserve(config.points);
 }
 
 void ContactStage::reset() noexcept {
   last_surface_.clear();
-  retained_.clear();
+  latched_.clear();
   has_last_pose_ = false;
   shared_.setZero();
   shared_points_ = 0;
@@ -40,9 +40,9 @@ void ContactStage::merge_memory(const ContactStage& other) noexcept {
   if (last_surface_.empty())
     last_direction_ = other.last_direction_;
   last_surface_.merge(other.last_surface_);
-  merge_ascending(
-      other.retained_, retained_,
-      [](const RetainedHit& a, const RetainedHit& b) noexcept { return a.point < b.point; });
+  merge_ascending(other.latched_, latched_, [](const LatchedHit& a, const LatchedHit& b) noexcept {
+    return a.point < b.point;
+  });
   if (shared_.isZero(0.0))
     shared_ = other.shared_;
   shared_points_ = std::max(shared_points_, other.shared_points_);
@@ -51,7 +51,7 @@ void ContactStage::merge_memory(const ContactStage& other) noexcept {
 void ContactStage::copy_memory(const ContactStage& other) noexcept {
   last_surface_ = other.last_surface_;
   last_direction_ = other.last_direction_;
-  retained_ = other.retained_;
+  latched_ = other.latched_;
   shared_ = other.shared_;
   shared_points_ = other.shared_points_;
 }
@@ -72,20 +72,20 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
     last_surface_.clear();
-    retained_.clear();
+    latched_.clear();
   } else {
     update_shared_direction(hits);
-    frame.direction = {plain.mean_normal, mean_share(config_.model, plain.coherence)};
+    frame.direction = {plain.mean_normal, mean_weight(config_.model, plain.coherence)};
     surface_points(hits, frame, result);
-    held_points(hits, frame, result);
+    latched_points(hits, frame, result);
     if (frame.stiffness.any())
       frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
     if (frame.shared.any())
       result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
-    retained_.resize(returning_.size() + inside_.size());
+    latched_.resize(returning_.size() + inside_.size());
     std::merge(returning_.begin(), returning_.end(), inside_.begin(), inside_.end(),
-               retained_.begin(),
-               [](const RetainedHit& a, const RetainedHit& b) { return a.point < b.point; });
+               latched_.begin(),
+               [](const LatchedHit& a, const LatchedHit& b) { return a.point < b.point; });
     last_surface_ = hits.surface;
     last_direction_ = frame.direction;
   }
@@ -109,34 +109,34 @@ void ContactStage::update_shared_direction(const HitList& hits) noexcept {
   const double weights = hits.surface.weight_sum() + hits.interior.weight_sum();
   const double length = mean.norm();
   const double coherence = weights > 0.0 ? length / weights : 0.0;
-  double share = hits.surface.weight_sum() > 0.0
-                     ? smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence)
-                     : 0.0;
-  if (share > 0.0)
+  double fraction = hits.surface.weight_sum() > 0.0
+                        ? smoothstep(limits::kBlendFrom, limits::kBlendTo, coherence)
+                        : 0.0;
+  if (fraction > 0.0)
     mean /= length;
   // While points hang on g, it may be led but not turned over.
   if (shared_points_ > 0)
-    share *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
-  if (share >= 1.0)
+    fraction *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
+  if (fraction >= 1.0)
     shared_ = mean;
   shared_now_ = shared_;
   // In between only this frame's direction leans: `shared_` itself must not creep while the tool
   // rests. The two are less than 90 degrees apart here, so their mix cannot vanish.
-  if (share > 0.0 && share < 1.0 && shared_points_ > 0)
-    shared_now_ = (share * mean + (1.0 - share) * shared_).normalized();
+  if (fraction > 0.0 && fraction < 1.0 && shared_points_ > 0)
+    shared_now_ = (fraction * mean + (1.0 - fraction) * shared_).normalized();
 }
 
 double ContactStage::plain_depth(const Hit& hit, const PushDirection& direction) const noexcept {
-  const double share = direction.mean_share;
-  Vec3 along = share >= 1.0 ? direction.mean : hit.normal;
-  if (share > 0.0 && share < 1.0) {
-    const Vec3 mix = share * direction.mean + (1.0 - share) * hit.normal;
+  const double fraction = direction.mean_weight;
+  Vec3 along = fraction >= 1.0 ? direction.mean : hit.normal;
+  if (fraction > 0.0 && fraction < 1.0) {
+    const Vec3 mix = fraction * direction.mean + (1.0 - fraction) * hit.normal;
     along = mix * (1.0 / std::max(mix.norm(), limits::kShortestDirection));
   }
   return std::max(0.0, along.dot(hit.to_centre));
 }
 
-Vec3 ContactStage::retained_direction(Push push, const Hit& hit) const noexcept {
+Vec3 ContactStage::latched_direction(Push push, const Hit& hit) const noexcept {
   return push == Push::kShared ? shared_now_ : hit.normal;
 }
 
@@ -146,9 +146,9 @@ ContactStage::Push ContactStage::choose_direction(const HitList& hits,
   if (shared_.isZero(0.0))
     return Push::kOwn;
   const Vec3 arm_before = last_pose_.orientation * (hits.pose_WT.orientation.conjugate() * hit.arm);
-  const Vec3 way = (hits.pose_WT.position - last_pose_.position) + (hit.arm - arm_before);
-  const bool shared_pushes_back = shared_.dot(way) < 0.0;
-  const bool own_pushes_back = hit.normal.dot(way) < 0.0;
+  const Vec3 displacement = (hits.pose_WT.position - last_pose_.position) + (hit.arm - arm_before);
+  const bool shared_pushes_back = shared_.dot(displacement) < 0.0;
+  const bool own_pushes_back = hit.normal.dot(displacement) < 0.0;
   if (config_.model == ContactModelKind::kOriginal)
     return own_pushes_back || !shared_pushes_back ? Push::kOwn : Push::kShared;
   return hit.normal.dot(shared_) >= 0.0 || shared_pushes_back ? Push::kShared : Push::kOwn;
@@ -165,8 +165,8 @@ void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const
   }
 }
 
-void ContactStage::count_retained(Push push, const Hit& hit, Frame& frame,
-                                  ContactResult& result) const noexcept {
+void ContactStage::count_latched(Push push, const Hit& hit, Frame& frame,
+                                 ContactResult& result) const noexcept {
   result.stiffness_bound_n_per_m += config_.stiffness * hit.weight;
   if (push == Push::kShared) {
     frame.shared.add(hit.arm, hit.weight);
@@ -179,7 +179,7 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame,
                                   StageResult& result) const noexcept {
   // At both ends of the blend the model has already summed exactly this; only in between is the sum
   // made anew.
-  const bool blended = frame.direction.mean_share > 0.0 && frame.direction.mean_share < 1.0;
+  const bool blended = frame.direction.mean_weight > 0.0 && frame.direction.mean_weight < 1.0;
   ContactResult& contact = result.contact;
   if (blended) {
     contact.wrench = {};
@@ -192,35 +192,35 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame,
   }
 }
 
-void ContactStage::returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before,
+void ContactStage::returning_point(const HitList& hits, const Hit& hit, const LatchedHit& before,
                                    Frame& frame, StageResult& result) noexcept {
   const double depth = plain_depth(hit, frame.direction);
   const double left = before.depth_m - limits::kFadePerMetre * frame.moved_m;
   if (!(left > depth))
     return;
-  push(hits, hit, left - depth, retained_direction(before.push, hit), result.contact);
+  push(hits, hit, left - depth, latched_direction(before.push, hit), result.contact);
   if (!(depth > 0.0))
-    count_retained(before.push, hit, frame, result.contact);
+    count_latched(before.push, hit, frame, result.contact);
   frame.shared_points += before.push == Push::kShared;
-  result.retained = true;
+  result.latched = true;
   returning_.push_back({hit.point, before.push, left});
 }
 
 /// What a point that has just gone through pushes with from now on.
-ContactStage::RetainedHit ContactStage::gone_through(const HitList& hits,
-                                                     const Hit& hit) const noexcept {
+ContactStage::LatchedHit ContactStage::gone_through(const HitList& hits,
+                                                    const Hit& hit) const noexcept {
   if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size())
     return {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
   return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
 }
 
 /// The points in interior voxels, and those of the last frame that are back in the surface layer.
-void ContactStage::held_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
+void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
   inside_.clear(), returning_.clear();
   std::size_t next = 0, back = 0;  // in retained_ and in the surface hits, which both ascend
   const auto up_to = [&](std::uint32_t point) {
-    for (; next < retained_.size() && retained_[next].point < point; ++next) {
-      const RetainedHit& before = retained_[next];
+    for (; next < latched_.size() && latched_[next].point < point; ++next) {
+      const LatchedHit& before = latched_[next];
       back = hits.surface.not_below(before.point, back);
       if (back < hits.surface.size() && hits.surface.point(back) == before.point)
         returning_point(hits, hits.surface[back], before, frame, result);
@@ -236,28 +236,28 @@ void ContactStage::held_points(const HitList& hits, Frame& frame, StageResult& r
       for (std::size_t n = 0; n < block.count; ++n) {
         const std::uint32_t point = hits.interior.point(begin + n);
         up_to(point);
-        const bool known = next < retained_.size() && retained_[next].point == point;
-        RetainedHit held = known ? retained_[next++] : gone_through(hits, hits.interior[begin + n]);
-        held.depth_m = std::max(held.depth_m, limits::kRetainedDepthFloorEdges * config_.edge_m);
+        const bool known = next < latched_.size() && latched_[next].point == point;
+        LatchedHit held = known ? latched_[next++] : gone_through(hits, hits.interior[begin + n]);
+        held.depth_m = std::max(held.depth_m, limits::kLatchedDepthFloorEdges * config_.edge_m);
         inside_.push_back(held);
         frame.shared_points += held.push == Push::kShared;
       }
-      push_held(block, begin, pushes, lanes);
+      push_latched(block, begin, pushes, lanes);
       kernel.add(block, pushes, lanes);
     }
     add_lanes(hits.interior, lanes, config_.stiffness, hits.pose_WT.position, result.contact,
               frame.stiffness);
-    result.retained = true;
+    result.latched = true;
   }
   up_to(std::numeric_limits<std::uint32_t>::max());
 }
 
 /// How the held points of a block push, which are those from `first` on of inside_.
-void ContactStage::push_held(const HitBlock& block, std::size_t first, Pushes& pushes,
-                             PushLanes& lanes) const noexcept {
+void ContactStage::push_latched(const HitBlock& block, std::size_t first, Pushes& pushes,
+                                PushLanes& lanes) const noexcept {
   pushes.add_all(block);
   for (std::size_t n = 0; n < block.filled(); ++n) {
-    const RetainedHit& held = inside_[first + (n < block.count ? n : 0)];
+    const LatchedHit& held = inside_[first + (n < block.count ? n : 0)];
     const bool shared = held.push == Push::kShared;
     for (int axis = 0; axis < 3; ++axis)
       pushes.j[axis][n] = shared ? shared_now_[axis] : block.normal[axis][n];

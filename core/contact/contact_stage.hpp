@@ -13,12 +13,12 @@ namespace voxtouch::contact {
 struct StageResult {
   ContactResult
       contact;  ///< the model's result, with blended directions and the retained points' push added
-  bool retained = false;  ///< points have gone through (or just came back): remembered depths push
-  bool fast = false;      ///< some point may have moved more than half a voxel since the last pose
-  bool missed = false;   ///< ContactRenderer: so fast beside the scene that something may have been
-                         ///< passed unseen
-  bool passing = false;  ///< ContactRenderer, of a model alone: the tool's middle is in what it
-                         ///< touches, and nothing holds it from passing
+  bool latched = false;  ///< points have gone through (or just came back): remembered depths push
+  bool fast = false;     ///< some point may have moved more than half a voxel since the last pose
+  bool tunnelling_suspected = false;  ///< ContactRenderer: so fast next to the scene that something
+                                      ///< may have been passed unseen
+  bool passed_through = false;  ///< ContactRenderer, of a model alone: the tool's middle is in what
+                                ///< it touches, and nothing holds it from passing
 };
 
 /// How a stage is set up.
@@ -28,7 +28,7 @@ struct StageConfig {
   double edge_m = 0.0;     ///< voxel edge e of the static grid
   double stiffness = 0.0;  ///< K of a weight of one, as ContactParameters
   ContactModelKind model = ContactModelKind::kAdapted;
-  bool alone = false;  ///< as ContactParameters: nothing but the fast flag
+  bool memoryless = false;  ///< as ContactParameters: nothing but the fast flag
 };
 
 /// Whether the stage keeps a depth for each point: for the contact models that know none beyond the
@@ -60,7 +60,7 @@ class ContactStage {
   /// The same with what `motion_to(hits.pose_WT)` gave.
   StageResult apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept;
 
-  /// Bound of every point's way from the last pose to `pose` [m]; 0 where there is no last pose.
+  /// Bound of every point's path from the last pose to `pose` [m]; 0 where there is no last pose.
   /// Real-time safe.
   double motion_to(const Pose& pose) const noexcept {
     return has_last_pose_ ? motion_bound(pose) : 0.0;
@@ -78,38 +78,37 @@ class ContactStage {
  private:
   enum class Push : std::uint8_t { kShared, kOwn };  ///< retained, along g; along the own normal
   /// A point whose remembered depth pushes.
-  struct RetainedHit {
+  struct LatchedHit {
     std::uint32_t point = 0;
     Push push = Push::kOwn;
     double depth_m = 0.0;
   };
   struct Frame;
 
-  bool works() const noexcept { return remembers(config_.model) && !config_.alone; }
+  bool works() const noexcept { return remembers(config_.model) && !config_.memoryless; }
   double motion_bound(const Pose& pose) const noexcept;
   void update_shared_direction(const HitList& hits) noexcept;
   double plain_depth(const Hit& hit, const PushDirection& direction) const noexcept;
-  Vec3 retained_direction(Push push, const Hit& hit) const noexcept;
+  Vec3 latched_direction(Push push, const Hit& hit) const noexcept;
   Push choose_direction(const HitList& hits, const Hit& hit) const noexcept;
   void surface_points(const HitList& hits, Frame& frame, StageResult& result) const noexcept;
-  void returning_point(const HitList& hits, const Hit& hit, const RetainedHit& before, Frame& frame,
+  void returning_point(const HitList& hits, const Hit& hit, const LatchedHit& before, Frame& frame,
                        StageResult& result) noexcept;
-  void held_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
-  RetainedHit gone_through(const HitList& hits, const Hit& hit) const noexcept;
-  void push_held(const HitBlock& block, std::size_t first, Pushes& pushes,
-                 PushLanes& lanes) const noexcept;
+  void latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
+  LatchedHit gone_through(const HitList& hits, const Hit& hit) const noexcept;
+  void push_latched(const HitBlock& block, std::size_t first, Pushes& pushes,
+                    PushLanes& lanes) const noexcept;
   void push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction,
             ContactResult& result) const noexcept;
-  void count_retained(Push push, const Hit& hit, Frame& frame,
-                      ContactResult& result) const noexcept;
+  void count_latched(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
 
   StageConfig config_;
   // Of the last frame: the points in the surface layer, whose depths are worked out only should
   // they go through, with the direction they pushed along; and those that were retained, ascending.
   Hits last_surface_;
   PushDirection last_direction_;
-  std::vector<RetainedHit> retained_;
-  std::vector<RetainedHit> returning_, inside_;  ///< of the frame in work
+  std::vector<LatchedHit> latched_;
+  std::vector<LatchedHit> returning_, inside_;  ///< of the frame in work
   Pose last_pose_;
   bool has_last_pose_ = false;
   Vec3 shared_ = Vec3::Zero();       ///< last good direction; zero: none yet

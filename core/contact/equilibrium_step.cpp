@@ -90,10 +90,10 @@ VOXTOUCH_INLINE double product(const std::array<OfRows, 6>& j, std::size_t n,
          (j[1][n] * v[1] + (j[3][n] * v[3] + j[5][n] * v[5]));
 }
 VOXTOUCH_CLONES void find_slopes(const Jacobians& __restrict rows,
-                                 const std::array<double, 6>& __restrict way,
+                                 const std::array<double, 6>& __restrict displacement,
                                  Gaps& __restrict gaps) noexcept {
   for (std::size_t n = 0; n < gaps.count; ++n) {
-    const double slope = product(rows.column, n, way);
+    const double slope = product(rows.column, n, displacement);
     gaps.slope[n] = slope, gaps.at_end[n] = gaps.gap[n] + slope;
   }
 }
@@ -163,8 +163,9 @@ double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
   return low > 0.0 ? low : s;
 }
 
-/// The way to the lowest place among the steps that are allowed.
-Vec6 allowed_way(const Mat6& hessian, const Vec6& down, const Restriction& allowed) noexcept {
+/// The displacement to the lowest place among the steps that are allowed.
+Vec6 allowed_displacement(const Mat6& hessian, const Vec6& down,
+                          const Restriction& allowed) noexcept {
   const Mat6 system = allowed.free * (hessian - Mat6::Identity()) * allowed.free + Mat6::Identity();
   return system.llt().solve(allowed.free * down);
 }
@@ -208,14 +209,16 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   for (; step.iterations < limits::kMaxIterations && !step.converged; ++step.iterations) {
     sum_up_active();
     const Vec6 down(sums.pull);
-    const Vec6 way = allowed == nullptr ? Vec6(Eigen::LLT<Mat6>(square).solve(down))
-                                        : allowed_way(square, down, *allowed);
-    find_slopes(jacobians, numbers_of(way), gaps);
+    const Vec6 displacement = allowed == nullptr ? Vec6(Eigen::LLT<Mat6>(square).solve(down))
+                                                 : allowed_displacement(square, down, *allowed);
+    find_slopes(jacobians, numbers_of(displacement), gaps);
     find_active(gaps.at_end, gaps.count, at_end);
     step.converged = at_end == active;
-    const double share =
-        step.converged ? 1.0 : line_minimum(gaps, way.dot(step.delta - spring), way.squaredNorm());
-    move_to(step.delta + share * way);
+    const double fraction =
+        step.converged
+            ? 1.0
+            : line_minimum(gaps, displacement.dot(step.delta - spring), displacement.squaredNorm());
+    move_to(step.delta + fraction * displacement);
   }
   step.pushed = active.count > 0;
   if (!step.pushed && step.converged && allowed == nullptr)

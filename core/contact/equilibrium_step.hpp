@@ -11,8 +11,8 @@ struct EquilibriumStep {
   Vec6 delta = Vec6::Zero();        ///< [shift; lever * turn] [m]
   Mat6 hessian = Mat6::Identity();  ///< I + rho sum J'J over the rows that push at `delta`
   Mat6 loose = Mat6::Identity();    ///< projector on what friction does not hold
-  bool pushed = false;              ///< some row pushes; without any `delta` is `spring` to the bit
-  bool converged = false;           ///< the set of rows that push changes no more
+  bool pushed = false;     ///< some row pushes; without any `delta` is bit-identical to `spring`
+  bool converged = false;  ///< the set of rows that push changes no more
   int iterations = 0;
 };
 

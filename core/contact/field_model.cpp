@@ -14,7 +14,7 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
   for (const Hits* list : {&hits.surface, &hits.interior})
     if (!list->empty())
       add_pushes(*list, hits.pose_WT.position, sum, result);
-  tell_mean_normal(hits.surface.normal_sum() + hits.interior.normal_sum(),
+  give_mean_normal(hits.surface.normal_sum() + hits.interior.normal_sum(),
                    hits.surface.weight_sum() + hits.interior.weight_sum(), result);
   if (sum.any())
     sum.add_to(stiffness_, result.stiffness);

@@ -17,7 +17,7 @@ struct FieldSamples {
 void sample_block(const voxmap::DistanceField& field, const Vec3& local, const HitBlock& block,
                   FieldSamples& samples) noexcept;
 
-/// The plane that each sample tells: unit normal g / |g| and gap distance / |g|, of no meaning
+/// The plane that each sample defines: unit normal g / |g| and gap distance / |g|, of no meaning
 /// where |g| is 0.
 struct FieldPlanes {
   alignas(64) double steepness[HitBlock::kHits], normal[3][HitBlock::kHits], gap_m[HitBlock::kHits];

@@ -56,13 +56,13 @@ struct Unwritten : std::allocator<T> {
 
 /// The three products of a row of a rotation with a vector, added as Eigen adds them in a matrix
 /// times a vector: the first two rows from the left, the last from the right. Kernels keep to it,
-/// so that every model sees the same bits.
+/// so that every model sees bit-identical values.
 inline double row_sum(std::size_t row, double x, double y, double z) noexcept {
   return row < 2 ? x + y + z : x + (y + z);
 }
 
 /// The pose and the points in single precision, as the query decides with them (query_kernel.hpp):
-/// enough to tell which hits surely do not push.
+/// enough to determine which hits surely do not push.
 struct RoughSource {
   float a[3][3] = {};                     ///< as QueryFrame's
   float shift[3] = {};                    ///< likewise
@@ -82,8 +82,8 @@ struct HitSource {
   const double* area = nullptr;  ///< likewise; null: a point weighs 1
   RoughSource rough;
 
-  /// The point as a hit, in doubles and always in this order, so that it is the same bits whenever
-  /// it is asked for.
+  /// The point as a hit, in doubles and always in this order, so that it is bit-identical whenever
+  /// it is requested.
   Hit hit(std::uint32_t point) const noexcept;
 };
 

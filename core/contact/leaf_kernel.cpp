@@ -27,7 +27,7 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
   const int shift_of_cell = lookup.map.free_shift;
   const float half = 0.5F * static_cast<float>(1 << shift_of_cell),
               step = voxmap::free_distance::step_of(shift_of_cell);
-  float way[kNodes] = {}, outside[kNodes] = {};
+  float offset[kNodes] = {}, outside[kNodes] = {};
   std::int32_t cell[3][kNodes];
   for (std::size_t row = 0; row < 3; ++row) {
     const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.corner_shift[row],
@@ -37,7 +37,7 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
       const std::int32_t c = static_cast<std::int32_t>(w) >> shift_of_cell;
       const float off = u - (static_cast<float>(c << shift_of_cell) + half);
       outside[n] += (u - w) * (u - w);
-      way[n] += off * off;
+      offset[n] += off * off;
       cell[row][n] = c;
     }
   }
@@ -53,7 +53,7 @@ std::uint32_t near_spheres(const Lookup& lookup, const SphereTree::Level& level,
     const float needed = level.radius[first + n] * f.per_metre + f.margin;
     const float spare = free - needed;
     const float reach = spare > 0.0F ? spare : 0.0F;
-    const bool clear = (reach * reach > way[n]) | (outside[n] > needed * needed);
+    const bool clear = (reach * reach > offset[n]) | (outside[n] > needed * needed);
     near |= static_cast<std::uint32_t>(!clear) << n;
   }
   return near;

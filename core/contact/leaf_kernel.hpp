@@ -73,7 +73,7 @@ static_assert(std::endian::native == std::endian::little);
 /// All are real-time safe.
 struct LeafKernel {
   /// Which of the sixteen spheres from `first` on may touch something, as bits. No distance falls
-  /// faster than the way from where it was measured, the middle of a cell of free distances;
+  /// faster than the distance from where it was measured, the middle of a cell of free distances;
   /// outside the table there is nothing nearer than the table.
   std::uint32_t (*near_spheres)(const Lookup& lookup, const SphereTree::Level& level,
                                 std::size_t first) noexcept;

@@ -15,12 +15,12 @@ inline constexpr double kBlendFrom = 0.2;  ///< own normals up to here
 inline constexpr double kBlendTo = 0.5;    ///< mean normal from here on
 
 /// A blended direction shorter than this is not brought to unit length: where mean and own normal
-/// oppose each other the point's push fades through zero instead of turning round at full strength.
+/// oppose each other the point's push fades through zero instead of reversing at full strength.
 inline constexpr double kShortestDirection = 0.1;
 
 /// A retained point pushes with at least this depth: its last surface voxel may have had its centre
 /// in front of it.
-inline constexpr double kRetainedDepthFloorEdges = 0.25;
+inline constexpr double kLatchedDepthFloorEdges = 0.25;
 
 /// Depth of a point that turns up in the interior without having been seen in the surface layer.
 inline constexpr double kUnseenDepthEdges = 1.0;
@@ -63,7 +63,7 @@ inline constexpr double kMaxQuaternionNorm = 1e3;
 inline constexpr double kRowStiffness = 1000.0;
 /// Rows with a wider gap are left out: no step is longer, so they cannot become active within it.
 inline constexpr double kRowGapEdges = 0.5;
-/// Longest way of any point of the tool between two queries: no thicker layer of surface voxels is
+/// Longest path of any point of the tool between two queries: no thicker layer of surface voxels is
 /// passed unseen.
 inline constexpr double kToolStepEdges = 0.5;
 /// Queries a frame, those of a frame whose last step was pushed, iterations a step, evaluations a
@@ -73,9 +73,9 @@ inline constexpr int kMaxQueriesInContact = 7;
 inline constexpr int kMaxIterations = 8;
 inline constexpr int kMaxLineEvaluations = 6;
 /// In contact a frame ends where the way that is left is shorter than the first, or, while the hand
-/// moves, than this share of its way, but never longer than the last.
+/// moves, than this fraction of its path, but never longer than the last.
 inline constexpr double kRestEdges = 1e-3;
-inline constexpr double kRestShare = 0.1;
+inline constexpr double kConvergenceRatio = 0.1;
 inline constexpr double kRestMostEdges = 0.02;
 /// Farther than this in contact the hand does not pull a row deeper.
 inline constexpr double kPullEdges = 60.0;
@@ -84,7 +84,7 @@ inline constexpr std::size_t kMaxRows = 96;
 /// Rows with a wider gap do not push where the tool comes to rest, and a tool that had farther to
 /// go is still on its way: the normals need not be smooth there.
 inline constexpr double kSmoothGapEdges = 0.1;
-inline constexpr double kSmoothWayEdges = 0.4;
+inline constexpr double kSmoothPathEdges = 0.4;
 /// A smooth gradient below this is bent by another face within its two voxels.
 inline constexpr double kSmoothGradient = 0.99;
 /// A gradient below this has no direction.
@@ -119,18 +119,18 @@ inline constexpr double kStepInEdges = 0.75;
 inline constexpr double kShortestAlong = 0.1;
 inline constexpr double kOpposed = 0.8;
 inline constexpr double kNearEdges = 1.5;
-/// In contact the virtual tool goes at most as far as the hand went, and this share of the spring's
-/// length, or this many edges: an edge that gives way becomes a ramp.
-inline constexpr double kSnapShare = 0.03;
+/// In contact the virtual tool goes at most as far as the hand went, and this fraction of the
+/// spring's length, or this many edges: an edge that gives way becomes a ramp.
+inline constexpr double kCatchUpRatio = 0.03;
 inline constexpr double kSnapEdges = 0.02;
 /// A frame keeps a pose only where the energy is lower than where it began, or higher by at most
-/// this share of the spring's pull times the hand's way: a hand that rests is pulled by a tool that
-/// rests, one that moves is carried over the bumps of the field.
-inline constexpr double kBumpShare = 2.0;
+/// this fraction of the spring's pull times the hand's path: a hand that rests is pulled by a tool
+/// that rests, one that moves is carried over the bumps of the field.
+inline constexpr double kHysteresisRatio = 2.0;
 /// So many queries may pass without such a pose before the frame goes back to the best one.
 inline constexpr int kMaxWorse = 3;
 
-/// Friction: a patch of pushes smaller than this share of the lever is a point.
+/// Friction: a patch of pushes smaller than this fraction of the lever is a point.
 inline constexpr double kMinPatch = 1e-4;
 
 }  // namespace voxtouch::contact::limits

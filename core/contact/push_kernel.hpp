@@ -3,7 +3,7 @@
 /// processor.
 ///
 /// A sum over hits is eight sums, hit n of the list in lane n mod 8, each in the hits' order, added
-/// up in a fixed order: the same bits whether two, four or eight numbers are added at once.
+/// up in a fixed order: bit-identical whether two, four or eight numbers are added at once.
 #include <cstddef>
 #include <cstdint>
 
@@ -68,11 +68,11 @@ struct MeanLanes {
 /// (limits::kShortestDirection); n_i itself for s = 0.
 struct PushDirection {
   Vec3 mean = Vec3::Zero();  ///< m
-  double mean_share = 0.0;   ///< s in [0, 1]; for 1 there are sums of their own
+  double mean_weight = 0.0;  ///< s in [0, 1]; for 1 there are sums of their own
 };
 
-/// The same for what single precision can tell: a hit pushes only where mean . off + back' off . n
-/// is below `most`; `off`: the point from its voxel's middle [e], n its packed normal.
+/// The same for what single precision can decide: a hit pushes only where mean . off + back' off .
+/// n is below `most`; `off`: the point from its voxel's middle [e], n its packed normal.
 struct RoughDirection {
   bool own = false, common = false;  ///< which of the two there are
   float mean[3] = {};                ///< s m

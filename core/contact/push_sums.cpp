@@ -10,7 +10,7 @@ namespace voxtouch::contact {
 namespace {
 
 /// The deepest of all lanes, where it is deeper than the result's so far.
-void tell_deepest(const Hits& hits, const double (&deepest)[kLanes],
+void give_deepest(const Hits& hits, const double (&deepest)[kLanes],
                   const double (&deepest_hit)[kLanes], const Vec3& tool,
                   ContactResult& result) noexcept {
   std::size_t best = kLanes;
@@ -36,16 +36,16 @@ void take_group(const Hits& hits, std::size_t place, HitBlock& block) noexcept {
   block.place[block.groups++] = place;
 }
 
-/// What single precision needs to tell which hits surely do not push along `direction`. False where
-/// it cannot.
+/// What single precision needs to determine which hits surely do not push along `direction`. False
+/// where it cannot.
 bool make_rough(const HitSource& source, const PushDirection& direction,
                 RoughDirection& rough) noexcept {
-  const double own = 1.0 - direction.mean_share;
+  const double own = 1.0 - direction.mean_weight;
   if (!(source.rough.certain > 0.0F) || (own > 0.0 && source.rough.normal == nullptr))
     return false;
   double size = 0.0;
   for (int axis = 0; axis < 3; ++axis) {
-    const double mean = direction.mean_share * direction.mean[axis];
+    const double mean = direction.mean_weight * direction.mean[axis];
     rough.mean[axis] = static_cast<float>(mean);
     size += std::abs(mean);
     for (int column = 0; column < 3; ++column)
@@ -66,8 +66,8 @@ bool make_rough(const HitSource& source, const PushDirection& direction,
 class Asking {
  public:
   bool now() noexcept { return waiting_ == 0 || --waiting_ == 0; }
-  void answered(bool left_out) noexcept {
-    wait_ = left_out ? 0 : std::min(kLongest, 2 * wait_ + 1);
+  void answered(bool skipped) noexcept {
+    wait_ = skipped ? 0 : std::min(kLongest, 2 * wait_ + 1);
     waiting_ = wait_;
   }
 
@@ -82,7 +82,7 @@ template <class Fill, class Each>
 void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
                               const PushKernel& kernel, Fill&& fill, Each&& each) noexcept {
   RoughDirection rough;
-  const bool can_tell = make_rough(hits.source(), direction, rough);
+  const bool decides = make_rough(hits.source(), direction, rough);
   Asking asking;
   HitBlock block;
   const auto flush = [&]() noexcept {
@@ -96,7 +96,7 @@ void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
     const std::size_t groups =
         (std::min(HitBlock::kHits, hits.size() - begin) + kLanes - 1) / kLanes;
     std::uint32_t left = (1U << groups) - 1U;
-    if (can_tell && asking.now()) {
+    if (decides && asking.now()) {
       const std::uint32_t all = left;
       left = kernel.may_push(hits, begin, rough);
       asking.answered(left != all);
@@ -130,7 +130,7 @@ void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const
   result.stiffness_bound_n_per_m += stiffness * combined(lanes.weight);
   for (std::size_t n = 0; n < 21; ++n)
     sum.entries()[n] += combined(lanes.stiffness[n]);
-  tell_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
+  give_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
 }
 
 void push_along_directions(const Hits& hits, const PushDirection& direction, double stiffness,
@@ -166,7 +166,7 @@ void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const
       Vec3(combined(lanes.push[1]), combined(lanes.push[2]), combined(lanes.push[3]))
           .cross(stiffness * mean);
   result.stiffness = CommonDirectionSum(moments).matrix(stiffness, mean);
-  tell_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
+  give_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
 }
 
 void begin_result(const HitList& hits, ContactResult& result) noexcept {
@@ -177,7 +177,7 @@ void begin_result(const HitList& hits, ContactResult& result) noexcept {
   result.pose_status = hits.pose_status;
 }
 
-void tell_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept {
+void give_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept {
   const double length = normals.norm();
   if (weights > 0.0)
     result.coherence = length / weights;

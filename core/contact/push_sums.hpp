@@ -1,6 +1,6 @@
 #pragma once
 /// What the force laws sum up over the hits of a frame: block by block, in lanes (push_kernel.hpp),
-/// with the same bits on every processor.
+/// bit-identically on every processor.
 #include <cstddef>
 
 #include "core/contact/contact_model.hpp"
@@ -31,11 +31,11 @@ inline double combined(const double (&lanes)[kLanes]) noexcept {
 void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool,
                ContactResult& result, StiffnessSum& sum) noexcept;
 
-/// Begins a result with what every model tells alike: the counts, and whether the pose could be
+/// Begins a result with what every model reports alike: the counts, and whether the pose could be
 /// looked up.
 void begin_result(const HitList& hits, ContactResult& result) noexcept;
 
 /// Coherence and mean normal from such sums.
-void tell_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept;
+void give_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept;
 
 }  // namespace voxtouch::contact

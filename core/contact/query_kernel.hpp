@@ -59,7 +59,7 @@ struct FoundHits {
 };
 
 /// Finds the points that collide. \returns the points that culling left to test. The hits, the sums
-/// and what is returned have the same bits on every processor.
+/// and what is returned are bit-identical on every processor.
 std::uint32_t search(const QueryData& data, const QueryFrame& frame, FoundHits& surface,
                      FoundHits& interior) noexcept;
 

@@ -25,7 +25,7 @@ class StiffnessSum {
   bool any() const noexcept { return sums_[0] > 0.0 || sums_[6] > 0.0 || sums_[11] > 0.0; }
   /// The upper triangle by rows.
   std::array<double, 21>& entries() noexcept { return sums_; }
-  /// Adds the sum times `stiffness` (of a weight of one); the matrix stays symmetric to the bit.
+  /// Adds the sum times `stiffness` (of a weight of one); the matrix stays exactly symmetric.
   void add_to(double stiffness, Mat6& matrix) const noexcept {
     std::size_t n = 0;
     for (Eigen::Index row = 0; row < 6; ++row)
@@ -65,8 +65,7 @@ class CommonDirectionSum {
     yy_ += weighed.y() * arm.y(), yz_ += weighed.y() * arm.z(), zz_ += weighed.z() * arm.z();
   }
   bool any() const noexcept { return weights_ > 0.0; }
-  /// The sum times `stiffness` (of a weight of one) for the direction `m`, unit; symmetric to the
-  /// bit.
+  /// The sum times `stiffness` (of a weight of one) for the direction `m`, unit; exactly symmetric.
   Mat6 matrix(double stiffness, const Vec3& m) const noexcept {
     Mat6 out = Mat6::Zero();
     if (!any())

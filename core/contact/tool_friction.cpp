@@ -40,7 +40,7 @@ Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double le
   }
   patch.radius_m /= patch.push_m;
   if (!(patch.radius_m > limits::kMinPatch * lever_m))
-    patch.radius_m = 0.0;  // a point does not hold against turning
+    patch.radius_m = 0.0;  // a point does not hold against rotation
   return patch;
 }
 

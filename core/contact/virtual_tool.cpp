@@ -41,9 +41,9 @@ Pose less(const Pose& pose, const Vec3& displacement) noexcept {
   return {pose.position - displacement, pose.orientation};
 }
 
-/// Multiples of a power of two some 2^-26 e wide: a scene that is moved by multiples of e gives the
-/// same bits.
-Vec3 on_lattice(const Vec3& position, double edge) noexcept {
+/// Multiples of a power of two some 2^-26 e wide: a scene that is moved by multiples of e gives
+/// bit-identical results.
+Vec3 quantize(const Vec3& position, double edge) noexcept {
   const double step = std::ldexp(1.0, std::ilogb(edge) - 26);
   return {std::round(position.x() / step) * step, std::round(position.y() / step) * step,
           std::round(position.z() / step) * step};
@@ -59,7 +59,7 @@ double spring_energy(double length, double most) noexcept {
 Mat6 VirtualToolFrame::stiffness(double k) const noexcept {
   Vec6 scale;
   scale << Vec3::Ones(), Vec3::Constant(lever_m);
-  return (share * k) * (scale.asDiagonal() * shown * scale.asDiagonal());
+  return (fraction * k) * (scale.asDiagonal() * displayed * scale.asDiagonal());
 }
 
 VirtualTool::VirtualTool(const VirtualToolOptions& options) : options_(options) {
@@ -83,7 +83,7 @@ void VirtualTool::reset() noexcept {
   turn_ = Vec3::Zero();
 }
 
-/// Judges the pose as ContactQuery::find does, and leaves one of unit norm as it is, to the bit.
+/// Judges the pose as ContactQuery::find does, and returns one of unit norm bit-identically.
 PoseStatus VirtualTool::status_of(Pose& hand, std::span<const ToolGround> grounds) const noexcept {
   Quat unit = hand.orientation;
   if (grounds.size() > options_.objects || !hand.position.allFinite() ||
@@ -109,7 +109,7 @@ RowFrame VirtualTool::row_frame(const Vec3& position, std::span<const ToolGround
           static_cast<std::uint32_t>(n)};
 }
 
-/// All rows at `tool`, the rows' energy there, and what the frame tells of it. `smooth`: the tool
+/// All rows at `tool`, the rows' energy there, and what the frame reports of it. `smooth`: the tool
 /// may come to rest here.
 void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds, bool smooth,
                           VirtualToolFrame& out) noexcept {
@@ -185,7 +185,7 @@ bool VirtualTool::place(const Pose& tool, std::span<const ToolGround> grounds) n
   return true;
 }
 
-/// Way of the object that has moved most since the last frame [m]; the rows are of no use any more
+/// Path of the object that has moved most since the last frame [m]; the rows are of no use any more
 /// where one has.
 double VirtualTool::objects_moved(std::span<const ToolGround> grounds) noexcept {
   double most = 0.0;
@@ -207,7 +207,7 @@ Vec6 VirtualTool::spring_to(const Pose& hand) noexcept {
 }
 
 /// No point of the tool goes farther in a step `delta` [m].
-double VirtualTool::way_of(const Vec6& delta) const noexcept {
+double VirtualTool::length_of(const Vec6& delta) const noexcept {
   return delta.head<3>().norm() + delta.tail<3>().norm() * options_.reach_m / options_.lever_m;
 }
 
@@ -246,9 +246,9 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
                                     std::span<const ToolGround> grounds, const Reach& reach,
                                     VirtualToolFrame& out) noexcept {
   const double edge = options_.edge_m, pull = limits::kPullEdges * edge;
-  const double rest = std::clamp(limits::kRestShare * reach.hand_m, limits::kRestEdges * edge,
-                                 limits::kRestMostEdges * edge);
-  double way_left_m = reach.tool_m;
+  const double rest = std::clamp(limits::kConvergenceRatio * reach.hand_m,
+                                 limits::kRestEdges * edge, limits::kRestMostEdges * edge);
+  double remaining_m = reach.tool_m;
   Kept best;
   blocked_ = false;
   int worse = 0;
@@ -256,19 +256,19 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
     const Vec6 spring = spring_to(hand);
     const double length = spring.norm();
     const Vec6 cut = !rows_.empty() && length > pull ? Vec6(spring * (pull / length)) : spring;
-    // Where the way is used up, what still is inside is pushed out, and no more.
-    const bool pulled = way_left_m > 0.1 * limits::kRestEdges * edge;
+    // Where the path is used up, what still is inside is pushed out, and no more.
+    const bool pulled = remaining_m > 0.1 * limits::kRestEdges * edge;
     const EquilibriumStep step =
         pulled ? solve(cut, friction) : equilibrium_step(rows_, Vec6::Zero());
-    const double way = way_of(step.delta);
+    const double moved_m = length_of(step.delta);
     out.iterations += step.iterations;
-    out.residual_m = way;
+    out.residual_m = moved_m;
     const bool rests =
-        (way < rest && (step.pushed || !pulled)) || (way == 0.0 && same(tool_, hand));
+        (moved_m < rest && (step.pushed || !pulled)) || (moved_m == 0.0 && same(tool_, hand));
     const bool done =
         queries >= (step.pushed ? limits::kMaxQueriesInContact : limits::kMaxQueries) || rests;
     const double energy = spring_energy(length, pull) + rows_energy_;
-    const double bump = limits::kBumpShare * reach.hand_m * std::min(length, pull);
+    const double bump = limits::kHysteresisRatio * reach.hand_m * std::min(length, pull);
     if (worse == 0 || energy <= best.energy + bump) {
       best = {tool_,
               energy,
@@ -286,19 +286,19 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
     if (done)
       return pulled ? step : balance(hand, friction, out);
     const double most =
-        pulled ? std::min(longest_step(grounds), way_left_m) : longest_step(grounds);
-    const double share = way <= most ? 1.0 : most / way;
+        pulled ? std::min(longest_step(grounds), remaining_m) : longest_step(grounds);
+    const double fraction = moved_m <= most ? 1.0 : most / moved_m;
     if (worse++ == 0)
       others_ = rows_;
-    if (pulled && !step.pushed && way <= most && length <= pull) {
+    if (pulled && !step.pushed && moved_m <= most && length <= pull) {
       tool_ = hand;
     } else {
-      tool_.position = on_lattice(tool_.position + share * step.delta.head<3>(), options_.edge_m);
+      tool_.position = quantize(tool_.position + fraction * step.delta.head<3>(), options_.edge_m);
       tool_.orientation =
-          turned(tool_.orientation, share * step.delta.tail<3>() / options_.lever_m);
+          turned(tool_.orientation, fraction * step.delta.tail<3>() / options_.lever_m);
     }
-    look_up(tool_, grounds, way <= limits::kSmoothWayEdges * edge, out);
-    way_left_m -= share * way;
+    look_up(tool_, grounds, moved_m <= limits::kSmoothPathEdges * edge, out);
+    remaining_m -= fraction * moved_m;
   }
 }
 
@@ -311,11 +311,11 @@ EquilibriumStep VirtualTool::balance(const Pose& hand, double friction,
     spring *= pull / length;
   const EquilibriumStep step = solve(spring, friction);
   out.iterations += step.iterations;
-  out.residual_m = way_of(step.delta);
+  out.residual_m = length_of(step.delta);
   return step;
 }
 
-void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexcept {
+void VirtualTool::report_step(const EquilibriumStep& step, VirtualToolFrame& out) noexcept {
   out.tool = tool_;
   const Vec6 spring = spring_to(hand_);
   out.shift = spring.head<3>();
@@ -323,9 +323,9 @@ void VirtualTool::tell(const EquilibriumStep& step, VirtualToolFrame& out) noexc
   out.worst_depth_m = worst_depth_m_;
   out.saturated = step.pushed && spring.norm() > limits::kPullEdges * options_.edge_m;
   if (step.pushed) {
-    out.shown = Mat6::Identity() - step.loose * step.hessian.inverse() * step.loose;
+    out.displayed = Mat6::Identity() - step.loose * step.hessian.inverse() * step.loose;
   } else if (blocked_) {
-    out.shown.setIdentity();  // no row tells which way it gives: as if none
+    out.displayed.setIdentity();  // no row determines which way it gives: as if none
   }
   double most = 0.0;
   for (const ConstraintRow& row : rows_) {
@@ -350,7 +350,7 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
   VirtualToolFrame out;
   out.lever_m = options_.lever_m;
   out.tool = tool_;
-  out.unplaced = !placed_;
+  out.not_initialised = !placed_;
   std::fill(pushes_.begin(), pushes_.end(), Wrench{});
   Pose hand = sample.pose;
   out.pose_status = status_of(hand, grounds);
@@ -362,7 +362,7 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
   if (!placed_) {
     if (!start(hand, grounds, out))
       return out;
-    out.unplaced = false;
+    out.not_initialised = false;
     placed_s_ = 0.0;
     hand_ = hand;
   } else {
@@ -371,24 +371,24 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
   if (!rows_known_)
     look_up(tool_, grounds, true, out);
 
-  Vec6 hands_way;
-  hands_way << hand.position - hand_.position,
+  Vec6 hand_path;
+  hand_path << hand.position - hand_.position,
       options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);
-  Reach reach{way_of(hands_way) + moved, std::numeric_limits<double>::infinity()};
+  Reach reach{length_of(hand_path) + moved, std::numeric_limits<double>::infinity()};
   if (pressed_)  // in contact the tool snaps slowly; free, it is the hand
-    reach.tool_m = reach.hand_m + std::max(limits::kSnapShare * way_of(spring_to(hand)),
+    reach.tool_m = reach.hand_m + std::max(limits::kCatchUpRatio * length_of(spring_to(hand)),
                                            limits::kSnapEdges * options_.edge_m);
   hand_ = hand;
   const EquilibriumStep step = follow(hand, std::max(0.0, sample.friction), grounds, reach, out);
-  tell(step, out);
+  report_step(step, out);
   const bool free = same(tool_, hand);
   // Short of a face, where no point is in its voxels any more, no row pushes; but the way on was
   // tried, and led into the wall.
-  out.lag = !free && !step.pushed && !pressed_ && !blocked_;
-  out.constrained = !free && !out.lag;
+  out.not_converged = !free && !step.pushed && !pressed_ && !blocked_;
+  out.constrained = !free && !out.not_converged;
   pressed_ = out.constrained;
-  if (!out.lag)
-    out.share = options_.fade_s > 0.0 ? std::min(1.0, placed_s_ / options_.fade_s) : 1.0;
+  if (!out.not_converged)
+    out.fraction = options_.fade_s > 0.0 ? std::min(1.0, placed_s_ / options_.fade_s) : 1.0;
   return out;
 }
 

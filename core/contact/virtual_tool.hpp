@@ -8,12 +8,13 @@
 ///     E = |d|^2 / 2 + rho/2 sum of the rows' depths squared        (constraint_rows.hpp,
 ///     kRowStiffness)
 /// and the hand is pulled by k d. No mass, no velocity, no time step; k does not enter. Where no
-/// row pushes, the tool is the hand, to the bit. Between two queries no point of the tool moves
-/// more than half a voxel, however far away the hand is. So no tool passes a wall of 1.5 voxels,
-/// and a tool that is nowhere thinner than three voxels passes none; a smaller one may pass a foil
-/// (core/rendering/wall_watch.hpp). A frame ends at the pose of least E that it met (kBumpShare),
-/// so that a hand at rest has a tool at rest. In contact the tool goes no farther in a frame than
-/// the hand and a share of d (kSnapShare), so that an edge that gives way is a ramp.
+/// row pushes, the tool's pose is bit-identical to the hand's. Between two queries no point of the
+/// tool moves more than half a voxel, however far away the hand is. So no tool passes a wall of 1.5
+/// voxels, and a tool that is nowhere thinner than three voxels passes none; a smaller one may pass
+/// a foil (core/rendering/wall_watch.hpp). A frame ends at the pose of least E that it met
+/// (kHysteresisRatio), so that a hand at rest has a tool at rest. In contact the tool goes no
+/// farther in a frame than the hand and a fraction of d (kCatchUpRatio), so that an edge that gives
+/// way is a ramp.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -54,17 +55,17 @@ struct HandSample {
 
 /// One frame. All in W, torques about the tool's origin.
 struct VirtualToolFrame {
-  Pose tool;  ///< the virtual tool; the hand's pose to the bit where nothing is touched
+  Pose tool;  ///< the virtual tool; bit-identical to the hand's pose where nothing is touched
   Vec3 shift = Vec3::Zero();  ///< from the virtual tool to the hand [m]
   Vec3 turn = Vec3::Zero();   ///< likewise, rotation vector [rad]
   double lever_m = 0.0;
-  double share =
-      0.0;  ///< of the spring that is felt, 0 to 1: it fades in; 0 where `unplaced` or `lag`
-  Mat6 shown = Mat6::Zero();   ///< stiffness over k that the hand feels, in d's metres: series of
-                               ///< spring and contact, 0 to 1
-  double worst_depth_m = 0.0;  ///< of the rows at `tool`; 0: none is inside
+  double fraction = 0.0;          ///< of the spring that is displayed, 0 to 1: it fades in; 0 where
+                                  ///< `not_initialised` or `not_converged`
+  Mat6 displayed = Mat6::Zero();  ///< stiffness over k that the hand feels, in d's metres: series
+                                  ///< of spring and contact, 0 to 1
+  double worst_depth_m = 0.0;     ///< of the rows at `tool`; 0: none is inside
   double residual_m =
-      0.0;  ///< bound of the way that the tool's points had still to go when the frame ended
+      0.0;  ///< bound of the path that the tool's points had still to go when the frame ended
   Vec3 contact_point = Vec3::Zero();  ///< of the row that pushes most
   Vec3 contact_normal =
       Vec3::Zero();  ///< its direction, out of the static object; zero without contact
@@ -75,17 +76,18 @@ struct VirtualToolFrame {
   int iterations = 0;  ///< of all steps
   PoseStatus pose_status = PoseStatus::kUsable;
   bool constrained = false;  ///< rows hold the tool back
-  bool lag =
+  bool not_converged =
       false;  ///< nothing is touched, and the hand is faster than a frame can follow: no force
-  bool unplaced = false;  ///< there is no virtual tool yet: the hand has not been outside the scene
+  bool not_initialised =
+      false;  ///< there is no virtual tool yet: the hand has not been outside the scene
   bool saturated = false;  ///< the hand is more than kPullEdges away
   bool moved_too_far =
       false;  ///< an object went more than half a voxel in this frame: it may have passed the tool
 
   /// What the hand feels with a spring of `k` [N/m]: k d, faded.
   Wrench wrench(double k) const noexcept {
-    const double felt = share * k;
-    return {-felt * shift, -(felt * lever_m * lever_m) * turn};
+    const double weighted = fraction * k;
+    return {-weighted * shift, -(weighted * lever_m * lever_m) * turn};
   }
   /// -d(wrench)/d(hand's pose) [N/m, N, Nm/rad]: (1/k + 1/contact)^-1, at most k (k lever^2 for
   /// turns).
@@ -94,7 +96,7 @@ struct VirtualToolFrame {
 
 /// State: the tool's pose with its rows, and where hand and objects were in the last frame. All
 /// memory is taken at construction; `frame` and `reset` neither allocate nor throw nor lock. One
-/// thread at a time. The same frames give the same bits.
+/// thread at a time. The same frames give bit-identical results.
 class VirtualTool {
  public:
   /// Throws std::invalid_argument for options that are not finite or without which nothing can be
@@ -147,14 +149,14 @@ class VirtualTool {
   bool start(const Pose& tool, std::span<const ToolGround> grounds, VirtualToolFrame& out) noexcept;
   double objects_moved(std::span<const ToolGround> grounds) noexcept;
   Vec6 spring_to(const Pose& hand) noexcept;
-  double way_of(const Vec6& delta) const noexcept;
+  double length_of(const Vec6& delta) const noexcept;
   double longest_step(std::span<const ToolGround> grounds) const noexcept;
   EquilibriumStep solve(const Vec6& spring, double friction) const noexcept;
   void go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept;
   EquilibriumStep follow(const Pose& hand, double friction, std::span<const ToolGround> grounds,
                          const Reach& reach, VirtualToolFrame& out) noexcept;
   EquilibriumStep balance(const Pose& hand, double friction, VirtualToolFrame& out) noexcept;
-  void tell(const EquilibriumStep& step, VirtualToolFrame& out) noexcept;
+  void report_step(const EquilibriumStep& step, VirtualToolFrame& out) noexcept;
 
   VirtualToolOptions options_;
   HitList hits_;

@@ -16,14 +16,14 @@ using Lanes = double[kPoints];
 /// Distances at the corners of two voxels for each point: its own, and the one an edge farther out
 /// along the tool's normal.
 struct Corners {
-  alignas(64) Lanes way[2][3][2];  ///< from the point to the faces of either voxel, below and above
-                                   ///< on each axis [e]
+  alignas(64) Lanes offset[2][3][2];  ///< from the point to the faces of either voxel, below and
+                                      ///< above on each axis [e]
   alignas(
       64) Lanes distance[kCorners];  ///< [e]; as the field has it; beyond limits::kSheetFarEdges it
                                      ///< may be cut off, or the two voxels are one
 
   VOXTOUCH_INLINE double from_point(std::size_t k, std::size_t axis, std::size_t n) const noexcept {
-    return way[k / 8][axis][k >> axis & 1][n];
+    return offset[k / 8][axis][k >> axis & 1][n];
   }
 };
 
@@ -82,7 +82,7 @@ std::size_t put_corners(const voxmap::DistanceField::Arrays& arrays, const Vec3&
                            static_cast<double>(v.k)};
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (const std::size_t above : {0, 1})
-        corners.way[which][axis][above][lane] =
+        corners.offset[which][axis][above][lane] =
             (low[axis] + static_cast<double>(above)) - u[static_cast<Eigen::Index>(axis)];
   }
   return count;

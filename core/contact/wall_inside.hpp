@@ -1,6 +1,6 @@
 #pragma once
-/// Whether a wall stands inside the tool. The rows do not tell it: they are of the tool's points,
-/// and a wall thinner than a voxel has no inside that they could be deep in.
+/// Whether a wall stands inside the tool. The rows do not determine it: they are of the tool's
+/// points, and a wall thinner than a voxel has no inside that they could be deep in.
 #include "core/contact/hit_list.hpp"
 #include "core/voxmap/distance_field.hpp"
 

@@ -124,7 +124,7 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
   find.window("velocity_window", spec.velocity_window);
   find.not_negative("slow_velocity_hz", spec.slow_velocity_hz);
   find.not_negative("velocity_band_m_per_s", spec.velocity_band_m_per_s);
-  find.not_negative("damper_share", spec.damper_share);
+  find.not_negative("damping_force_ratio", spec.damping_force_ratio);
   find.not_negative("damper_free_n", spec.damper_free_n);
   return out;
 }

@@ -7,10 +7,10 @@
 
 namespace voxtouch::coupling {
 
-/// The standard share of what contact and effects give that injected damping may add: see
-/// CouplingSpec::damper_share.
-inline constexpr double kDamperShare = 0.35;
-/// Force that is hardly felt [N].
+/// The standard fraction of what contact and effects give that injected damping may add: see
+/// CouplingSpec::damping_force_ratio.
+inline constexpr double kDefaultDampingForceRatio = 0.35;
+/// Force below perception [N].
 inline constexpr double kQuietForceN = 0.05;
 
 /// A coupling and its parameters; those of the other kinds are ignored.
@@ -43,11 +43,11 @@ struct CouplingSpec {
   /// that. 0 either: it does not.
   double slow_velocity_hz = 0.0;
   double velocity_band_m_per_s = 0.0;
-  /// Most that injected damping may add to the law's force, as a share of that, and [N] that it may
-  /// add besides, which is hardly felt: so a touch begins with the contact. What it takes is
-  /// bounded by never pulling alone, and so is what it does to a torque. Share 0: without that
-  /// bound.
-  double damper_share = kDamperShare;
+  /// Most that injected damping may add to the law's force, as a fraction of that, and [N] that it
+  /// may add in addition, which is below perception: so a touch begins with the contact. What it
+  /// takes is bounded by never pulling alone, and so is what it does to a torque. Ratio 0: without
+  /// that bound.
+  double damping_force_ratio = kDefaultDampingForceRatio;
   double damper_free_n = kQuietForceN;
   bool operator==(const CouplingSpec&) const = default;
 };

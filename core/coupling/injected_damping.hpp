@@ -29,11 +29,11 @@ bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept;
 /// What injected damping adds to the law's wrench, W axes.
 struct InjectedWrench {
   Wrench wrench;
-  bool bounded = false;  ///< the force wanted to add more than it may, and was cut
+  bool bounded = false;  ///< the force exceeded its bound and was cut
 };
 
 /// The damping coefficients, which change without a step. The force is -B P v, of which no more
-/// than a share of the law's force, and a little that is hardly felt, is added to that: as the tool
+/// than a fraction of the law's force, and a little below perception, is added to that: as the tool
 /// touches it begins with the law, and as the tool leaves it ends from what `never_pull` has left
 /// of it. The torque is not bounded: it begins with up to B P omega.
 class InjectedDamping {
@@ -44,7 +44,7 @@ class InjectedDamping {
         angular_(spec.injected_damping_nms_per_rad),
         parts_(parts_of(spec)),
         free_(spec.damper_free_n) {}
-  /// Goes to the dampings and the share of `spec` over `over_s` > 0. Real-time safe.
+  /// Goes to the dampings and the force ratio of `spec` over `over_s` > 0. Real-time safe.
   void redesign(const CouplingSpec& spec, double over_s) noexcept {
     linear_.head_for(spec.injected_damping_ns_per_m, over_s);
     angular_.head_for(spec.injected_damping_nms_per_rad, over_s);
@@ -62,12 +62,12 @@ class InjectedDamping {
 
  private:
   static double parts_of(const CouplingSpec& spec) noexcept {
-    return spec.damper_share > 0.0 ? 1.0 / spec.damper_share : 0.0;
+    return spec.damping_force_ratio > 0.0 ? 1.0 / spec.damping_force_ratio : 0.0;
   }
 
   Ramp linear_, angular_;
-  Ramp parts_;  ///< one over the share; 0: without a bound
-  Ramp free_;   ///< what may be added besides [N]
+  Ramp parts_;  ///< one over the ratio; 0: without a bound
+  Ramp free_;   ///< what may be added in addition [N]
 };
 
 }  // namespace voxtouch::coupling

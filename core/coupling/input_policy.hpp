@@ -15,7 +15,7 @@ inline constexpr double kLargestInput = 1e12;
 /// What the policy finds about one sample.
 struct PolicedSample {
   double dt_s = 0;    ///< the period as measured, within the band, or the nominal one
-  double weight = 1;  ///< share of the contact in what the law is given; the rest belongs to the
+  double weight = 1;  ///< fraction of the contact in what the law is given; the rest belongs to the
                       ///< force of the start
   bool good = false;  ///< the input is made of numbers; else the last good one is repeated
   bool lost =

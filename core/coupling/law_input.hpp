@@ -8,7 +8,7 @@ struct LawInput {
   Wrench contact;                ///< finite, within what the device can give [N, Nm], W axes
   double stiffness_n_per_m = 0;  ///< finite, >= 0
   double dt_s = 1e-3;            ///< within the policy's band
-  double weight = 1;             ///< share of `contact`; the rest belongs to the force of the start
+  double weight = 1;  ///< fraction of `contact`; the rest belongs to the force of the start
 };
 
 }  // namespace voxtouch::coupling

@@ -22,16 +22,16 @@ bool Passivity::rests(bool in_contact) noexcept {
   const double force = applied_.force.stableNorm(), torque = applied_.torque.stableNorm();
   most_force_n_ = std::max(most_force_n_, force),
   most_torque_nm_ = std::max(most_torque_nm_, torque);
-  return !in_contact && force <= kRestShare * most_force_n_ &&
-         torque <= kRestShare * most_torque_nm_;
+  return !in_contact && force <= kRestForceRatio * most_force_n_ &&
+         torque <= kRestForceRatio * most_torque_nm_;
 }
 
-void Passivity::observe(const ToolStep& way, bool in_contact, double dt_s,
+void Passivity::observe(const ToolStep& step, bool in_contact, double dt_s,
                         double supplied_j) noexcept {
-  const double along = applied_.force.dot(normal_), out = way.shift.dot(normal_);
+  const double along = applied_.force.dot(normal_), out = step.shift.dot(normal_);
   energy_.normal_j += supplied_j - along * out;
-  energy_.tangential_j -= (applied_.force - along * normal_).dot(way.shift - out * normal_);
-  energy_.rotation_j -= applied_.torque.dot(way.turn);
+  energy_.tangential_j -= (applied_.force - along * normal_).dot(step.shift - out * normal_);
+  energy_.rotation_j -= applied_.torque.dot(step.turn);
   for (double* account : {&energy_.normal_j, &energy_.tangential_j, &energy_.rotation_j})
     keep(*account);
 

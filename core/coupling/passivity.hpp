@@ -21,34 +21,34 @@
 /// later instability; a debt stays for kDebtS, so that bounces that give more energy each time add
 /// up.
 ///
-/// What a debt says. W is the work of the largest force over the longest way of one period. A sound
-/// contact that is pressed and let go owes a few W, for a force that lasts a period is late; a
-/// contact of voxels gives and takes back up to F e within one of edge e, and sliding over them
-/// gives at most s F L on a way L under the mean force F, s = kSlidingShare e / R for a ball of
+/// What a debt says. W is the work of the largest force over the longest path of one period. A
+/// sound contact that is pressed and let go owes a few W, for a force that lasts a period is late;
+/// a contact of voxels gives and takes back up to F e within one of edge e, and sliding over them
+/// gives at most s F L on a path L under the mean force F, s = kSlidingRatio e / R for a ball of
 /// radius R under `original` and `adapted`, less under `field` (deploy/pictures/stability_map.png).
-/// So a debt is a figure of the run; whether a loop swings is told by SwingWatch.
+/// So a debt is a figure of the run; SwingWatch detects whether a loop swings.
 ///
-/// An encoder hides part of a way: E is that of the encoder's motion, and the hand's differs by at
+/// An encoder hides part of a path: E is that of the encoder's motion, and the hand's differs by at
 /// most q/2 times the sum of the force's changes.
 #include "core/coupling/tool_motion.hpp"
 #include "core/types/geometry.hpp"
 
 namespace voxtouch::coupling {
 
-/// A contact has ended when it does not push and the command has been under kRestShare of its
+/// A contact has ended when it does not push and the command has been under kRestForceRatio of its
 /// largest for this long [s].
-inline constexpr double kContactEndS = 0.005, kRestShare = 1e-3;
+inline constexpr double kContactEndS = 0.005, kRestForceRatio = 1e-3;
 /// A debt is forgotten when the tool has been free for this long [s].
 inline constexpr double kDebtS = 1.0;
 
-/// Largest energy that sliding over voxels gives, over force and way, times the radius of the
+/// Largest energy that sliding over voxels gives, over force and path, times the radius of the
 /// contact in voxels.
-inline constexpr double kSlidingShare = 0.15;
+inline constexpr double kSlidingRatio = 0.15;
 
 /// How far below zero an account of a sound contact may come, by the bounds above: 5 W and, for
-/// what a voxel of edge e gives and takes back, F e. `way_m`: the longest of one period [J].
-constexpr double energy_bound_j(double force_n, double way_m, double voxel_m) noexcept {
-  return 5.0 * force_n * way_m + force_n * voxel_m;
+/// what a voxel of edge e gives and takes back, F e. `path_m`: the longest of one period [J].
+constexpr double energy_bound_j(double force_n, double path_m, double voxel_m) noexcept {
+  return 5.0 * force_n * path_m + force_n * voxel_m;
 }
 /// Likewise of the rotation's account, on whose points the same voxels push.
 constexpr double energy_bound_rotation_j(double torque_nm, double turn_rad, double force_n,
@@ -64,11 +64,12 @@ struct EnergyAccounts {
 /// Real-time safe.
 class Passivity {
  public:
-  /// Books what the last command did over `way`, and closes the accounts of a contact that has
+  /// Books what the last command did over `step`, and closes the accounts of a contact that has
   /// ended. `supplied_j`: energy that something with a store of its own (a potential, a moving
   /// object) was free to give in that time, or took back; it goes to the account along the push.
-  void observe(const ToolStep& way, bool in_contact, double dt_s, double supplied_j = 0.0) noexcept;
-  /// The command of this sample, to be booked with the next way. `push`: the contact's force, for
+  void observe(const ToolStep& step, bool in_contact, double dt_s,
+               double supplied_j = 0.0) noexcept;
+  /// The command of this sample, to be booked with the next step. `push`: the contact's force, for
   /// the normal; where it is zero the last normal stays.
   void command(const Wrench& applied, const Vec3& push = Vec3::Zero()) noexcept;
   /// All accounts begin at zero, and no command is waiting to be booked.

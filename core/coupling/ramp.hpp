@@ -1,5 +1,5 @@
 #pragma once
-/// Parameters that may not jump while somebody pushes.
+/// Parameters that may not jump while a hand pushes.
 #include <algorithm>
 #include <cmath>
 

@@ -126,11 +126,11 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   const PolicedSample sample = policy_.apply(input, dt_s);
   if (dt_s > kGapPeriods * nominal_s_)
     passivity_.reset();
-  way_ = motion_.step(input.tool, dt_s);
-  count_way();
+  step_ = motion_.step(input.tool, dt_s);
+  count_path();
   const double supplied_j = newly_supplied(input, sample.dt_s);
-  passivity_.observe(way_, in_contact_, sample.dt_s, supplied_j);
-  swing_.see(way_, passivity_.applied().force, passivity_.normal(), sample.dt_s, supplied_j);
+  passivity_.observe(step_, in_contact_, sample.dt_s, supplied_j);
+  swing_.see(step_, passivity_.applied().force, passivity_.normal(), sample.dt_s, supplied_j);
 
   CouplingOutput out;
   const Wrench law = run_law(input, sample, out);
@@ -156,7 +156,7 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
                more = input.supplied_energy_j - before;
   supplied_j_ = input.supplied_energy_j;
   const double most = std::min(limits_.max_force_n, kMaxSuppliedN) * kMaxSuppliedMPerS * dt_s;
-  return std::clamp(shown_ * more, -most, most);
+  return std::clamp(displayed_ * more, -most, most);
 }
 
 /// The contact, scaled and cut, through the law.
@@ -169,7 +169,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     contact_.contact_stiffness_n_per_m *= out.scale;
     contact_.contact_stiffness *= out.scale;
     out.capped = out.scale < 1.0 - kScaleRounding && pushes(input);
-    shown_ = out.scale * gain();
+    displayed_ = out.scale * gain();
   } else if (sample.lost) {
     contact_ = {};
   }
@@ -230,13 +230,13 @@ void RunningCoupling::give_up(double dt_s, Wrench& sum, CouplingOutput& out) noe
   sum.force *= left_, sum.torque *= left_;
 }
 
-/// The way that the last command has worked on.
-void RunningCoupling::count_way() noexcept {
+/// The step that the last command has worked on.
+void RunningCoupling::count_path() noexcept {
   const Wrench& applied = passivity_.applied();
   if (applied.zero())
     return;
-  counters_.longest_way_m = std::max(counters_.longest_way_m, way_.shift.norm());
-  counters_.longest_turn_rad = std::max(counters_.longest_turn_rad, way_.turn.norm());
+  counters_.longest_path_m = std::max(counters_.longest_path_m, step_.shift.norm());
+  counters_.longest_turn_rad = std::max(counters_.longest_turn_rad, step_.turn.norm());
 }
 
 void RunningCoupling::count(const CouplingOutput& out) noexcept {

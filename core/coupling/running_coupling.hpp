@@ -31,7 +31,7 @@ struct CouplingOutput {
   bool repeated_input = false;  ///< the input was not usable; the last good one was used again
   bool clamped = false;         ///< input or command was over the device's range and was cut
   bool capped = false;          ///< the contact was stiffer than the cap: its wrench was scaled
-  bool bounded = false;         ///< injected damping wanted to add more than it may, and was cut
+  bool bounded = false;         ///< injected damping exceeded its bound and was cut
   double scale = 1.0;  ///< part of the contact's wrench that is within the caps; see StiffnessScale
   double energy_j = 0.0;  ///< translation: what the hand has put in, net, since this contact began;
                           ///< see passivity.hpp
@@ -55,8 +55,8 @@ struct CouplingCounters {
   double lowest_energy_rotation_j = 0.0;
   Swing swing;           ///< the largest
   bool growing = false;  ///< force grew by itself, and the command has gone to zero for good
-  double most_force_n = 0.0, most_torque_nm = 0.0;     ///< that was commanded
-  double longest_way_m = 0.0, longest_turn_rad = 0.0;  ///< of one sample to the next, under force
+  double most_force_n = 0.0, most_torque_nm = 0.0;      ///< that was commanded
+  double longest_path_m = 0.0, longest_turn_rad = 0.0;  ///< of one sample to the next, under force
 };
 
 /// One device's coupling. Steps are real-time safe: no allocation, no lock, no throw.
@@ -102,7 +102,7 @@ class RunningCoupling {
                  CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
-  void count_way() noexcept;
+  void count_path() noexcept;
   void give_up(double dt_s, Wrench& sum, CouplingOutput& out) noexcept;
   void count(const CouplingOutput& out) noexcept;
 
@@ -112,7 +112,7 @@ class RunningCoupling {
   Law law_;
   StiffnessScale scale_;
   ToolMotion motion_;
-  ToolStep way_;
+  ToolStep step_;
   InjectedDamping injected_;
   Passivity passivity_;
   SwingWatch swing_;
@@ -120,8 +120,8 @@ class RunningCoupling {
   CouplingInput contact_;  ///< the last usable one, scaled
   Wrench given_;           ///< by the law
   bool in_contact_ = false;
-  double shown_ = 1.0;                ///< of a force in W, by scale and gain
-  std::optional<double> supplied_j_;  ///< as last told
+  double displayed_ = 1.0;            ///< of a force in W, by scale and gain
+  std::optional<double> supplied_j_;  ///< as last set
   CouplingCounters counters_;
 
   static constexpr double kGiveUpS = 0.05;

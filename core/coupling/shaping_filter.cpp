@@ -17,15 +17,15 @@ ShapingFilter::ShapingFilter(const CouplingSpec& spec, double nominal_period_s) 
     : w0_(cutoff_rad_per_s(spec)),
       d_(spec.damping_ratio),
       gain_(spec.gain),
-      gain_wanted_(spec.gain),
+      gain_requested_(spec.gain),
       gain_step_(kGainSlewPerS * nominal_period_s) {}
 
 void ShapingFilter::redesign(const CouplingSpec& spec) noexcept {
-  w0_ = cutoff_rad_per_s(spec), d_ = spec.damping_ratio, gain_wanted_ = spec.gain;
+  w0_ = cutoff_rad_per_s(spec), d_ = spec.damping_ratio, gain_requested_ = spec.gain;
 }
 
 double ShapingFilter::advance_gain() noexcept {
-  return gain_ = std::clamp(gain_wanted_, gain_ - gain_step_, gain_ + gain_step_);
+  return gain_ = std::clamp(gain_requested_, gain_ - gain_step_, gain_ + gain_step_);
 }
 
 void ShapingFilter::start_at(const Wrench& start) noexcept {
@@ -36,9 +36,9 @@ void ShapingFilter::start_at(const Wrench& start) noexcept {
 
 Wrench ShapingFilter::step(const LawInput& in) noexcept {
   const Pt2Coefficients k = Pt2Coefficients::of(w0_, d_, in.dt_s);
-  const double back = gain_ > 0.0
-                          ? (1.0 - in.weight) / gain_
-                          : 0.0;  // input that would keep the force of the start, times its share
+  const double back =
+      gain_ > 0.0 ? (1.0 - in.weight) / gain_
+                  : 0.0;  // input that would keep the force of the start, times its fraction
   Wrench given;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const double u = in.weight < 1.0

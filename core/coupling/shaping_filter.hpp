@@ -35,7 +35,7 @@ class ShapingFilter {
   double advance_gain() noexcept;
 
  private:
-  double w0_, d_, gain_, gain_wanted_, gain_step_;
+  double w0_, d_, gain_, gain_requested_, gain_step_;
   std::array<Pt2State, 6> states_{};  // force x y z, torque x y z
   Wrench start_;
 };

@@ -22,7 +22,7 @@ Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r,
   const double damper = r / dt_s;
   const double left =
       damper /
-      (c + damper);  // share of the displacement that an unpushed object keeps over the step
+      (c + damper);  // fraction of the displacement that an unpushed object keeps over the step
   const double size = f.norm();
   if (!(size > 0.0)) {
     delta *= left;

@@ -6,11 +6,11 @@
 
 namespace voxtouch::coupling {
 
-/// One vector's share of the spring-damper's law: a massless object hangs on the device by a spring
+/// One vector's part of the spring-damper's law: a massless object hangs on the device by a spring
 /// c and a damper r, and is pushed out of the static scene.
 ///
 /// Let delta be how far the object stands off the device's pose. The contact is computed at the
-/// device's pose, where it pushes with f; an object that gives way by delta feels less, to first
+/// device's pose, where it pushes with f; an object that yields by delta receives less, to first
 /// order f - k delta, with k the contact's stiffness bound. It has no mass, so what pushes it is
 /// what pulls it back: f - k delta = c delta + r delta'. With the backward difference delta' =
 /// (delta - delta_prev)/T, which needs no smaller step for a stiff contact,

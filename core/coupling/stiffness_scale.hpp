@@ -1,12 +1,12 @@
 #pragma once
-/// How stiff a contact is beside what is certified.
+/// How stiff a contact is compared with what is certified.
 #include "core/coupling/coupling.hpp"
 #include "core/coupling/ramp.hpp"
 
 namespace voxtouch::coupling {
 
 /// Largest eigenvalue of the symmetric part of a finite matrix; not below zero. The same matrix
-/// gives the same bits: nothing is remembered from one to the next. Real-time safe.
+/// gives bit-identical results: nothing is remembered from one to the next. Real-time safe.
 double largest_eigenvalue(const Mat3& matrix) noexcept;
 double largest_eigenvalue(const Mat6& matrix) noexcept;
 

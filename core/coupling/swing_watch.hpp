@@ -67,9 +67,9 @@ class SwingWatch {
     commands_.fill(Vec3::Zero());
   }
 
-  /// The way since the last sample, `dt_s` ago, under `command`; `normal` of length one along the
-  /// contact's force, or zero; `supplied_j` as the passivity observer is told.
-  void see(const ToolStep& way, const Vec3& command, const Vec3& normal, double dt_s,
+  /// The step since the last sample, `dt_s` ago, under `command`; `normal` of length one along the
+  /// contact's force, or zero; `supplied_j` as for the passivity observer.
+  void see(const ToolStep& step, const Vec3& command, const Vec3& normal, double dt_s,
            double supplied_j) noexcept;
   /// What was seen so far is no part of what comes: a gap, another session.
   void forget() noexcept;

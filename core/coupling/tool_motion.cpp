@@ -14,8 +14,8 @@ namespace {
 /// denormal numbers are slow.
 constexpr double kNormBand = 1e-3, kRest = 1e-30;
 
-void blend(Vec3& mean, double old_share, const Vec3& sample) noexcept {
-  mean = old_share * mean + (1.0 - old_share) * sample;
+void blend(Vec3& mean, double old_weight, const Vec3& sample) noexcept {
+  mean = old_weight * mean + (1.0 - old_weight) * sample;
   for (double& x : mean)
     if (std::abs(x) < kRest)
       x = 0.0;
@@ -52,29 +52,30 @@ void ToolMotion::forget() noexcept {
 void ToolMotion::forget_velocity() noexcept {
   fast_ = velocity_ = {};
   slow_.setZero();
-  ways_.fill({{}, nominal_s_});
+  displacements_.fill({{}, nominal_s_});
   known_ = 0;
 }
 
 void ToolMotion::remember(const Vec3& shift, const Vec3& turn) noexcept {
-  const int size = static_cast<int>(ways_.size()),
+  const int size = static_cast<int>(displacements_.size()),
             parts = std::clamp(static_cast<int>(std::lround(elapsed_s_ / nominal_s_)), 1, size);
   for (int i = 0; i < parts; ++i) {
     newest_ = (newest_ + 1) % size;
-    ways_[newest_] = {{shift / parts, turn / parts}, elapsed_s_ / parts};
+    displacements_[newest_] = {{shift / parts, turn / parts}, elapsed_s_ / parts};
   }
   known_ = std::min(known_ + parts, size);
 }
 
-/// Way over time of `count` ways, the newest of them `from` ways ago.
+/// Displacement over time of `count` steps, the newest of them `from` steps ago.
 Twist ToolMotion::quotient(int from, int count) const noexcept {
-  const int size = static_cast<int>(ways_.size());
-  Way sum{{}, 0.0};
+  const int size = static_cast<int>(displacements_.size());
+  Displacement sum{{}, 0.0};
   for (int ago = from; ago < from + count; ++ago) {
-    const Way& one = ways_[(newest_ + size - ago) % size];
-    sum.way.linear += one.way.linear, sum.way.angular += one.way.angular, sum.time_s += one.time_s;
+    const Displacement& one = displacements_[(newest_ + size - ago) % size];
+    sum.displacement.linear += one.displacement.linear,
+        sum.displacement.angular += one.displacement.angular, sum.time_s += one.time_s;
   }
-  return {sum.way.linear / sum.time_s, sum.way.angular / sum.time_s};
+  return {sum.displacement.linear / sum.time_s, sum.displacement.angular / sum.time_s};
 }
 
 Twist ToolMotion::velocity_of_window() const noexcept {
@@ -90,9 +91,9 @@ void ToolMotion::estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept
   if (window_ > 0) {
     fast_ = velocity_of_window();
   } else {
-    const double old_share = std::exp(-cutoff_rad_per_s_ * elapsed_s_);
-    blend(fast_.linear, old_share, shift / elapsed_s_);
-    blend(fast_.angular, old_share, turn / elapsed_s_);
+    const double old_weight = std::exp(-cutoff_rad_per_s_ * elapsed_s_);
+    blend(fast_.linear, old_weight, shift / elapsed_s_);
+    blend(fast_.angular, old_weight, turn / elapsed_s_);
   }
   velocity_ = fast_;
   if (!(slow_rad_per_s_ > 0.0 && band_m_per_s_ > 0.0)) {

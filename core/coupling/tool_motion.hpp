@@ -15,9 +15,10 @@ struct ToolSpeedLimits {
   double angular_rad_per_s = 100.0;
 };
 
-/// The way from one pose to the next.
+/// The displacement from one pose to the next.
 struct ToolStep {
-  bool known = false;         ///< false: first pose, bad pose, jump or gap; the ways are zero then
+  bool known =
+      false;  ///< false: first pose, bad pose, jump or gap; the displacements are zero then
   Vec3 shift = Vec3::Zero();  ///< of the tool's origin [m], W axes
   Vec3 turn = Vec3::Zero();   ///< rotation vector [rad], the shorter way round, W axes
 };
@@ -33,9 +34,9 @@ struct ToolStep {
 /// next; after a gap, and after a jump, v^ begins again at zero.
 ///
 /// With a window v^ is the formula of velocity_window.hpp for periods as measured, u and w each a
-/// way over its time. The way of a longer time than a period, of samples that were lost, counts as
-/// that many differences. Until the window is full v^ is u, as if the tool had rested before the
-/// first.
+/// displacement over its time. The displacement of a longer time than a period, of samples that
+/// were lost, counts as that many differences. Until the window is full v^ is u, as if the tool had
+/// rested before the first.
 ///
 /// With a band the linear part of the velocity is v^ + clamp(u^ - v^, +- band), each axis by
 /// itself, u^ of a first-order filter of its own: an encoder's step is smoothed as u^ smooths it,
@@ -48,8 +49,8 @@ class ToolMotion {
   ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits,
              int velocity_window = 0) noexcept;
 
-  /// The way to `tool` (T in W) and the velocity there, `dt_s` [s] after the last sample. Valid
-  /// until the next call.
+  /// The displacement to `tool` (T in W) and the velocity there, `dt_s` [s] after the last sample.
+  /// Valid until the next call.
   const ToolStep& step(const Pose& tool, double dt_s) noexcept;
   /// Another cut-off of v^ [Hz] or another window, from the next sample on.
   void set_filter(double velocity_filter_hz, int velocity_window = 0) noexcept;
@@ -62,8 +63,8 @@ class ToolMotion {
   std::uint64_t jumps() const noexcept { return jumps_; }
 
  private:
-  struct Way {
-    Twist way;  ///< [m, rad]
+  struct Displacement {
+    Twist displacement;  ///< [m, rad]
     double time_s;
   };
 
@@ -81,10 +82,10 @@ class ToolMotion {
   bool anchored_ = false;
   Pose last_;
   ToolStep step_;
-  Twist fast_, velocity_;  ///< v^, and what is told
+  Twist fast_, velocity_;  ///< v^, and what is reported
   Vec3 slow_;              ///< u^; v^ where there is none
-  std::array<Way, window_span(kMaxVelocityWindow)>
-      ways_;  ///< the last ones, a ring; for any window, so that another may be set
+  std::array<Displacement, window_span(kMaxVelocityWindow)>
+      displacements_;  ///< the last ones, a ring; for any window, so that another may be set
   int newest_ = 0, known_ = 0;
   std::uint64_t jumps_ = 0;
 };

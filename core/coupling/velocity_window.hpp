@@ -7,7 +7,7 @@
 /// Exact at a constant velocity, and at a constant acceleration n T / 4 ahead, where u is n T / 2
 /// behind. An encoder that is off by up to q / 2 at every sample makes v^ wrong by at most q/2
 /// times the sum of the steps between its weights, as the first-order filter by (1 - a) q / T: see
-/// `window_step_share`. For as much of that, u damps more than the filter, and v^ more than u: what
+/// `window_step_ratio`. For as much of that, u damps more than the filter, and v^ more than u: what
 /// is late in w counts against the damping anyway, and is taken off.
 namespace voxtouch::coupling {
 
@@ -27,7 +27,7 @@ constexpr double window_weight(int n, int ago) noexcept {
                               : -kWindowLead / window_before(n);
 }
 /// Largest error of v^ that positions off by up to q / 2 either way may make, in q / T.
-constexpr double window_step_share(int n) noexcept {
+constexpr double window_step_ratio(int n) noexcept {
   return (1.0 + kWindowLead) / window_last(n) + kWindowLead / window_before(n);
 }
 /// Sum of the weights without their signs: v^ is never more than this times the largest difference

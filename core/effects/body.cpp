@@ -37,7 +37,7 @@ constexpr std::array kParameters = {
 /// All of it is in the body's motion: nothing is added to what acts on it.
 class Body final : public Effect {
  public:
-  void apply(const EffectFrame&, const EffectValues&, EffectPush&) noexcept override {}
+  void apply(const EffectFrame&, const EffectValues&, EffectForce&) noexcept override {}
 };
 
 EffectNeeds needs(const EffectValues&) {

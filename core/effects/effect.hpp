@@ -37,10 +37,10 @@ class Proximity {
 /// A point that stands for a piece of the tool's surface.
 struct ToolPoint {
   Vec3 position = Vec3::Zero();  ///< T
-  double share = 0.0;            ///< of the tool's area; all of them sum to 1
+  double fraction = 0.0;         ///< of the tool's area; all of them sum to 1
 };
 
-/// What somebody outside the ring wants felt.
+/// The wrench that a program outside the ring requests.
 struct ExternalWrench {
   Wrench wrench;  ///< W, torque about the tool's origin; may be anything, also no number
   double taken_s =
@@ -57,18 +57,19 @@ struct EffectFrame {
   const Proximity* proximity = nullptr;     ///< null where no effect needs it
   std::span<const ToolPoint> tool_points;   ///< empty where `proximity` is null
   const ExternalWrench* external =
-      nullptr;         ///< the newest that was taken; null where none was, or nobody is followed
-  double share = 1.0;  ///< 0..1, what gain and region leave; of matter to EffectKind::shares_inside
+      nullptr;  ///< the newest that was taken; null where none was, or no writer is followed
+  double fraction =
+      1.0;  ///< 0..1, what gain and region leave; of matter to EffectKind::scales_inside
 };
 
 /// What the effects of one sample add up to. W axes; torque and stiffness about the tool's origin.
-struct EffectPush {
+struct EffectForce {
   Wrench wrench;
   Mat6 stiffness = Mat6::Zero();  ///< symmetric positive semidefinite, at least the law's own
   double stiffness_bound_n_per_m = 0.0;  ///< spectral norm of its translational part at most
   double potential_j = 0.0;              ///< conservative kinds only
-  double given_j = 0.0;  ///< since the last sample, by kinds that keep to a budget of their own;
-                         ///< below 0: taken. Gain and region are in it
+  double energy_generated_j = 0.0;  ///< since the last sample, by kinds that keep to a budget of
+                                    ///< their own; below 0: taken. Gain and region are in it
 };
 
 /// An effect's state, if it has any. Its parameters stay with the chain, which moves them smoothly
@@ -79,7 +80,7 @@ class Effect {
   /// Adds this effect's part to `push`. Anything that is not finite in `frame` has been refused
   /// before. Real-time safe.
   virtual void apply(const EffectFrame& frame, const EffectValues& values,
-                     EffectPush& push) noexcept = 0;
+                     EffectForce& push) noexcept = 0;
   /// Forgets the past: a new session, a jump that was meant. Real-time safe.
   virtual void reset() noexcept {}
 };

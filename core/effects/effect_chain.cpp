@@ -9,10 +9,10 @@
 namespace voxtouch::effects {
 namespace {
 
-bool usable(const EffectPush& push) noexcept {
+bool usable(const EffectForce& push) noexcept {
   return push.wrench.finite() && push.stiffness.allFinite() &&
          std::isfinite(push.stiffness_bound_n_per_m) && std::isfinite(push.potential_j) &&
-         std::isfinite(push.given_j);
+         std::isfinite(push.energy_generated_j);
 }
 
 /// The same with the contact of one object only.
@@ -61,17 +61,17 @@ void EffectChain::advance(Link& link, double dt_s) noexcept {
   }
 }
 
-void EffectChain::weigh(const Link& link, const RegionWeight& weight, const EffectPush& own,
-                        EffectPush& sum) noexcept {
-  const bool inside = link.goal.kind->shares_inside;
-  const double gain = link.gain.now(), share = inside ? 1.0 : gain * weight.weight;
-  sum.wrench.force += share * own.wrench.force;
-  sum.wrench.torque += share * own.wrench.torque;
-  sum.stiffness += share * own.stiffness;
-  sum.stiffness_bound_n_per_m += share * own.stiffness_bound_n_per_m;
-  sum.given_j += own.given_j;
+void EffectChain::weigh(const Link& link, const RegionWeight& weight, const EffectForce& own,
+                        EffectForce& sum) noexcept {
+  const bool inside = link.goal.kind->scales_inside;
+  const double gain = link.gain.now(), fraction = inside ? 1.0 : gain * weight.weight;
+  sum.wrench.force += fraction * own.wrench.force;
+  sum.wrench.torque += fraction * own.wrench.torque;
+  sum.stiffness += fraction * own.stiffness;
+  sum.stiffness_bound_n_per_m += fraction * own.stiffness_bound_n_per_m;
+  sum.energy_generated_j += own.energy_generated_j;
   if (weight.gradient.isZero(0.0)) {
-    sum.potential_j += share * own.potential_j;
+    sum.potential_j += fraction * own.potential_j;
     return;
   }
   const Region& region = link.goal.region;
@@ -82,7 +82,7 @@ void EffectChain::weigh(const Link& link, const RegionWeight& weight, const Effe
   double added = gain * slope * force;
   if (link.goal.kind->energy == EnergyBehaviour::kConservative) {
     sum.wrench.force -= (gain * own.potential_j) * weight.gradient;
-    sum.potential_j += share * own.potential_j;
+    sum.potential_j += fraction * own.potential_j;
     added =
         gain * (2.0 * slope * force + curvature_bound_per_m2(region) * std::abs(own.potential_j));
   }
@@ -99,18 +99,18 @@ double EffectChain::friction_at(const Vec3& x, std::uint32_t object) const noexc
   return sum;
 }
 
-EffectPush EffectChain::of_position(const EffectFrame& frame) const noexcept {
-  EffectPush sum;
+EffectForce EffectChain::of_position(const EffectFrame& frame) const noexcept {
+  EffectForce sum;
   for (const Link& link : links_) {
     if (!(link.gain.now() > 0.0) || !is_of_position(link.goal, link.now))
       continue;
     const RegionWeight weight = weight_at(link.goal.region, frame.tool.position);
     if (weight.weight <= 0.0 && weight.gradient.isZero(0.0))
       continue;
-    EffectPush own, with = sum;
-    EffectFrame felt = frame;
-    felt.share = link.gain.now() * weight.weight;
-    link.effect->apply(felt, link.now, own);
+    EffectForce own, with = sum;
+    EffectFrame scaled = frame;
+    scaled.fraction = link.gain.now() * weight.weight;
+    link.effect->apply(scaled, link.now, own);
     weigh(link, weight, own, with);
     if (usable(with))
       sum = with;
@@ -118,9 +118,9 @@ EffectPush EffectChain::of_position(const EffectFrame& frame) const noexcept {
   return sum;
 }
 
-EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* surface,
-                              const EffectFrame* softened) noexcept {
-  EffectPush sum;
+EffectForce EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* surface,
+                               const EffectFrame* softened) noexcept {
+  EffectForce sum;
   for (Link& link : links_) {
     advance(link, at_hand.dt_s);
     if (surface != nullptr && link.goal.kind->friction != nullptr)
@@ -131,15 +131,15 @@ EffectPush EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* sur
     const RegionWeight weight = link.gain.now() > 0.0
                                     ? weight_at(link.goal.region, frame.tool.position)
                                     : RegionWeight{0.0};
-    if (weight.weight <= 0.0 && (link.goal.kind->shares_inside || weight.gradient.isZero(0.0))) {
+    if (weight.weight <= 0.0 && (link.goal.kind->scales_inside || weight.gradient.isZero(0.0))) {
       link.effect->reset();  // what it remembers must not push when it comes back
       continue;
     }
-    EffectPush own;
-    EffectFrame felt = link.goal.object ? narrowed(frame, *link.goal.object) : frame;
-    felt.share = link.gain.now() * weight.weight;
-    link.effect->apply(felt, link.now, own);
-    EffectPush with = sum;
+    EffectForce own;
+    EffectFrame scaled = link.goal.object ? narrowed(frame, *link.goal.object) : frame;
+    scaled.fraction = link.gain.now() * weight.weight;
+    link.effect->apply(scaled, link.now, own);
+    EffectForce with = sum;
     weigh(link, weight, own, with);
     if (usable(with)) {
       sum = with;

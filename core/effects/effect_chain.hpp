@@ -25,16 +25,16 @@ class EffectChain {
 
   /// Sum over all effects with a gain above zero. Never a number that is not finite: an effect that
   /// gives one is left out of this sample and counted. Real-time safe.
-  EffectPush apply(const EffectFrame& frame) noexcept { return apply(frame, nullptr); }
-  /// The same beside a virtual tool: kinds that feel the contact are given `surface`, the tool
+  EffectForce apply(const EffectFrame& frame) noexcept { return apply(frame, nullptr); }
+  /// The same next to a virtual tool: kinds that feel the contact are given `surface`, the tool
   /// where it touches, all others `frame`, the tool at the hand. Kinds with a `friction` of their
   /// own give nothing: the virtual tool rubs. Real-time safe. `softened`: not null, for what a
   /// spring of its own softens: conservative kinds that do not feel the contact.
-  EffectPush apply(const EffectFrame& frame, const EffectFrame* surface,
-                   const EffectFrame* softened = nullptr) noexcept;
+  EffectForce apply(const EffectFrame& frame, const EffectFrame* surface,
+                    const EffectFrame* softened = nullptr) noexcept;
   /// What conservative kinds that do not feel the contact give in `frame`, gains and numbers as
   /// they are: the same as often as it is asked. Real-time safe.
-  EffectPush of_position(const EffectFrame& frame) const noexcept;
+  EffectForce of_position(const EffectFrame& frame) const noexcept;
   /// Sum of the coefficients of such kinds behind their gains and regions, for a tool at `x` in W
   /// that touches `object`. Real-time safe.
   double friction_at(const Vec3& x, std::uint32_t object) const noexcept;
@@ -47,7 +47,7 @@ class EffectChain {
   const EffectSpec& spec(std::size_t effect) const noexcept { return links_[effect].goal; }
   /// As they are now, on their way to what the spec says.
   const EffectValues& values(std::size_t effect) const noexcept { return links_[effect].now; }
-  /// Energy that kinds which may give some were free to give since the chain was made, over a way
+  /// Energy that kinds which may give some were free to give since the chain was made, over a path
   /// of `metres` [J].
   double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
   /// What `judge` has found good: a switch, a gain or a parameter. Between two calls of `apply`.
@@ -70,8 +70,8 @@ class EffectChain {
     std::unique_ptr<Effect> effect;
   };
   static void advance(Link& link, double dt_s) noexcept;
-  static void weigh(const Link& link, const RegionWeight& weight, const EffectPush& own,
-                    EffectPush& sum) noexcept;
+  static void weigh(const Link& link, const RegionWeight& weight, const EffectForce& own,
+                    EffectForce& sum) noexcept;
 
   std::vector<Link> links_;
   double per_metre_j_ = 0.0;  ///< by all kinds that are bounded per metre, at full gain

@@ -8,7 +8,7 @@
 namespace voxtouch::effects {
 namespace {
 
-using Judged = std::expected<EffectCommand, std::string>;
+using CheckedChange = std::expected<EffectCommand, std::string>;
 
 /// What was not asked for when the scene was built is not there.
 bool needs_more(const EffectNeeds& after, const EffectNeeds& before) {
@@ -55,8 +55,8 @@ std::string no_switch(const EffectSpec& effect) {
 }
 
 /// The command of one parameter of one effect; its number is not looked at.
-Judged find_value(const EffectSpec& effect, std::string_view parameter,
-                  const std::array<double, 3>& value) {
+CheckedChange find_value(const EffectSpec& effect, std::string_view parameter,
+                         const std::array<double, 3>& value) {
   const std::span<const EffectParameter> all = effect.kind->parameters;
   const auto found = std::find_if(all.begin(), all.end(),
                                   [&](const EffectParameter& p) { return p.name == parameter; });
@@ -73,7 +73,7 @@ Judged find_value(const EffectSpec& effect, std::string_view parameter,
 }
 
 /// What `request` asks for; of a parameter's number only the shape counts.
-Judged find(std::span<const EffectSpec> effects, const EffectRequest& request) {
+CheckedChange find(std::span<const EffectSpec> effects, const EffectRequest& request) {
   const auto found = std::find_if(effects.begin(), effects.end(),
                                   [&](const EffectSpec& e) { return e.name == request.effect; });
   if (found == effects.end())
@@ -96,7 +96,7 @@ Judged find(std::span<const EffectSpec> effects, const EffectRequest& request) {
         return std::unexpected("'gain' must be a number from 0 to 1");
       break;
     case EffectAction::kValue: {
-      const Judged value = find_value(*found, request.parameter, request.value);
+      const CheckedChange value = find_value(*found, request.parameter, request.value);
       if (!value)
         return value;
       command = *value;
@@ -107,15 +107,16 @@ Judged find(std::span<const EffectSpec> effects, const EffectRequest& request) {
   return command;
 }
 
-/// Why `wanted` cannot take the place of `effect`, of which `parameter` alters.
-std::string why_not(const EffectSpec& effect, const EffectSpec& wanted, std::uint32_t parameter) {
+/// Why `requested` cannot take the place of `effect`, of which `parameter` alters.
+std::string refusal(const EffectSpec& effect, const EffectSpec& requested,
+                    std::uint32_t parameter) {
   const std::string_view name = effect.kind->parameters[parameter].name;
-  if (std::string why = check_values(*effect.kind, wanted.values); !why.empty())
+  if (std::string why = check_values(*effect.kind, requested.values); !why.empty())
     return why;
-  if (needs_more(effect.kind->needs(wanted.values), effect.kind->needs(effect.values)))
+  if (needs_more(effect.kind->needs(requested.values), effect.kind->needs(effect.values)))
     return fmt::format("'{}' would need what was not built for this scene; change the scene file",
                        name);
-  const EffectBound bound = bound_of(wanted);
+  const EffectBound bound = bound_of(requested);
   if (!std::isfinite(bound.stiffness_n_per_m) || !std::isfinite(bound.stiffness_nm_per_rad))
     return fmt::format("with this '{}' nothing bounds the stiffness of '{}'", name, effect.name);
   return {};
@@ -123,7 +124,7 @@ std::string why_not(const EffectSpec& effect, const EffectSpec& wanted, std::uin
 
 }  // namespace
 
-Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) {
+CheckedChange judge(std::span<const EffectSpec> effects, const EffectRequest& request) {
   const auto all = judge(effects, std::span(&request, 1));
   if (!all)
     return std::unexpected(all.error());
@@ -132,20 +133,20 @@ Judged judge(std::span<const EffectSpec> effects, const EffectRequest& request) 
 
 std::expected<std::vector<EffectCommand>, std::string> judge(
     std::span<const EffectSpec> effects, std::span<const EffectRequest> requests) {
-  std::vector<EffectSpec> wanted(effects.begin(), effects.end());
+  std::vector<EffectSpec> requested(effects.begin(), effects.end());
   std::vector<EffectCommand> commands;
   for (const EffectRequest& request : requests) {
-    const Judged command = find(effects, request);
+    const CheckedChange command = find(effects, request);
     if (!command)
       return std::unexpected(command.error());
-    carry_out(wanted[command->effect], *command);
+    carry_out(requested[command->effect], *command);
     commands.push_back(*command);
   }
   for (const EffectCommand& command : commands) {
     if (command.action != EffectAction::kValue)
       continue;
     if (std::string why =
-            why_not(effects[command.effect], wanted[command.effect], command.parameter);
+            refusal(effects[command.effect], requested[command.effect], command.parameter);
         !why.empty())
       return std::unexpected(std::move(why));
   }

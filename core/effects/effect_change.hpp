@@ -15,7 +15,7 @@ namespace voxtouch::effects {
 
 enum class EffectAction : std::uint8_t { kSwitch, kGain, kValue };
 
-/// As somebody asks for it. Nothing of it is trusted.
+/// As requested. Nothing of it is trusted.
 struct EffectRequest {
   EffectAction action = EffectAction::kSwitch;
   std::string_view effect;     ///< its name in the scene

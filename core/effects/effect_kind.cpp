@@ -8,7 +8,7 @@
 namespace voxtouch::effects {
 namespace {
 
-std::string wanted(const EffectParameter& p) {
+std::string requested(const EffectParameter& p) {
   const char* what = p.shape == ParameterShape::kVector ? "a vector of a length" : "a number";
   return std::isinf(p.high) ? fmt::format("{} of at least {:g}", what, p.low)
                             : fmt::format("{} from {:g} to {:g}", what, p.low, p.high);
@@ -36,7 +36,7 @@ std::string check_value(const EffectParameter& p, const std::array<double, 3>& v
     case ParameterShape::kNumber:
     case ParameterShape::kVector:
       return size >= p.low && size <= p.high ? ""
-                                             : fmt::format("'{}' must be {}", p.name, wanted(p));
+                                             : fmt::format("'{}' must be {}", p.name, requested(p));
     case ParameterShape::kText:
       return "";  // the text itself is judged where it is read
     case ParameterShape::kDirection:

@@ -113,8 +113,8 @@ class EffectValues {
 enum class EnergyBehaviour : std::uint8_t {
   kConservative,  ///< force from a potential: none is given or taken
   kDissipative,   ///< taken, never given
-  kBounded,  ///< may be given, at most what `EffectBound` or EffectPush::given_j says: texture,
-             ///< moving objects
+  kBounded,  ///< may be given, at most what `EffectBound` or EffectForce::energy_generated_j says:
+             ///< texture, moving objects
 };
 
 /// What an effect with given values can do at most. Infinity where nothing holds: such values are
@@ -127,7 +127,7 @@ struct EffectBound {
   double force_n = std::numeric_limits<double>::infinity();  ///< where one is known
   double potential_j =
       std::numeric_limits<double>::infinity();  ///< |U| of a conservative kind, where one is known
-  double energy_per_metre_j = 0.0;  ///< kBounded: given per metre of the tool's way at most
+  double energy_per_metre_j = 0.0;  ///< kBounded: given per metre of the tool's path at most
   double external_force_n = 0.0,
          external_torque_nm =
              0.0;  ///< by who may react to the pose, outside the ring: no certificate covers it
@@ -140,7 +140,7 @@ struct EffectNeeds {
   bool torque = false;       ///< gives torque: a device of three degrees of freedom cannot show it
   bool orientation = false;  ///< looks at how the tool is turned
   bool body = false;         ///< the dynamic object moves by itself: rigid_body.hpp
-  bool external = false;     ///< follows somebody outside the ring: EffectFrame::external
+  bool external = false;     ///< follows a program outside the ring: EffectFrame::external
   double proximity_m = 0.0;  ///< distances to the static surface out to here [m]; 0: none
   double smoothing_m = 0.0;  ///< and smoothed over this length at least [m]
   double lever_m = std::numeric_limits<double>::infinity();  ///< no point of the tool is farther
@@ -149,13 +149,13 @@ struct EffectNeeds {
 
 struct EffectKind {
   std::string_view name;       ///< key in the scene's list of effects
-  std::string_view says;       ///< one sentence for people: what is felt
+  std::string_view says;       ///< one sentence for people: what is displayed
   std::string_view equations;  ///< force law, source and stability condition, as text
   EnergyBehaviour energy = EnergyBehaviour::kConservative;
   bool alone = false;       ///< a scene has one at most: two would contradict each other (gravity)
   bool everywhere = false;  ///< takes no region, gain or switch: half of it would be nothing
-  bool shares_inside =
-      false;  ///< stores energy: scales its limits by EffectFrame::share itself, since a stored
+  bool scales_inside =
+      false;  ///< stores energy: scales its limits by EffectFrame::fraction itself, since a stored
               ///< force that is scaled from outside comes back larger than it was put in
   /// Coulomb's coefficient, of a kind whose work a virtual tool does itself where there is one;
   /// null of all others.

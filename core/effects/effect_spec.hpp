@@ -28,10 +28,10 @@ struct EffectSpec {
 
 /// Union of what they need: the largest `proximity_m` and `smoothing_m`, the least `lever_m`.
 EffectNeeds needs_of(std::span<const EffectSpec> effects);
-/// The one that follows somebody outside the ring; null where there is none. A scene has one at
+/// The one that follows a program outside the ring; null where there is none. A scene has one at
 /// most.
 const EffectSpec* external_of(std::span<const EffectSpec> effects);
-/// What everybody is told of such an effect: that no certificate covers it, and what holds instead.
+/// What is reported of such an effect: that no certificate covers it, and what holds instead.
 std::string no_certificate_sentence(std::string_view name);
 /// Bound of one effect behind its region, at full gain. A region adds 2 |grad w| F + |grad^2 w| U
 /// to the stiffness of a conservative kind and |grad w| F to that of any other: infinite where F or

@@ -18,7 +18,7 @@ enum : std::size_t {
   kTimeout,
   kFade,
   kSlew,
-  kTurningSlew,
+  kTorqueSlew,
   kEnergy,
   kPower
 };
@@ -54,19 +54,20 @@ void step_towards(Vec3& now, const Vec3& goal, double most) noexcept {
 /// A store of energy as two-layer teleoperation has it (Franken et al. 2011), for a source that may
 /// react to the pose. It gives at most what is in the store, which holds `most_j`, and gets
 /// `refill_w` back in time, and what the hand puts in. So in any time t it gives the hand at most
-/// most_j + refill_w t. Energies are those of forces in W along ways in W [J]. Real-time safe.
+/// most_j + refill_w t. Energies are those of forces in W along paths in W [J]. Real-time safe.
 class EnergyBudget {
  public:
-  /// `given_j`: what the source has given since the last call, below 0: what it took. `most_j` > 0.
-  void book(double given_j, double most_j, double refill_w, double dt_s) noexcept {
+  /// `energy_generated_j`: what the source has given since the last call, below 0: what it took.
+  /// `most_j` > 0.
+  void book(double energy_generated_j, double most_j, double refill_w, double dt_s) noexcept {
     if (!begun_)
       level_j_ = most_j, begun_ = true;
-    level_j_ = std::min(most_j, level_j_ - given_j + refill_w * dt_s);
+    level_j_ = std::min(most_j, level_j_ - energy_generated_j + refill_w * dt_s);
   }
-  /// Share of its force that the source may have: 1 down to half of the store, then falling to 0
-  /// with what is left, so that no period takes more than there is while its way is shorter than
+  /// Fraction of its force that the source may have: 1 down to half of the store, then falling to 0
+  /// with what is left, so that no period takes more than there is while its path is shorter than
   /// most_j / (2 force).
-  double share(double most_j) const noexcept {
+  double fraction(double most_j) const noexcept {
     if (!begun_)
       return 1.0;
     return std::clamp(level_j_ / (kFullAbove * most_j), 0.0, 1.0);
@@ -81,23 +82,23 @@ class EnergyBudget {
 class External final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
-    push.given_j += book(frame, values);
+             EffectForce& push) noexcept override {
+    push.energy_generated_j += book(frame, values);
     follow(frame, values);
-    const double share = budget_.share(values.number(kEnergy));
-    const Wrench out{share * felt_.force, share * felt_.torque};
+    const double fraction = budget_.fraction(values.number(kEnergy));
+    const Wrench out{fraction * filtered_.force, fraction * filtered_.torque};
     push.wrench.force += out.force, push.wrench.torque += out.torque;
-    given_ = {frame.share * out.force, frame.share * out.torque};
+    given_ = {frame.fraction * out.force, frame.fraction * out.torque};
   }
   /// The budget stays: a region that is left and entered again gives no new one.
   void reset() noexcept override {
-    felt_ = given_ = {};
+    filtered_ = given_ = {};
     last_.reset(), taken_s_.reset();
   }
 
  private:
-  /// What the last force did on the way since, taken off the budget. Of that the force's share: the
-  /// observer has no account of rotation that could be told, so no torque is allowed for.
+  /// What the last force did on the path since, taken off the budget. Of that the force's fraction:
+  /// the observer has no account of rotation, so no torque is allowed for.
   double book(const EffectFrame& frame, const EffectValues& values) noexcept {
     const Pose before = last_.value_or(frame.tool);
     last_ = frame.tool;
@@ -111,22 +112,22 @@ class External final : public Effect {
   void follow(const EffectFrame& frame, const EffectValues& values) noexcept {
     if (const ExternalWrench* newest = frame.external;
         newest && newest->taken_s != taken_s_ && newest->wrench.finite())
-      wanted_ = newest->wrench, taken_s_ = newest->taken_s;
+      requested_ = newest->wrench, taken_s_ = newest->taken_s;
     const double age_s = taken_s_ ? frame.time_s - *taken_s_ : -1.0;
     const bool fresh = age_s >= 0.0 && age_s <= values.number(kTimeout);
-    Wrench goal = fresh ? wanted_ : Wrench{};
+    Wrench goal = fresh ? requested_ : Wrench{};
     const double max_force = values.number(kMaxForce), max_torque = values.number(kMaxTorque);
     clamp_wrench(goal, max_force, max_torque);
     const auto rate = [&](double slew, double most) {
       return (fresh ? slew : std::max(slew, most / values.number(kFade))) * frame.dt_s;
     };
-    step_towards(felt_.force, goal.force, rate(values.number(kSlew), max_force));
-    step_towards(felt_.torque, goal.torque, rate(values.number(kTurningSlew), max_torque));
-    clamp_wrench(felt_, max_force, max_torque);  // of limits that are on their way down
+    step_towards(filtered_.force, goal.force, rate(values.number(kSlew), max_force));
+    step_towards(filtered_.torque, goal.torque, rate(values.number(kTorqueSlew), max_torque));
+    clamp_wrench(filtered_, max_force, max_torque);  // of limits that are on their way down
   }
 
-  Wrench wanted_, felt_, given_;
-  std::optional<double> taken_s_;  ///< when what is wanted was taken
+  Wrench requested_, filtered_, given_;
+  std::optional<double> taken_s_;  ///< when the request was taken
   std::optional<Pose> last_;
   EnergyBudget budget_;
 };
@@ -155,8 +156,8 @@ extern const EffectKind kExternal = {
         "timeout_s it goes to zero within fade_s. Then F is "
         "scaled by min(1, 2 E / energy_j), where dE = -F . dx - T . dphi + power_w dt is a store "
         "of at most energy_j: in any time t the hand "
-        "gets at most energy_j + power_w t (Franken et al. 2011). What F gives of that is told to "
-        "the passivity observer as allowed, and what it takes is "
+        "gets at most energy_j + power_w t (Franken et al. 2011). What F gives of that is reported "
+        "to the passivity observer as allowed, and what it takes is "
         "taken off again; of torque nothing is allowed. Not conservative, and no certificate "
         "covers it: what writes it may react to the pose.",
     .energy = EnergyBehaviour::kBounded,

@@ -10,8 +10,9 @@ namespace {
 enum : std::size_t { kCoulomb, kSticking, kStiffness, kMaxForce, kReach };
 
 constexpr std::array kParameters = {
-    row::number("coulomb", 0.0, 2.0,
-                "Friction while sliding as a share of the force that the surface pushes with [1]."),
+    row::number(
+        "coulomb", 0.0, 2.0,
+        "Friction while sliding as a fraction of the force that the surface pushes with [1]."),
     row::number("sticking", 1.0, 2.0, 1.0,
                 "How many times the sliding friction holds before it lets go [1]."),
     row::number("stiffness_n_per_m", 10.0, 5000.0, 300.0,
@@ -27,11 +28,11 @@ struct Law {
   double k;
 };
 
-/// `share` of the force that the bristles let go at, not of the one they store: half the friction
-/// behind a region's rim is a surface half as rough.
-Law law_at(double push_n, double share, const EffectValues& values) noexcept {
-  const double most = share * values.number(kMaxForce),
-               slides = share * values.number(kCoulomb) * push_n;
+/// `fraction` of the force that the bristles let go at, not of the one they store: half the
+/// friction behind a region's rim is a surface half as rough.
+Law law_at(double push_n, double fraction, const EffectValues& values) noexcept {
+  const double most = fraction * values.number(kMaxForce),
+               slides = fraction * values.number(kCoulomb) * push_n;
   return {std::min(slides, most), std::min(values.number(kSticking) * slides, most),
           values.number(kStiffness)};
 }
@@ -44,7 +45,7 @@ struct Bristle {
   double torn = 0.0;           ///< 0: holds with holds_n, 1: lets go at slides_n
 
   void turn(const Vec3& to, const Vec3& object_turn) noexcept;
-  void drag(const Vec3& way, const Law& law) noexcept;
+  void drag(const Vec3& displacement, const Law& law) noexcept;
 };
 
 /// Carries the bend with the object's own turn and with the normal, along the shortest arc: never
@@ -65,17 +66,17 @@ void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
   normal = to;
 }
 
-/// Bends by `way` (across the normal) and slips what is too far. While it lets go its limit falls
-/// as far as the tip has slipped halved, so that the force falls with the slope k at most and never
-/// by itself; it mends by as much when it bends unslipped.
-void Bristle::drag(const Vec3& way, const Law& law) noexcept {
+/// Bends by `displacement` (across the normal) and slips what is too far. While it lets go its
+/// limit falls as far as the tip has slipped halved, so that the force falls with the slope k at
+/// most and never by itself; it mends by as much when it bends unslipped.
+void Bristle::drag(const Vec3& displacement, const Law& law) noexcept {
   const double slides = law.slides_n / law.k, sticks = law.sticks_n / law.k,
                mends = 2.0 * (sticks - slides);
   const double limit = sticks - (sticks - slides) * torn;
-  bend += way;
+  bend += displacement;
   const double asked = bend.norm();
   if (asked <= limit) {
-    torn = mends > 0.0 ? std::max(0.0, torn - way.norm() / mends) : 0.0;
+    torn = mends > 0.0 ? std::max(0.0, torn - displacement.norm() / mends) : 0.0;
     return;
   }
   const double left = std::max(slides, 2.0 * limit - asked);
@@ -86,7 +87,7 @@ void Bristle::drag(const Vec3& way, const Law& law) noexcept {
 class Friction final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     const double reach = values.number(kReach), k = values.number(kStiffness);
     const double stiffer = stiffness_ > 0.0 && k > stiffness_
                                ? stiffness_ / k
@@ -104,7 +105,7 @@ class Friction final : public Effect {
       bristle->bend *= stiffer;
       const Vec3 arm =
           arm_to(point, bristle->height.follow(point.height_m, step_.most(reach)), reach);
-      rub(frame, touch, point, arm, law_at(point.push_n, frame.share, values), *bristle);
+      rub(frame, touch, point, arm, law_at(point.push_n, frame.fraction, values), *bristle);
       add(*bristle, arm, values, touch.contact->stiffness_bound_n_per_m, push);
     }
     bristles_.end();
@@ -121,16 +122,17 @@ class Friction final : public Effect {
     bristle.turn(point.normal, frame.dt_s * touch.twist.angular);
     if (fresh)
       return;
-    const Vec3 way =
+    const Vec3 displacement =
         step_.of_point(arm) - frame.dt_s * (touch.twist.linear + touch.twist.angular.cross(arm));
-    bristle.drag(way - point.normal.dot(way) * point.normal, law);
+    bristle.drag(displacement - point.normal.dot(displacement) * point.normal, law);
   }
 
   /// The stiffness is k across the normal. While it slips the force follows the push, by g newtons
-  /// for each metre of depth: g/2 (z n' + n z') besides, below k z z' + g^2/(4k) n n' as long as k
+  /// for each metre of depth: in addition g/2 (z n' + n z'), below k z z' + g^2/(4k) n n' as long
+  /// as k
   /// >= g/2.
   static void add(const Bristle& bristle, const Vec3& arm, const EffectValues& values,
-                  double contact_n_per_m, EffectPush& push) noexcept {
+                  double contact_n_per_m, EffectForce& push) noexcept {
     const double k = values.number(kStiffness), sticking = values.number(kSticking);
     const Vec3 force = -k * bristle.bend, &n = bristle.normal;
     push.wrench.force += force;
@@ -165,14 +167,15 @@ extern const EffectKind kFriction = {
     .says = "Surfaces hold the tool until it is pulled hard enough, and rub while it slides.",
     .equations =
         "F = -k z at the touched point, z the bend of a bristle across the contact force N n: dz = "
-        "way of the tool's "
-        "point against the object's, while |z| <= mu N / k; beyond it slips, |z| = mu N / k "
+        "displacement of the tool's point against the object's, while |z| <= mu N / k; beyond it "
+        "slips, |z| = mu N / k "
         "(elastic-plastic: Prandtl; "
         "Hayward and Armstrong 2000, whose drift-free band is the whole of |z| here). mu falls "
         "from sticking * coulomb "
         "to coulomb over 2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k there, and "
         "mends over as much "
-        "bending. z turns with n and with the object, unstretched. A law of ways, not of time: a "
+        "bending. z turns with n and with the object, unstretched. A law of displacements, not of "
+        "time: a "
         "tool at rest feels a "
         "constant force. Gives no energy on any path while the object rests: k z^2 / 2 is stored, "
         "shrinks with N and "
@@ -180,7 +183,7 @@ extern const EffectKind kFriction = {
         "times the contact's "
         "as a coupling between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
-    .shares_inside = true,
+    .scales_inside = true,
     .friction = [](const EffectValues& values) { return values.number(kCoulomb); },
     .parameters = kParameters,
     .needs = needs,

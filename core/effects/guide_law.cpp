@@ -60,7 +60,7 @@ double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept {
 }
 
 void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained,
-                   EffectPush& push) noexcept {
+                   EffectForce& push) noexcept {
   const double s = away.norm();
   const GuideForce at = guide_force(law, s);
   push.potential_j += guide_potential_j(law, at.potential_j);

@@ -37,15 +37,15 @@ GuideForce guide_force(const GuideLaw& law, double distance_m) noexcept;
 /// Work from the guide to where it has let go [J]; infinite where it never does.
 double guide_depth_j(const GuideLaw& law) noexcept;
 
-/// Where potentials of guides are zero: far away if they let go, so that nothing is felt there of a
-/// region's border; on the guide if not.
+/// Where potentials of guides are zero: far away if they let go, so that a region's border gives no
+/// force there; on the guide if not.
 double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept;
 
 /// Adds the pull of a guide whose distance is |A y|, `away` = A y for the symmetric matrix
 /// `constrained` = A with |A| <= 1: the projector on the constrained directions. Force -f A away /
 /// |away|; stiffness A (max(f', 0) u u' + f/s (1 - u u')) A, u along `away`. Real-time safe.
 void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained,
-                   EffectPush& push) noexcept;
+                   EffectForce& push) noexcept;
 
 /// Parameters that every guide has, at these places of its table.
 enum GuideParameter : std::size_t {

@@ -21,7 +21,7 @@ constexpr auto kParameters =
 class GuideLine final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     const Vec3 from_point = frame.tool.position - values.vector(kPoint),
                along = values.vector(kDirection);
     const Mat3 across = Mat3::Identity() - along * along.transpose();
@@ -35,10 +35,11 @@ class GuideLine final : public Effect {
     const double length = along.norm(), half = length * values.number(kHalfLength);
     const Vec3 unit = length > 0.0 ? Vec3(along / length) : Vec3::Zero();
     const double place = unit.dot(from_point), nearest = std::clamp(place, -half, half);
-    const bool beside = length > 0.0 && nearest == place;
+    const bool inside_segment = length > 0.0 && nearest == place;
     pull_to_guide(
         guide_law(values), from_point - nearest * unit,
-        beside ? Mat3(Mat3::Identity() - unit * unit.transpose()) : Mat3(Mat3::Identity()), push);
+        inside_segment ? Mat3(Mat3::Identity() - unit * unit.transpose()) : Mat3(Mat3::Identity()),
+        push);
   }
 };
 

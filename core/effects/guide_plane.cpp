@@ -23,7 +23,7 @@ bool one_sided(const EffectValues& values) noexcept { return values.number(kSide
 class GuidePlane final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     const GuideLaw law = guide_law(values);
     const Vec3 normal = values.vector(kNormal);
     const double height = normal.dot(frame.tool.position - values.vector(kPoint));

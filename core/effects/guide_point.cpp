@@ -12,7 +12,7 @@ constexpr auto kParameters =
 class GuidePoint final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     pull_to_guide(guide_law(values), frame.tool.position - values.vector(kPoint), Mat3::Identity(),
                   push);
   }

@@ -22,7 +22,7 @@ const double kDepth = 25.0 * std::sqrt(5.0) / 96.0;  ///< U0 / (F R)
 class Magnet final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     const double radius = values.number(kRadius);
     const Vec3 away = (frame.tool.position - values.vector(kPoint)) / radius;
     const double q = away.squaredNorm(), left = 1.0 - q;

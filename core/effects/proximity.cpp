@@ -14,7 +14,7 @@ enum : std::size_t { kLimit, kRange, kSmoothing, kLever };
 constexpr std::array kParameters = {
     row::number("limit_n", 0.0, 100.0,
                 "Push on a tool all of whose surface were at the object [N]; each part pushes by "
-                "its share of the area."),
+                "its fraction of the area."),
     row::number("range_m", 0.0005, 1.0, "Distance from the static surface at which it begins [m]."),
     row::number("smoothing_m", 0.0005, 1.0, 0.002,
                 "Length over which edges of the field are rounded [m], brought up to whole voxels: "
@@ -53,30 +53,30 @@ Layer layer_at(double limit, double range, double d) noexcept {
 /// Adds one of the tool's points after the other; the arms are W axes.
 class Sums {
  public:
-  Sums(bool torque, EffectPush& push) noexcept : torque_(torque), push_(push) {}
+  Sums(bool torque, EffectForce& push) noexcept : torque_(torque), push_(push) {}
 
-  void add(const Vec3& arm, double share, const Layer& layer,
+  void add(const Vec3& arm, double fraction, const Layer& layer,
            const ProximitySample& sample) noexcept {
-    const Vec3 force = (share * layer.force_n) * sample.gradient;
+    const Vec3 force = (fraction * layer.force_n) * sample.gradient;
     push_.wrench.force += force;
-    push_.potential_j += share * layer.potential_j;
+    push_.potential_j += fraction * layer.potential_j;
     // -dF/dx = p'' g g' + p' H, p' = -force: of the first what pushes back, of the second
     // Gershgorin's diagonal, which is no smaller than -p' |H| in any direction and keeps flat walls
     // exact.
     const Vec3 rows = sample.curvature.cwiseAbs().rowwise().sum();
-    Mat3 stiffness = (share * layer.force_n) * Mat3(rows.asDiagonal());
+    Mat3 stiffness = (fraction * layer.force_n) * Mat3(rows.asDiagonal());
     if (layer.slope_n_per_m > 0.0)
-      stiffness += (share * layer.slope_n_per_m) * sample.gradient * sample.gradient.transpose();
+      stiffness += (fraction * layer.slope_n_per_m) * sample.gradient * sample.gradient.transpose();
     push_.stiffness.topLeftCorner<3, 3>() += stiffness;
     push_.stiffness_bound_n_per_m +=
-        share * (std::abs(layer.slope_n_per_m) * sample.gradient.squaredNorm() +
-                 layer.force_n * rows.maxCoeff());
+        fraction * (std::abs(layer.slope_n_per_m) * sample.gradient.squaredNorm() +
+                    layer.force_n * rows.maxCoeff());
     if (torque_)
-      add_turning(arm, force, stiffness);
+      add_rotation(arm, force, stiffness);
   }
 
  private:
-  void add_turning(const Vec3& arm, const Vec3& force, const Mat3& stiffness) noexcept {
+  void add_rotation(const Vec3& arm, const Vec3& force, const Mat3& stiffness) noexcept {
     push_.wrench.torque += arm.cross(force);
     const Mat3 cross = cross_matrix(arm);
     push_.stiffness.topRightCorner<3, 3>() -= stiffness * cross;
@@ -87,13 +87,13 @@ class Sums {
   }
 
   bool torque_;
-  EffectPush& push_;
+  EffectForce& push_;
 };
 
 class ProximityEffect final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     if (frame.proximity == nullptr)
       return;
     const double limit = values.number(kLimit), range = values.number(kRange);
@@ -103,7 +103,7 @@ class ProximityEffect final : public Effect {
       const ProximitySample sample = frame.proximity->at(frame.tool.position + arm);
       const Layer layer = layer_at(limit, range, sample.distance_m);
       if (layer.potential_j > 0.0)
-        sums.add(arm, point.share, layer, sample);
+        sums.add(arm, point.fraction, layer, sample);
     }
   }
 };
@@ -143,7 +143,7 @@ extern const EffectKind kProximity = {
     .says =
         "Static objects push the tool off before it touches them, the more the nearer it comes.",
     .equations =
-        "U = sum a_i p(d(x_i)) over points x_i that stand for shares a_i of the tool's surface "
+        "U = sum a_i p(d(x_i)) over points x_i that stand for fractions a_i of the tool's surface "
         "(sum 1), d the smoothed "
         "signed distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S "
         "the smoothstep "

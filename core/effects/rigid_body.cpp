@@ -157,7 +157,8 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
   push += grip.damping * stacked(grip.goal_velocity_W, grip.spin_W);
   push += tau * load.stiffness_times_velocity;
   push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
-  // What moves with the tool or with an object is no stretch: springs see the way relative to it.
+  // What moves with the tool or with an object is no stretch: springs see the displacement relative
+  // to it.
   Vec6 spring_ahead = load.stiffness_times_velocity;
   spring_ahead += stacked(grip.c * grip.goal_velocity_W, grip.c_turn * tool_twist.angular);
   const Mat6 left = mass.all + dt_s * damping + (dt_s * dt_s) * stiffness;

@@ -21,8 +21,9 @@ constexpr std::array kParameters = {
 class SurfaceDamping final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
-    const double reach = values.number(kReach), share = share_of_each(frame, values.number(kFull));
+             EffectForce& push) noexcept override {
+    const double reach = values.number(kReach),
+                 fraction = weight_of_each(frame, values.number(kFull));
     step_.advance(frame.tool);
     heights_.begin();
     for (const ObjectContact& touch : frame.contacts) {
@@ -33,7 +34,7 @@ class SurfaceDamping final : public Effect {
       if (height == nullptr)
         continue;
       const Vec3 arm = arm_to(point, height->follow(point.height_m, step_.most(reach)), reach);
-      add(frame, touch, point, arm, share, values, push);
+      add(frame, touch, point, arm, fraction, values, push);
     }
     heights_.end();
   }
@@ -46,20 +47,21 @@ class SurfaceDamping final : public Effect {
   /// The weight grows with the depth, by `slope` for each metre: the force then changes by slope |b
   /// v|, along another line than the depth's, which half of it on every axis is not less than.
   static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
-                  const Vec3& arm, double share, const EffectValues& values,
-                  EffectPush& push) noexcept {
-    const Vec3 way = within_hand_speed(frame.twist.linear - touch.twist.linear +
-                                       (frame.twist.angular - touch.twist.angular).cross(arm));
-    const double into = point.normal.dot(way);
-    const Vec3 full = -values.number(kAlong) * (way - into * point.normal) -
+                  const Vec3& arm, double fraction, const EffectValues& values,
+                  EffectForce& push) noexcept {
+    const Vec3 displacement =
+        within_hand_speed(frame.twist.linear - touch.twist.linear +
+                          (frame.twist.angular - touch.twist.angular).cross(arm));
+    const double into = point.normal.dot(displacement);
+    const Vec3 full = -values.number(kAlong) * (displacement - into * point.normal) -
                       values.number(kAgainst) * into * point.normal;
-    const Vec3 force = share * smoothstep(0.0, values.number(kFull), point.push_n) * full;
+    const Vec3 force = fraction * smoothstep(0.0, values.number(kFull), point.push_n) * full;
     push.wrench.force += force;
     push.wrench.torque += arm.cross(force);
     const double slope =
         kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
-    const double coupling = (share < 1.0 ? 2.0 : 1.0) * slope *
-                            full.norm();  // each one's share moves with the others' as well
+    const double coupling = (fraction < 1.0 ? 2.0 : 1.0) * slope *
+                            full.norm();  // each one's fraction moves with the others' as well
     push.stiffness += seen_from_origin(0.5 * coupling * Mat3::Identity(), arm);
     push.stiffness_bound_n_per_m += coupling;
   }

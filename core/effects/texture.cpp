@@ -1,4 +1,4 @@
-// Texture: a relief that is felt as pushes along the surface.
+// Texture: a relief that is displayed as forces along the surface.
 #include <array>
 
 #include "core/effects/texture_pattern.hpp"
@@ -32,17 +32,17 @@ constexpr std::array kParameters = {
 /// one has faded out.
 class Relief {
  public:
-  /// The share of its force that the relief gives now.
+  /// The fraction of its force that the relief gives now.
   double follow(const EffectValues& values, double dt_s) noexcept {
     constexpr double kFadeS = 0.05;
     const double wavelength = values.number(kWavelength);
     const Vec3 direction = values.vector(kDirection);
     const bool same = wavelength == wavelength_ && direction == direction_;
-    share_ = !known_ ? 1.0 : std::clamp(share_ + (same ? dt_s : -dt_s) / kFadeS, 0.0, 1.0);
-    if (!known_ || share_ == 0.0)
+    fraction_ = !known_ ? 1.0 : std::clamp(fraction_ + (same ? dt_s : -dt_s) / kFadeS, 0.0, 1.0);
+    if (!known_ || fraction_ == 0.0)
       wavelength_ = wavelength, direction_ = direction;
     known_ = true;
-    return share_;
+    return fraction_;
   }
   void forget() noexcept { known_ = false; }
   double wavelength_m() const noexcept { return wavelength_; }
@@ -52,7 +52,7 @@ class Relief {
 
  private:
   bool known_ = false;
-  double share_ = 0.0, wavelength_ = 0.0;
+  double fraction_ = 0.0, wavelength_ = 0.0;
   Vec3 direction_ = Vec3::Zero();
 };
 
@@ -63,33 +63,35 @@ double bend_of(const EffectValues& values) noexcept {
 class Texture final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     const double most = relief_.follow(values, frame.dt_s) * values.number(kForce);
-    const double reach = values.number(kReach), share = share_of_each(frame, values.number(kFull));
+    const double reach = values.number(kReach),
+                 fraction = weight_of_each(frame, values.number(kFull));
     for (const ObjectContact& touch : frame.contacts) {
       TouchPoint point;
       if (!find_touch(touch, frame.tool.position, reach, point))
         continue;
-      add(frame, touch, point, share * most, share < 1.0, values, push);
+      add(frame, touch, point, fraction * most, fraction < 1.0, values, push);
     }
   }
   void reset() noexcept override { relief_.forget(); }
 
  private:
   void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
-           double most, bool shared, const EffectValues& values, EffectPush& push) const noexcept {
+           double most, bool shared, const EffectValues& values, EffectForce& push) const noexcept {
     const Vec3& n = point.normal;
-    const PatternSample relief =
-        relief_.at(frame.tool.position + point.foot, static_cast<int>(values.number(kPattern)));
+    const PatternSample relief = relief_.at(frame.tool.position + point.contact_centre,
+                                            static_cast<int>(values.number(kPattern)));
     const Vec3 force = -most * smoothstep(0.0, values.number(kFull), point.push_n) *
                        (relief.slope - n.dot(relief.slope) * n);
     push.wrench.force += force;
-    push.wrench.torque += point.foot.cross(force);
+    push.wrench.torque += point.contact_centre.cross(force);
     const double slope =
         kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
     const double coupling = (shared ? 2.0 : 1.0) * slope * most;
     const double own = most * bend_of(values) / relief_.wavelength_m();
-    push.stiffness += seen_from_origin((own + 0.5 * coupling) * Mat3::Identity(), point.foot);
+    push.stiffness +=
+        seen_from_origin((own + 0.5 * coupling) * Mat3::Identity(), point.contact_centre);
     push.stiffness_bound_n_per_m += own + coupling;
   }
 
@@ -121,7 +123,7 @@ extern const EffectKind kTexture = {
         "pressed with full_force_n or "
         "more it is the potential A h and gives no energy; where the pressure changes on the way, "
         "or the surface is "
-        "curved, at most A joule for each metre of the point's way. Stiffness at most 2 pi A / "
+        "curved, at most A joule for each metre of the point's path. Stiffness at most 2 pi A / "
         "wavelength (grating), "
         "7.5 A / wavelength (noise), and A s'(N) times the contact's. The relief is sampled: at f "
         "samples a second a "

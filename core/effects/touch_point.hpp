@@ -20,7 +20,7 @@ struct TouchPoint {
   /// From the tool's origin to the foot of its perpendicular on the wrench's axis, (F x torque) /
   /// F^2: the force-weighted mean of the points that push, seen along the normal. Shortened to the
   /// reach.
-  Vec3 foot = Vec3::Zero();
+  Vec3 contact_centre = Vec3::Zero();
   double height_m = 0.0;  ///< along the normal from the foot to the deepest point
 };
 
@@ -37,9 +37,9 @@ inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, doub
   if (!(point.push_n > kMinPushN))
     return false;
   point.normal = wrench.force / point.push_n;
-  point.foot = point.normal.cross(wrench.torque) / point.push_n;
-  if (const double length = point.foot.norm(); length > reach_m)
-    point.foot *= reach_m / length;
+  point.contact_centre = point.normal.cross(wrench.torque) / point.push_n;
+  if (const double length = point.contact_centre.norm(); length > reach_m)
+    point.contact_centre *= reach_m / length;
   const double height = point.normal.dot(touch.contact->deepest_point - tool_origin);
   point.height_m = std::clamp(height, -reach_m, reach_m);
   return true;
@@ -52,7 +52,7 @@ inline constexpr EffectParameter kReachParameter =
 
 /// Where several objects touch, effects that grow with an object's push up to `full_n` [N], by a
 /// smoothstep, share: together they act as one at most. What each has of its own. Real-time safe.
-inline double share_of_each(const EffectFrame& frame, double full_n) noexcept {
+inline double weight_of_each(const EffectFrame& frame, double full_n) noexcept {
   double sum = 0.0;
   for (const ObjectContact& touch : frame.contacts)
     if (touch.contact != nullptr)
@@ -82,7 +82,7 @@ inline Mat6 seen_from_origin(const Mat3& there, const Vec3& arm) noexcept {
   return out;
 }
 
-/// The tool's way since the last sample. None at the first.
+/// The tool's path since the last sample. None at the first.
 class ToolDisplacement {
  public:
   /// Real-time safe.
@@ -96,10 +96,10 @@ class ToolDisplacement {
   /// The next pose is the first. Real-time safe.
   void forget() noexcept { known_ = false; }
 
-  /// Way [m] of the tool's own point that is now at `arm` from the tool's origin. Exactly zero for
-  /// a tool that rests.
+  /// Displacement [m] of the tool's own point that is now at `arm` from the tool's origin. Exactly
+  /// zero for a tool that rests.
   Vec3 of_point(const Vec3& arm) const noexcept { return shift_ + (arm - back_ * arm); }
-  /// At least the way of any of its points within `reach_m`.
+  /// At least the path of any of its points within `reach_m`.
   double most(double reach_m) const noexcept {
     return shift_.norm() + 2.0 * reach_m * back_.vec().norm();
   }
@@ -116,7 +116,7 @@ class ToolDisplacement {
 /// no step and a tool that rests none at all.
 class FollowedHeight {
  public:
-  /// `height_m` of this sample, as far as `moved_m`, the tool's way since the last one, lets it
+  /// `height_m` of this sample, as far as `moved_m`, the tool's path since the last one, lets it
   /// follow [m]. Real-time safe.
   double follow(double height_m, double moved_m) noexcept {
     height_ = known_ ? std::clamp(height_m, height_ - moved_m, height_ + moved_m) : height_m;
@@ -131,7 +131,7 @@ class FollowedHeight {
 
 /// The touched point itself, from the tool's origin; shortened to the reach.
 inline Vec3 arm_to(const TouchPoint& point, double height_m, double reach_m) noexcept {
-  const Vec3 arm = point.foot + height_m * point.normal;
+  const Vec3 arm = point.contact_centre + height_m * point.normal;
   const double length = arm.norm();
   return length > reach_m ? Vec3(arm * (reach_m / length)) : arm;
 }

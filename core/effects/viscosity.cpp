@@ -6,7 +6,7 @@
 namespace voxtouch::effects {
 namespace {
 
-enum : std::size_t { kDamping, kTurning };
+enum : std::size_t { kDamping, kRotation };
 
 constexpr std::array kParameters = {
     row::number("damping_ns_per_m", 0.0, 100.0,
@@ -18,20 +18,20 @@ constexpr std::array kParameters = {
 class Viscosity final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     push.wrench.force -= values.number(kDamping) * within_hand_speed(frame.twist.linear);
-    push.wrench.torque -= values.number(kTurning) * frame.twist.angular;
+    push.wrench.torque -= values.number(kRotation) * frame.twist.angular;
   }
 };
 
 EffectNeeds needs(const EffectValues& values) {
-  return {.twist = true, .torque = values.number(kTurning) > 0.0};
+  return {.twist = true, .torque = values.number(kRotation) > 0.0};
 }
 
 EffectBound bound(const EffectValues& values) {
   const double damping = values.number(kDamping);
   return {.damping_ns_per_m = damping,
-          .damping_nms_per_rad = values.number(kTurning),
+          .damping_nms_per_rad = values.number(kRotation),
           .force_n = damping * kFastestMPerS};
 }
 

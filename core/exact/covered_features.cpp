@@ -12,7 +12,7 @@ namespace {
 
 /// A feature is looked at so far off its place [m]: beyond the rounding of CAD meshes, within any
 /// wall.
-constexpr double kBesideM = 2e-6;
+constexpr double kProbeOffsetM = 2e-6;
 /// A point nearer than this to a face lies on it [m], likewise.
 constexpr double kOnM = 2e-7;
 /// Pieces of an edge that are shorter are left out [m].
@@ -30,22 +30,22 @@ class Cover {
   /// Whether a box of any other part reaches `box`.
   bool may_cover(const Box& box, std::uint32_t part) const {
     for (std::uint32_t p = 0; p < boxes_.size(); ++p)
-      if (p != part && distance(box, boxes_[p]) <= kBesideM)
+      if (p != part && distance(box, boxes_[p]) <= kProbeOffsetM)
         return true;
     return false;
   }
 
-  /// Whether the place just outside `face`, beside `point` in direction `inward`, is covered: it
+  /// Whether the place just outside `face`, next to `point` in direction `inward`, is covered: it
   /// lies inside a closed part.
   bool covers(const Vec3& point, const Vec3& inward, const Face& face) const {
-    const Vec3 beside = point + kBesideM * (inward + 0.5 * face.normal);
+    const Vec3 probe = point + kProbeOffsetM * (inward + 0.5 * face.normal);
     Work work;
-    return inside_closed_part(beside, mesh_, faces_, work);
+    return inside_closed_part(probe, mesh_, faces_, work);
   }
 
   /// Whether the surface goes on flush beyond a rim of `face`.
   bool goes_on(const Vec3& point, const Vec3& inward, std::uint32_t face) const {
-    const Vec3 beyond = point - kBesideM * inward;
+    const Vec3 beyond = point - kProbeOffsetM * inward;
     bool on = false;
     visit_near(beyond, kOnM, [&](std::uint32_t f) {
       on |= f != face && std::abs(mesh_.faces[f].normal.dot(mesh_.faces[face].normal)) > 0.999999;
@@ -85,7 +85,7 @@ class Cover {
       if (t > 0.0 && t < 1.0)
         at.push_back(t);
     };
-    faces_.walk([&](const Box& other) { return distance(box, other); }, kBesideM,
+    faces_.walk([&](const Box& other) { return distance(box, other); }, kProbeOffsetM,
                 [&](std::uint32_t f) {
                   if (f == edge.faces[0] || f == edge.faces[1])
                     return true;
@@ -97,7 +97,7 @@ class Cover {
                   for (std::size_t k = 0; k < 3; ++k) {
                     const Vec3 &p = mesh_.corner(f, k), &q = mesh_.corner(f, (k + 1) % 3);
                     const OnSegments on = nearest_on_segments(a, u, p, q - p);
-                    if ((a + on.s * u - p - on.t * (q - p)).norm() <= kBesideM)
+                    if ((a + on.s * u - p - on.t * (q - p)).norm() <= kProbeOffsetM)
                       take(on.s);
                     take((p - a).dot(u) / u.squaredNorm());
                   }

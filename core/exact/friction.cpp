@@ -43,8 +43,8 @@ Patch patch_of(std::span<const FrictionContact> contacts, double lever_m) noexce
 
 /// How far the step that sticks goes along `m` from `from`; false where no such step keeps the
 /// rows.
-bool along_normal(std::span<const Halfspace> rows, const Vec6& from, const Vec3& m, double wanted,
-                  double& goes) noexcept {
+bool along_normal(std::span<const Halfspace> rows, const Vec6& from, const Vec3& m,
+                  double requested, double& goes) noexcept {
   double least = -std::numeric_limits<double>::infinity(), most = -least;
   for (const Halfspace& row : rows) {
     const double opens = row.jacobian.head<3>().dot(m);
@@ -60,7 +60,7 @@ bool along_normal(std::span<const Halfspace> rows, const Vec6& from, const Vec3&
   }
   if (least > most + kKeptM)
     return false;
-  goes = std::max(least, std::min(wanted, most));
+  goes = std::max(least, std::min(requested, most));
   return true;
 }
 
@@ -80,13 +80,13 @@ FrictionStep with_friction(std::span<const FrictionContact> contacts,
   const Vec3 turn = turns_held ? across(m, free.tail<3>()) : Vec3(free.tail<3>());
   Vec6 sticking;
   sticking << -across(m, (turn / lever_m).cross(patch.centre)), turn;
-  const double wanted = m.dot(spring.head<3>() - sticking.head<3>());
+  const double requested = m.dot(spring.head<3>() - sticking.head<3>());
   double goes = 0.0;
-  if (!along_normal(rows, sticking, m, wanted, goes))
+  if (!along_normal(rows, sticking, m, requested, goes))
     return out;
   sticking.head<3>() += goes * m;
 
-  const double force_sticking = std::max(0.0, goes - wanted);
+  const double force_sticking = std::max(0.0, goes - requested);
   const Vec6 unbalanced = spring - sticking;
   const double shift = across(m, unbalanced.head<3>()).norm();
   const double twist = turns_held ? m.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m : 0.0;

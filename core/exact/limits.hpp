@@ -88,7 +88,7 @@ inline constexpr double kCatchUpM = 4e-5;
 /// A moving object takes up at most this ratio of a query's reach; the rest is the tool's own step.
 inline constexpr double kObjectsReachRatio = 0.5;
 /// An object that the tool cannot make way for is met where it was, until it is so far beyond [m].
-inline constexpr double kMaxObjectLagM = 5e-3;
+inline constexpr double kMaxObjectDelayM = 5e-3;
 
 /// Rows of one query, pairs that one query evaluates, pairs of one element's list: the most.
 inline constexpr std::size_t kMaxRows = 8192;

@@ -34,11 +34,11 @@ class Opposite {
     face_vertex_.reset();
     edge_edge_.reset();
     start_check_.restart();
-    way_m_ = 0.0;
+    path_m_ = 0.0;
   }
 
   /// Bound of the displacement of any point of the tool between two relative poses [m].
-  double way_between(const Pose& from, const Pose& to) const noexcept {
+  double path_between(const Pose& from, const Pose& to) const noexcept {
     const Quat turn = to.orientation * from.orientation.conjugate();
     const double angle = 2.0 * std::atan2(turn.vec().norm(), std::abs(turn.w()));
     return (to.position - from.position).norm() + angle * tool_->features().reach_m;
@@ -50,12 +50,12 @@ class Opposite {
 
   /// Takes the step that was tried.
   void accept() noexcept {
-    way_m_ += way_between(now_.pose(), next_.pose());
+    path_m_ += path_between(now_.pose(), next_.pose());
     std::swap(now_, next_);
   }
 
   void renew(double need_m, double radius_m, Work& work) noexcept {
-    const Renewal renewal{way_m_, need_m, radius_m};
+    const Renewal renewal{path_m_, need_m, radius_m};
     vertex_face_.renew(now_, renewal, work);
     edge_edge_.renew(now_, renewal, work);
     face_vertex_.renew(now_, renewal, work);
@@ -65,13 +65,13 @@ class Opposite {
   double allowed_m() const noexcept {
     const double until =
         std::min({vertex_face_.until_m(), face_vertex_.until_m(), edge_edge_.until_m()});
-    return until - way_m_;
+    return until - path_m_;
   }
   /// Nothing that is listed is nearer than this [m].
   double nearest_m() const noexcept {
     const double at =
         std::min({vertex_face_.nearest_m(), face_vertex_.nearest_m(), edge_edge_.nearest_m()});
-    return at - way_m_;
+    return at - path_m_;
   }
 
   /// Calls `visit(kind, element, item, distance)` for each listed pair within `reach_m`.
@@ -82,9 +82,9 @@ class Opposite {
         return visit(kind, element, item, distance);
       };
     };
-    return vertex_face_.visit_near(now_, way_m_, reach_m, of(PairKind::kVertexFace), work) &&
-           edge_edge_.visit_near(now_, way_m_, reach_m, of(PairKind::kEdgeEdge), work) &&
-           face_vertex_.visit_near(now_, way_m_, reach_m, of(PairKind::kFaceVertex), work);
+    return vertex_face_.visit_near(now_, path_m_, reach_m, of(PairKind::kVertexFace), work) &&
+           edge_edge_.visit_near(now_, path_m_, reach_m, of(PairKind::kEdgeEdge), work) &&
+           face_vertex_.visit_near(now_, path_m_, reach_m, of(PairKind::kFaceVertex), work);
   }
 
  private:
@@ -95,7 +95,7 @@ class Opposite {
   PairLists<FaceProbe> face_vertex_;
   PairLists<EdgeProbe> edge_edge_;
   StartCheck start_check_;
-  double way_m_ = 0.0;
+  double path_m_ = 0.0;
 };
 
 }  // namespace voxtouch::exact

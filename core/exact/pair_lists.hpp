@@ -1,11 +1,11 @@
 #pragma once
 /// Which features of an object are near each feature of the tool, and how long that holds.
 ///
-/// The *way* of the tool is the sum of what each step moves any of its points at most. Each leaf of
-/// the tool's tree (one feature) lists its pairs within a radius, and the way `until` which nothing
-/// unlisted can be nearer than zero: the way at which it was listed and the least distance of what
-/// was left out. A node holds the least of its children, or what its ball's distance from the
-/// object gives. So a frame renews only what expires, renewing may stop after any leaf, and the
+/// The *path* of the tool is the sum of what each step moves any of its points at most. Each leaf
+/// of the tool's tree (one feature) lists its pairs within a radius, and the path `until` which
+/// nothing unlisted can be nearer than zero: the path at which it was listed and the least distance
+/// of what was left out. A node holds the least of its children, or what its ball's distance from
+/// the object gives. So a frame renews only what expires, renewing may stop after any leaf, and the
 /// root's `until` says how far the tool may go.
 #include <algorithm>
 #include <array>
@@ -17,9 +17,9 @@
 
 namespace voxtouch::exact {
 
-/// What a renewal is asked for. All in metres of way.
+/// What a renewal is asked for. All in metres of path.
 struct Renewal {
-  double way_m = 0.0;   ///< of the tool so far
+  double path_m = 0.0;  ///< of the tool so far
   double need_m = 0.0;  ///< what is nearer than this must be listed
   double radius_m =
       0.0;  ///< what is nearer than this is listed by a leaf that is renewed; above `need_m`
@@ -63,11 +63,11 @@ class PairLists {
       renew_node(0, {}, posed, renewal, work);
   }
 
-  /// The way until which everything that can touch is listed.
+  /// The path until which everything that can touch is listed.
   double until_m() const noexcept {
     return tree_.nodes().empty() || items_.empty() ? kInfinity : states_[0].until_m;
   }
-  /// No listed pair touches before this way.
+  /// No listed pair touches before this path.
   double nearest_m() const noexcept {
     return tree_.nodes().empty() || items_.empty() ? kInfinity : states_[0].nearest_m;
   }
@@ -77,11 +77,11 @@ class PairLists {
   /// false or the limit of work was reached; what was evaluated need not be again for a smaller
   /// reach. Real-time safe.
   template <class Visit>
-  bool visit_near(PosedPoints& posed, double way_m, double reach_m, Visit&& visit,
+  bool visit_near(PosedPoints& posed, double path_m, double reach_m, Visit&& visit,
                   Work& work) noexcept {
     if (tree_.nodes().empty() || items_.empty())
       return true;
-    return visit_node(0, posed, way_m, reach_m, visit, work);
+    return visit_node(0, posed, path_m, reach_m, visit, work);
   }
 
  private:
@@ -92,7 +92,7 @@ class PairLists {
     double until_m = -kInfinity, nearest_m = kInfinity;
   };
   struct Pair {
-    double touches_m = 0.0;  ///< the way before which it does not touch
+    double touches_m = 0.0;  ///< the path before which it does not touch
     std::uint32_t item = 0;
   };
   struct Block {
@@ -104,17 +104,17 @@ class PairLists {
   void renew_node(std::uint32_t at, BoxTree::Entry entry, PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
     State& state = states_[at];
-    if (state.until_m >= renewal.way_m + renewal.need_m || work.done())
+    if (state.until_m >= renewal.path_m + renewal.need_m || work.done())
       return;
     const ElementTree::Node& node = tree_.nodes()[at];
     if (node.leaf)
       return renew_leaf(state, node.element, entry, posed, renewal, work);
     // Where a renewal that was cut short goes on, the node itself is known to be near.
     const double known = std::max(states_[at + 1].until_m, states_[node.next].until_m);
-    if (known < renewal.way_m + renewal.need_m) {
+    if (known < renewal.path_m + renewal.need_m) {
       const double beyond = distance_beyond(node.ball, entry, posed, renewal.radius_m, work);
       if (beyond > renewal.radius_m) {
-        state.until_m = renewal.way_m + beyond;
+        state.until_m = renewal.path_m + beyond;
         return;
       }
     }
@@ -126,8 +126,8 @@ class PairLists {
   }
 
   /// A lower bound of the ball's distance from all items; 0 where some item lies within `radius_m`.
-  /// Of items the distance is exact: boxes of large triangles that lie askew tell nothing. Narrows
-  /// `entry` to the ball.
+  /// Of items the distance is exact: boxes of large triangles that lie askew decide nothing.
+  /// Narrows `entry` to the ball.
   double distance_beyond(const Ball& ball, BoxTree::Entry& entry, const PosedPoints& posed,
                          double radius_m, Work& work) const noexcept {
     const Vec3 centre = posed.rotation() * ball.centre + posed.pose().position;
@@ -165,12 +165,12 @@ class PairLists {
         }
         fits = scratch_.size() < scratch_.capacity();
         if (fits)
-          scratch_.push_back({renewal.way_m + distance, item});
+          scratch_.push_back({renewal.path_m + distance, item});
         return fits;
       };
       const auto walked = items_.walk(bound, radius, list, work, entry);
-      if (walked.whole && store(element, renewal.way_m)) {
-        state.until_m = renewal.way_m + std::min(beyond, walked.beyond_m);
+      if (walked.whole && store(element, renewal.path_m)) {
+        state.until_m = renewal.path_m + std::min(beyond, walked.beyond_m);
         state.nearest_m = kInfinity;
         for (const Pair& pair : scratch_)
           state.nearest_m = std::min(state.nearest_m, pair.touches_m);
@@ -184,11 +184,11 @@ class PairLists {
 
   /// Makes what is in `scratch_` the list of `element`; false, and nothing changed, without room
   /// for it.
-  bool store(std::uint32_t element, double way_m) noexcept {
-    const std::size_t wanted = (scratch_.size() + kBlockPairs - 1) / kBlockPairs;
-    if (!has_free(wanted, element)) {
-      give_back_expired(way_m);
-      if (!has_free(wanted, element))
+  bool store(std::uint32_t element, double path_m) noexcept {
+    const std::size_t requested = (scratch_.size() + kBlockPairs - 1) / kBlockPairs;
+    if (!has_free(requested, element)) {
+      give_back_expired(path_m);
+      if (!has_free(requested, element))
         return false;
     }
     give_back(element);
@@ -205,13 +205,13 @@ class PairLists {
     return true;
   }
 
-  bool has_free(std::size_t wanted, std::uint32_t element) const noexcept {
+  bool has_free(std::size_t requested, std::uint32_t element) const noexcept {
     std::size_t found = 0;
-    for (std::uint32_t b = heads_[element]; b != kNone && found < wanted; b = blocks_[b].next)
+    for (std::uint32_t b = heads_[element]; b != kNone && found < requested; b = blocks_[b].next)
       ++found;
-    for (std::uint32_t b = free_; b != kNone && found < wanted; b = blocks_[b].next)
+    for (std::uint32_t b = free_; b != kNone && found < requested; b = blocks_[b].next)
       ++found;
-    return found >= wanted;
+    return found >= requested;
   }
 
   void give_back(std::uint32_t element) noexcept {
@@ -226,10 +226,10 @@ class PairLists {
 
   /// Lists of leaves that have expired are of no use. A leaf whose own list holds keeps it, however
   /// far its parent is: it would be taken for complete later.
-  void give_back_expired(double way_m) noexcept {
+  void give_back_expired(double path_m) noexcept {
     for (std::size_t at = 0; at < states_.size(); ++at) {
       const ElementTree::Node& node = tree_.nodes()[at];
-      if (!node.leaf || states_[at].until_m > way_m)
+      if (!node.leaf || states_[at].until_m > path_m)
         continue;
       give_back(node.element);
       states_[at].nearest_m = kInfinity;
@@ -237,17 +237,17 @@ class PairLists {
   }
 
   template <class Visit>
-  bool visit_node(std::uint32_t at, PosedPoints& posed, double way_m, double reach_m, Visit& visit,
+  bool visit_node(std::uint32_t at, PosedPoints& posed, double path_m, double reach_m, Visit& visit,
                   Work& work) noexcept {
     State& state = states_[at];
-    if (state.nearest_m > way_m + reach_m)
+    if (state.nearest_m > path_m + reach_m)
       return true;
     if (work.done())
       return false;
     const ElementTree::Node& node = tree_.nodes()[at];
     if (!node.leaf) {
-      const bool whole = visit_node(at + 1, posed, way_m, reach_m, visit, work) &&
-                         visit_node(node.next, posed, way_m, reach_m, visit, work);
+      const bool whole = visit_node(at + 1, posed, path_m, reach_m, visit, work) &&
+                         visit_node(node.next, posed, path_m, reach_m, visit, work);
       state.nearest_m = std::min(states_[at + 1].nearest_m, states_[node.next].nearest_m);
       return whole;
     }
@@ -258,10 +258,10 @@ class PairLists {
       Block& block = blocks_[b];
       for (std::size_t k = 0; k < block.count; ++k) {
         Pair& pair = block.pairs[k];
-        if (whole && pair.touches_m <= way_m + reach_m) {
+        if (whole && pair.touches_m <= path_m + reach_m) {
           const double distance = probe.distance(pair.item);
           work.add(Work::kPair);
-          pair.touches_m = way_m + distance;
+          pair.touches_m = path_m + distance;
           if (distance <= reach_m)
             whole = visit(node.element, pair.item, distance);
         }

@@ -20,8 +20,8 @@ class ActiveSet {
   std::uint32_t row(std::size_t k) const noexcept { return rows_[k]; }
   double& force(std::size_t k) noexcept { return forces_[k]; }
 
-  /// Splits `jacobian` into N times `share` and what is orthogonal to N, which is returned.
-  Vec6 split(const Vec6& jacobian, Vec6& share) const noexcept {
+  /// Splits `jacobian` into N times `projected` and what is orthogonal to N, which is returned.
+  Vec6 split(const Vec6& jacobian, Vec6& projected) const noexcept {
     Vec6 rest = jacobian, along = Vec6::Zero();
     for (int pass = 0; pass < 2; ++pass) {  // twice is enough (Kahan, Parlett)
       for (Eigen::Index k = 0; k < signed_count(); ++k) {
@@ -30,11 +30,11 @@ class ActiveSet {
         rest -= part * basis_.col(k);
       }
     }
-    share = along;
+    projected = along;
     for (Eigen::Index k = signed_count() - 1; k >= 0; --k) {
       for (Eigen::Index j = k + 1; j < signed_count(); ++j)
-        share[k] -= triangle_(k, j) * share[j];
-      share[k] /= triangle_(k, k);
+        projected[k] -= triangle_(k, j) * projected[j];
+      projected[k] /= triangle_(k, k);
     }
     return rest;
   }
@@ -104,21 +104,21 @@ std::size_t most_violated(std::span<const Halfspace> rows, const Vec6& delta,
 }
 
 /// Takes row `entering`, which lacks `missing`, into the set, and others out that it makes
-/// superfluous; false where no step keeps it beside the others.
+/// superfluous; false where no step keeps it together with the others.
 bool enter(std::span<const Halfspace> rows, std::size_t entering, double missing, Vec6& delta,
            ActiveSet& active, int& iterations) noexcept {
   const Vec6& jacobian = rows[entering].jacobian;
   double force = 0.0;
   for (; iterations < limits::kMaxIterations; ++iterations) {
-    Vec6 share;
-    const Vec6 rest = active.split(jacobian, share);
+    Vec6 projected;
+    const Vec6 rest = active.split(jacobian, projected);
     const double rest2 = rest.squaredNorm();
     const bool independent = active.size() < 6 && rest2 > kDependent2 * jacobian.squaredNorm();
     const double full = independent ? missing / rest2 : kUnlimited;
     double partial = kUnlimited;
     std::size_t leaving = 0;
     for (std::size_t k = 0; k < active.size(); ++k) {
-      const double falls = share[static_cast<Eigen::Index>(k)];
+      const double falls = projected[static_cast<Eigen::Index>(k)];
       if (!(falls > 1e-14) || !(active.force(k) / falls < partial))
         continue;
       partial = active.force(k) / falls;
@@ -128,7 +128,8 @@ bool enter(std::span<const Halfspace> rows, std::size_t entering, double missing
     if (step == kUnlimited)
       return false;
     for (std::size_t k = 0; k < active.size(); ++k)
-      active.force(k) = std::max(0.0, active.force(k) - step * share[static_cast<Eigen::Index>(k)]);
+      active.force(k) =
+          std::max(0.0, active.force(k) - step * projected[static_cast<Eigen::Index>(k)]);
     force += step;
     if (independent) {
       delta += step * rest;

@@ -11,12 +11,12 @@ namespace {
 
 constexpr std::uint64_t kTrianglePair = 12;  // units of work
 
-/// Whether the ray from `from` along `way` meets the box.
-bool ray_meets(const Box& box, const Vec3& from, const Vec3& way) noexcept {
+/// Whether the ray from `from` along `ray` meets the box.
+bool ray_meets(const Box& box, const Vec3& from, const Vec3& ray) noexcept {
   double enters = 0.0, leaves = std::numeric_limits<double>::infinity();
   for (Eigen::Index k = 0; k < 3; ++k) {
-    const double to_low = (box.low[k] - from[k]) / way[k],
-                 to_high = (box.high[k] - from[k]) / way[k];
+    const double to_low = (box.low[k] - from[k]) / ray[k],
+                 to_high = (box.high[k] - from[k]) / ray[k];
     enters = std::max(enters, std::min(to_low, to_high));
     leaves = std::min(leaves, std::max(to_low, to_high));
   }
@@ -24,15 +24,15 @@ bool ray_meets(const Box& box, const Vec3& from, const Vec3& way) noexcept {
 }
 
 /// 1 where the ray leaves through the front of a face, -1 where it enters, 0 where it misses it.
-int crossing(const Vec3& from, const Vec3& way, const FeatureMesh& mesh, std::uint32_t f) noexcept {
+int crossing(const Vec3& from, const Vec3& ray, const FeatureMesh& mesh, std::uint32_t f) noexcept {
   const Vec3 a = mesh.corner(f, 0) - from, b = mesh.corner(f, 1) - from,
              c = mesh.corner(f, 2) - from;
-  const double u = way.dot(c.cross(b)), v = way.dot(a.cross(c)), w = way.dot(b.cross(a));
+  const double u = ray.dot(c.cross(b)), v = ray.dot(a.cross(c)), w = ray.dot(b.cross(a));
   const bool front = u < 0.0 && v < 0.0 && w<0.0, back = u> 0.0 && v > 0.0 && w > 0.0;
   if (!front && !back)
     return 0;
   const Vec3& n = mesh.faces[f].normal;
-  const double faces = n.dot(way);
+  const double faces = n.dot(ray);
   return n.dot(a) / faces > 0.0 ? (faces > 0.0 ? 1 : -1) : 0;
 }
 
@@ -83,21 +83,21 @@ bool face_meets(std::uint32_t f, const ToolBody& tool, const ObjectBody& object,
 
 bool inside_closed_part(const Vec3& point, const FeatureMesh& mesh, const BoxTree& faces,
                         Work& work) noexcept {
-  static const std::array<Vec3, 3> kWays{
+  static const std::array<Vec3, 3> kDirections{
       Vec3(0.2761, 0.5443, 0.7921), Vec3(-0.8137, 0.1429, 0.5634), Vec3(0.3319, -0.9157, 0.2263)};
   int votes = 0;
-  for (const Vec3& way : kWays) {
+  for (const Vec3& ray : kDirections) {
     int winding = 0;
     Work all;
     const auto bound = [&](const Box& box) {
-      return ray_meets(box, point, way) ? 0.0 : std::numeric_limits<double>::infinity();
+      return ray_meets(box, point, ray) ? 0.0 : std::numeric_limits<double>::infinity();
     };
     faces.walk(
         bound, 0.0,
         [&](std::uint32_t f) {
           all.add(Work::kPair);
           if (!mesh.faces[f].two_sided)
-            winding += crossing(point, way, mesh, f);
+            winding += crossing(point, ray, mesh, f);
           return true;
         },
         all);

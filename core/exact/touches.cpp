@@ -158,7 +158,7 @@ Edges edges_of(const NearPair& pair, const ToolBody& tool, const ObjectBody& obj
   return {on_tool, on_object, p, posed.at(on_tool.ends[1]) - p, q, b.points[on_object.ends[1]] - q};
 }
 
-/// Where two lines are nearest: parameters, and twice the area that tells how far from parallel
+/// Where two lines are nearest: parameters, and twice the area that gives how far from parallel
 /// they are.
 struct OnLines {
   double s = 0.0, t = 0.0;
@@ -212,7 +212,7 @@ Touches edge_edge(const NearPair& pair, const ToolBody& tool, const ObjectBody& 
   return out;
 }
 
-/// The plane of face `f` on the side of `p`; or, where `p` is nearly in that plane but beside the
+/// The plane of face `f` on the side of `p`; or, where `p` is nearly in that plane but next to the
 /// face, the plane across the way to its nearest point. `then`: the gap of `moved`.
 Facing plane_between(const Vec3& p, const Vec3& moved, const FeatureMesh& mesh, std::uint32_t f,
                      double& then) noexcept {

@@ -33,12 +33,12 @@ struct Touches {
 /// to be one within a step of `reach_m`.
 ///
 /// A point has a row with a face that it projects into; with a convex edge or vertex only within
-/// the region in which no neighbour is nearer. Beside a concave edge the neighbour's plane holds as
-/// well: free space is the intersection there. A vertex needs all its edges to rise from the plane
-/// (kVertexConeSine), an edge pair a normal in both edges' cones (kEdgeConeSine) and lines that
-/// meet between the edges' ends; farther off than kBeyondEndsMargins by as much to spare as the
-/// step may change. Near the margin such a row would hold what is free. Ties above flat edges go to
-/// one owner. Real-time safe.
+/// the region in which no neighbour is nearer. Next to a concave edge the neighbour's plane holds
+/// as well: free space is the intersection there. A vertex needs all its edges to rise from the
+/// plane (kVertexConeSine), an edge pair a normal in both edges' cones (kEdgeConeSine) and lines
+/// that meet between the edges' ends; farther off than kBeyondEndsMargins by as much to spare as
+/// the step may change. Near the margin such a row would hold what is free. Ties above flat edges
+/// go to one owner. Real-time safe.
 Touches touches_of(const NearPair& pair, const ToolBody& tool, const ObjectBody& object,
                    PosedPoints& posed, double reach_m) noexcept;
 

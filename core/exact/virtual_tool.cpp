@@ -107,7 +107,7 @@ void VirtualTool::reset() noexcept {
   last_ = {};
 }
 
-/// Leaves a pose of unit norm as it is, to the bit.
+/// Returns a pose of unit norm bit-identically.
 PoseStatus VirtualTool::check(Pose& hand, std::span<const Pose> objects) const noexcept {
   Quat unit = hand.orientation;
   if (objects.size() != opposites_.size() || !hand.position.allFinite() ||
@@ -122,7 +122,7 @@ PoseStatus VirtualTool::check(Pose& hand, std::span<const Pose> objects) const n
 }
 
 /// No point of the tool goes farther in a step `delta` [m].
-double VirtualTool::way_of(const Vec6& delta) const noexcept {
+double VirtualTool::length_of(const Vec6& delta) const noexcept {
   return delta.head<3>().norm() + delta.tail<3>().norm() * reach_m_ / options_.lever_m;
 }
 
@@ -222,13 +222,13 @@ bool VirtualTool::place(const Pose& tool, std::span<const Pose> objects) noexcep
 }
 
 /// What the objects still have to go, seen from the tool [m].
-double VirtualTool::objects_way() noexcept {
+double VirtualTool::object_path() noexcept {
   double most = 0.0;
   for (std::size_t n = 0; n < opposites_.size(); ++n) {
     if (same(objects_[n], targets_[n]))
       continue;
     const Pose there = relative(tool_, targets_[n]);
-    most = std::max(most, opposites_[n].way_between(opposites_[n].now().pose(), there));
+    most = std::max(most, opposites_[n].path_between(opposites_[n].now().pose(), there));
   }
   return most;
 }
@@ -374,7 +374,7 @@ bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
   for (const NearPair& pair : near_) {
     Opposite& opposite = opposites_[pair.object];
     PosedPoints &now = opposite.now(), &next = opposite.next();
-    if (pair.distance_m > opposite.way_between(now.pose(), next.pose()) + limits::kTouchM)
+    if (pair.distance_m > opposite.path_between(now.pose(), next.pose()) + limits::kTouchM)
       continue;
     if (work.done())
       return true;  // not known
@@ -401,7 +401,7 @@ bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, double lists_m,
   for (std::size_t n = 0; n < opposites_.size(); ++n) {
     Opposite& opposite = opposites_[n];
     opposite.next().set_pose(relative(tool, planned_[n]));
-    listed &= opposite.way_between(opposite.now().pose(), opposite.next().pose()) <=
+    listed &= opposite.path_between(opposite.now().pose(), opposite.next().pose()) <=
               lists_m + limits::kMarginM;
   }
   if (!listed || passes_something(taken, work)) {
@@ -422,8 +422,8 @@ double VirtualTool::solve_query(const Query& query, const Vec6& spring, VirtualT
   limit_to(limits::kProjectionRatio, work);
   solve(spring, out, work);
   hold_by_friction(spring, query.friction);
-  out.residual_m = way_of(last_.delta);
-  const double limit = std::min(query.reach_m, std::max(0.0, query.way_left_m));
+  out.residual_m = length_of(last_.delta);
+  const double limit = std::min(query.reach_m, std::max(0.0, query.remaining_m));
   const double ratio = out.residual_m > limit ? limit / out.residual_m : 1.0;
   // Rows that bend push the tool farther than the straight step goes.
   const double turn = ratio * last_.delta.tail<3>().norm() / options_.lever_m;
@@ -431,7 +431,7 @@ double VirtualTool::solve_query(const Query& query, const Vec6& spring, VirtualT
   return last_.count > 0 && bent > limit ? ratio * limit / bent : ratio;
 }
 
-/// Solves, and goes as far as the query allows. \returns the way that the tool went [m].
+/// Solves, and goes as far as the query allows. \returns the path that the tool went [m].
 double VirtualTool::step(const Query& query, VirtualToolFrame& out, Work& work) noexcept {
   const Vec6 spring = spring_to(query.hand);
   const bool objects_move = query.objects_ratio > 0.0;
@@ -464,7 +464,7 @@ double VirtualTool::step(const Query& query, VirtualToolFrame& out, Work& work) 
         whole ? query.hand : moved(tool_, taken.head<3>(), taken.tail<3>() / options_.lever_m);
     const bool shorter = objects_move || whole || shortens(spring, taken, tool, query.hand);
     if (shorter && try_step(tool, taken, query.lists_m, out, work))
-      return way_of(taken);
+      return length_of(taken);
     if (shorter && attempt == 0)
       continue;  // once more with what was passed
     scale *= 0.5;
@@ -494,36 +494,36 @@ bool VirtualTool::collect_for(Query& query, double objects_m, Work& work) noexce
   }
 }
 
-void VirtualTool::follow(const HandSample& sample, double hands_way_m, VirtualToolFrame& out,
+void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualToolFrame& out,
                          Work& work) noexcept {
-  double way_left = kInfinity;
+  double remaining = kInfinity;
   if (pressed_) {
-    const double catch_up = limits::kCatchUpRatio * way_of(spring_to(sample.pose));
-    way_left = hands_way_m + std::max(catch_up, limits::kCatchUpM);
+    const double catch_up = limits::kCatchUpRatio * length_of(spring_to(sample.pose));
+    remaining = hand_path_m + std::max(catch_up, limits::kCatchUpM);
   }
   Query query{.hand = sample.pose, .friction = sample.friction};
-  query.rest_m = std::max(limits::kRestM, limits::kMovingRestRatio * hands_way_m);
+  query.rest_m = std::max(limits::kRestM, limits::kMovingRestRatio * hand_path_m);
   double expected =
       std::clamp(limits::kReachRatio * longest_step_m_, limits::kMinReachM, limits::kMaxReachM);
   double longest = 0.0;
   converged_ = false;
   while (out.queries < limits::kMaxQueries) {
     ++out.queries;
-    const double objects = objects_way();
+    const double objects = object_path();
     if (objects == 0.0 && same(tool_, sample.pose)) {
       converged_ = true;
       last_ = {};
       break;
     }
-    const double wanted = way_of(spring_to(sample.pose)) + objects;
-    double need = std::min(expected, wanted);
+    const double requested = length_of(spring_to(sample.pose)) + objects;
+    double need = std::min(expected, requested);
     if (objects > 0.0)  // room for the objects' whole displacement
       need = std::max(need, std::min(objects / limits::kObjectsReachRatio, limits::kMaxReachM));
     limit_to(limits::kRenewalRatio, work);
     query.lists_m = reach_of_query(need, work);
     if (objects > 0.0)
-      way_left += objects;
-    query.way_left_m = way_left;
+      remaining += objects;
+    query.remaining_m = remaining;
     limit_to(limits::kPairsRatio, work);
     if (!collect_for(query, objects, work))
       break;
@@ -532,20 +532,20 @@ void VirtualTool::follow(const HandSample& sample, double hands_way_m, VirtualTo
     const double went = step(query, out, work);
     last_step_m_ = went;
     longest = std::max(longest, went);
-    way_left -= went;
+    remaining -= went;
     limit_to(limits::kWidenRatio, work);
     if (went > 0.9 * query.reach_m && !work.done())
       expected = std::min(2.0 * expected, limits::kMaxReachM);
     if (converged_ || (went == 0.0 && objects == 0.0))
       break;
-    if (way_left < limits::kRestM && objects_way() == 0.0) {
+    if (remaining < limits::kRestM && object_path() == 0.0) {
       converged_ = true;  // as far as it may go in this frame
       break;
     }
   }
   limit_to(limits::kRenewalRatio, work);
   out.cut_short = !converged_ && work.done();
-  out.object_lag_m = objects_way();
+  out.object_delay_m = object_path();
   longest_step_m_ = longest;
 }
 
@@ -575,8 +575,8 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
     out.contact_normal = row.normal;
     out.contact_owner = row.owner;
   }
-  const bool lag = !free && last_.count == 0 && !pressed_;
-  out.constrained = !free && !lag;
+  const bool unfinished = !free && last_.count == 0 && !pressed_;
+  out.constrained = !free && !unfinished;
   out.not_converged = !converged_;
   if (out.constrained) {
     // Without a row that says which way it gives, as if none did.
@@ -584,7 +584,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
     out.displayed = Mat6::Identity() - loose_ * gives * loose_;
   }
   pressed_ = out.constrained;
-  if (!lag)
+  if (!unfinished)
     out.ratio = options_.fade_s > 0.0 ? std::min(1.0, placed_s_ / options_.fade_s) : 1.0;
 }
 
@@ -623,10 +623,10 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
     last_step_m_ = 0.0;
   }
   hand_ = hand.pose;
-  follow(hand, way_of(hands_way), out, work);
+  follow(hand, length_of(hands_way), out, work);
   out.work = work.used();
   report(out);
-  if (out.object_lag_m > limits::kMaxObjectLagM) {
+  if (out.object_delay_m > limits::kMaxObjectDelayM) {
     out.passed_through = out.not_initialised = true;
     out.ratio = 0.0;
     reset();

@@ -22,7 +22,8 @@ namespace voxtouch::exact {
 struct VirtualToolOptions {
   double lever_m = 0.0;  ///< weighs rotations against shifts; 0: the tool's reach
   double fade_s = 0.2;   ///< after the tool was initialised the force comes in over this time
-  std::uint64_t max_work = 45000;  ///< of a frame, in units of Work; at the limit the tool lags
+  std::uint64_t max_work =
+      45000;  ///< of a frame, in units of Work; at the limit the tool has not converged
   std::size_t pair_capacity = 1 << 16;  ///< pairs listed of each kind and object
 };
 
@@ -51,10 +52,10 @@ struct VirtualToolFrame {
   std::uint32_t rows_seen = 0;         ///< of the query with the most
   std::uint32_t pairs_seen = 0;        ///< likewise
   int queries = 0;
-  int iterations = 0;         ///< of all projections
-  int void_steps = 0;         ///< that would have passed something
-  std::uint64_t work = 0;     ///< in units of Work
-  double object_lag_m = 0.0;  ///< how far the objects are beyond where the tool meets them
+  int iterations = 0;           ///< of all projections
+  int void_steps = 0;           ///< that would have passed something
+  std::uint64_t work = 0;       ///< in units of Work
+  double object_delay_m = 0.0;  ///< how far the objects are beyond where the tool meets them
   PoseStatus pose_status = PoseStatus::kUsable;
   bool constrained = false;    ///< rows hold the tool off the hand
   bool not_converged = false;  ///< the tool has not come to its place within the frame
@@ -66,8 +67,8 @@ struct VirtualToolFrame {
 
   /// What the hand feels with a spring of `k` [N/m]: k d, faded.
   Wrench wrench(double k) const noexcept {
-    const double felt = ratio * k;
-    return {-felt * shift, -(felt * lever_m * lever_m) * rotation};
+    const double weighted = ratio * k;
+    return {-weighted * shift, -(weighted * lever_m * lever_m) * rotation};
   }
   /// -d(wrench)/d(hand's pose) [N/m, N, Nm/rad]; at most k (k lever^2 for rotations).
   Mat6 stiffness(double k) const noexcept;
@@ -75,7 +76,7 @@ struct VirtualToolFrame {
 
 /// State: the tool's pose, the objects' poses, and lists that are a cache. All memory is taken at
 /// construction; `frame` and `reset` neither allocate nor throw nor lock. One thread at a time. The
-/// same frames give the same bits. Body and objects must outlive it.
+/// same frames give bit-identical results. Body and objects must outlive it.
 class VirtualTool {
  public:
   /// Throws std::invalid_argument without objects, or for options that are not finite.
@@ -113,7 +114,7 @@ class VirtualTool {
   std::size_t bytes() const noexcept;
 
  private:
-  /// A row, beside what the projection needs of it.
+  /// A row, in addition to what the projection needs of it.
   struct Row {
     Vec3 normal = Vec3::Zero();  ///< W, from the object to the tool
     Vec3 arm = Vec3::Zero();     ///< from the tool's origin to its point, W [m]
@@ -127,10 +128,10 @@ class VirtualTool {
   struct Query {
     Pose hand;
     double friction = 0.0;
-    double lists_m = 0.0;     ///< no pair within it is left out
-    double reach_m = 0.0;     ///< of it, what the objects' displacement leaves for the tool
-    double way_left_m = 0.0;  ///< of the frame, where something is touched
-    double rest_m = 0.0;      ///< a shorter step ends the frame
+    double lists_m = 0.0;      ///< no pair within it is left out
+    double reach_m = 0.0;      ///< of it, what the objects' displacement leaves for the tool
+    double remaining_m = 0.0;  ///< of the frame, where something is touched
+    double rest_m = 0.0;       ///< a shorter step ends the frame
     double objects_ratio =
         1.0;  ///< of the objects' displacement that is left, which they make in this step
   };
@@ -145,14 +146,14 @@ class VirtualTool {
   };
 
   PoseStatus check(Pose& hand, std::span<const Pose> objects) const noexcept;
-  double way_of(const Vec6& delta) const noexcept;
+  double length_of(const Vec6& delta) const noexcept;
   Vec6 spring_between(const Pose& tool, const Pose& hand) const noexcept;
   Vec6 spring_to(const Pose& hand) const noexcept;
   bool shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
                 const Pose& hand) const noexcept;
   bool start_is_blocked() noexcept;
   bool initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept;
-  double objects_way() noexcept;
+  double object_path() noexcept;
   double reach_of_query(double need_m, Work& work) noexcept;
   bool collect(double reach_m, Work& work) noexcept;
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
@@ -172,7 +173,7 @@ class VirtualTool {
   double solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
                      Work& work) noexcept;
   double step(const Query& query, VirtualToolFrame& out, Work& work) noexcept;
-  void follow(const HandSample& hand, double hands_way_m, VirtualToolFrame& out,
+  void follow(const HandSample& hand, double hand_path_m, VirtualToolFrame& out,
               Work& work) noexcept;
   void report(VirtualToolFrame& out) noexcept;
 

@@ -16,7 +16,7 @@ constexpr double kPulsePathM = 1e-3, kPulsePathSteps = 12.0, kPulseSpeed = 0.1;
 constexpr double kFrictionTried = 0.85;  // of the allowed force
 constexpr double kDelayAssumedS = 5e-3;
 constexpr double kSlowRatio = 0.4;
-constexpr int kTrialStrokes = 4;
+constexpr int kProbeStrokes = 4;
 constexpr double kStrokesS = 6.0, kDenseS = 5.0;
 constexpr double kLongestS = 30.0;      // of the record
 constexpr double kFastestPeriod = 0.7;  // of the nominal one, for the capacity
@@ -141,14 +141,14 @@ double AxisExcitation::dispatch(double time_s, double position_m) noexcept {
     case Step::kPulses:
     case Step::kPulseRest:
       return pulse(time_s, position_m);
-    case Step::kTrial:
-    case Step::kSecondTrial:
+    case Step::kProbeStroke:
+    case Step::kSecondProbe:
     case Step::kStrokes:
     case Step::kDenseTones:
       return stroke(time_s, position_m);
     case Step::kFitPulses:
-    case Step::kFitTrial:
-    case Step::kFitSecondTrial:
+    case Step::kFitProbe:
+    case Step::kFitSecondProbe:
     case Step::kFitAll:
       entry_.part = Part::kHold;
       return hold(start_position_m_);
@@ -177,8 +177,8 @@ double AxisExcitation::break_away(double time_s, double position_m, int directio
   }
   const bool moved = ramp.first_s > 0.0 && path >= 3.375 * ramp.first_m;
   ramp.force_n = force;
-  ramp.wrong_way = path <= -enough;
-  if (!moved && !ramp.wrong_way && since < kRampS + (ramp.first_s > 0.0 ? kRampEndS : 0.0))
+  ramp.wrong_direction = path <= -enough;
+  if (!moved && !ramp.wrong_direction && since < kRampS + (ramp.first_s > 0.0 ? kRampEndS : 0.0))
     return force;
   ramp.moved = ramp.first_s > 0.0;
   if (ramp.moved) {
@@ -192,15 +192,15 @@ double AxisExcitation::break_away(double time_s, double position_m, int directio
 }
 
 void AxisExcitation::finish_break_away() noexcept {
-  if (forward_.wrong_way && backward_.wrong_way)
+  if (forward_.wrong_direction && backward_.wrong_direction)
     return stop(Outcome::kWrongDirection);
   if (!forward_.moved && !backward_.moved)
-    return stop(forward_.wrong_way || backward_.wrong_way ? Outcome::kWrongDirection
-                                                          : Outcome::kDoesNotMove);
+    return stop(forward_.wrong_direction || backward_.wrong_direction ? Outcome::kWrongDirection
+                                                                      : Outcome::kDoesNotMove);
   if (forward_.moved && backward_.moved) {
     model_.coulomb_n = std::max(0.0, 0.5 * (forward_.force_n - backward_.force_n));
     model_.bias_n = -0.5 * (forward_.force_n + backward_.force_n);
-  } else if (forward_.wrong_way || backward_.wrong_way) {
+  } else if (forward_.wrong_direction || backward_.wrong_direction) {
     model_.coulomb_n = std::abs(forward_.moved ? forward_.force_n : backward_.force_n);
   } else {
     return stop(Outcome::kFrictionTooHigh);
@@ -240,9 +240,9 @@ double AxisExcitation::pulse(double time_s, double position_m) noexcept {
 void AxisExcitation::resume(const AxisModel& model) noexcept {
   if (!waiting())
     return;
-  const Step after = step_ == Step::kFitPulses        ? Step::kTrial
-                     : step_ == Step::kFitTrial       ? Step::kSecondTrial
-                     : step_ == Step::kFitSecondTrial ? Step::kStrokes
+  const Step after = step_ == Step::kFitPulses        ? Step::kProbeStroke
+                     : step_ == Step::kFitProbe       ? Step::kSecondProbe
+                     : step_ == Step::kFitSecondProbe ? Step::kStrokes
                                                       : Step::kFinished;
   if (after == Step::kFinished) {
     model_ = model;
@@ -264,15 +264,15 @@ void AxisExcitation::begin_strokes(double time_s, double position_m) noexcept {
       .encoder_step_m = encoder_step_m()};
   double length = kStrokesS;
   switch (step_) {
-    case Step::kTrial:
+    case Step::kProbeStroke:
       goals.path_m *= 0.3;
       goals.longest_s = 0.9;
-      entry_.part = Part::kTrial;
+      entry_.part = Part::kProbeStroke;
       break;
-    case Step::kSecondTrial:
+    case Step::kSecondProbe:
       goals.path_m *= 0.6;
       goals.longest_s = 1.0;
-      entry_.part = Part::kTrial;
+      entry_.part = Part::kProbeStroke;
       break;
     case Step::kStrokes:
       entry_.part = Part::kStroke;
@@ -287,8 +287,8 @@ void AxisExcitation::begin_strokes(double time_s, double position_m) noexcept {
   }
   stroke_ = {};
   stroke_.plan = plan_stroke(model_, goals);
-  stroke_.until_s = entry_.part == Part::kTrial
-                        ? time_s + (kTrialStrokes - 0.5) * stroke_.plan.duration_s
+  stroke_.until_s = entry_.part == Part::kProbeStroke
+                        ? time_s + (kProbeStrokes - 0.5) * stroke_.plan.duration_s
                         : time_s + length - 0.5 * stroke_.plan.duration_s;
   begin_stroke(time_s, position_m);
 }
@@ -299,13 +299,13 @@ void AxisExcitation::begin_stroke(double time_s, double position_m) noexcept {
   const bool slow = s.index % 4 >= 2;
   s.direction = s.index % 2 == 0 ? 1 : -1;
   const double from_origin = position_m - safety_.origin_m();
-  const double wanted = (slow ? kSlowRatio : 1.0) * s.plan.path_m;
+  const double requested = (slow ? kSlowRatio : 1.0) * s.plan.path_m;
   const auto room = [&] { return 0.7 * limits_.box_m - s.direction * from_origin; };
-  if (room() < 0.9 * wanted && s.direction * from_origin > 0.0)
+  if (room() < 0.9 * requested && s.direction * from_origin > 0.0)
     s.direction = -s.direction;
   // fast strokes run from end to end
   const double end = 0.5 * s.plan.path_m - s.direction * from_origin;
-  const double length = slow ? wanted : std::clamp(end, 0.4 * wanted, 1.2 * wanted);
+  const double length = slow ? requested : std::clamp(end, 0.4 * requested, 1.2 * requested);
   const double path = s.direction * std::clamp(length, 0.0, std::max(0.0, room()));
   s.path_m = path;
   s.tone_scale = std::min(1.0, std::abs(path) / s.plan.path_m);
@@ -322,8 +322,8 @@ double AxisExcitation::stroke(double time_s, double position_m) noexcept {
   if (time_s - s.start_s >= s.plan.duration_s) {
     if (time_s >= s.until_s) {
       const Step done = step_;
-      next(done == Step::kTrial         ? Step::kFitTrial
-           : done == Step::kSecondTrial ? Step::kFitSecondTrial
+      next(done == Step::kProbeStroke   ? Step::kFitProbe
+           : done == Step::kSecondProbe ? Step::kFitSecondProbe
            : done == Step::kStrokes     ? Step::kDenseTones
                                         : Step::kFitAll,
            time_s);

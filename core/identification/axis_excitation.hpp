@@ -20,10 +20,10 @@ enum class Step : std::uint8_t {
   kPulses,
   kPulseRest,
   kFitPulses,
-  kTrial,
-  kFitTrial,
-  kSecondTrial,
-  kFitSecondTrial,
+  kProbeStroke,
+  kFitProbe,
+  kSecondProbe,
+  kFitSecondProbe,
   kStrokes,
   kDenseTones,
   kFitAll,
@@ -77,7 +77,7 @@ class AxisExcitation {
   /// Reserves the record. Allocates.
   void start(const AxisLimits& limits);
 
-  /// Goes on with the spring that held the axis until now, and the force beside it.
+  /// Goes on with the spring that held the axis, and with the forces of the other axes.
   void take_over(const HoldingSpring& spring, double force_n) noexcept {
     spring_ = spring;
     model_.bias_n = -force_n;
@@ -86,15 +86,15 @@ class AxisExcitation {
   /// The force in reply to a sample [N]. After an outcome it is 0 for ever.
   double step(double time_s, double position_m) noexcept;
   /// What a guard made of the force, if it differs.
-  void applied(double force_n, const Beside& beside = {}) noexcept {
+  void applied(double force_n, const CrossAxis& cross_axis = {}) noexcept {
     if (!waiting())
-      record_.set_last(force_n, beside);
+      record_.set_last(force_n, cross_axis);
   }
   FitInput fit_input() const noexcept;
 
   bool waiting() const noexcept {
-    return step_ == Step::kFitPulses || step_ == Step::kFitTrial ||
-           step_ == Step::kFitSecondTrial || step_ == Step::kFitAll;
+    return step_ == Step::kFitPulses || step_ == Step::kFitProbe ||
+           step_ == Step::kFitSecondProbe || step_ == Step::kFitAll;
   }
   /// Goes on with what the fit found. Real-time safe.
   void resume(const AxisModel& model) noexcept;
@@ -138,7 +138,7 @@ class AxisExcitation {
   std::optional<Outcome> outcome_;
   struct Ramp {
     double force_n = 0.0, first_s = 0.0, first_m = 0.0;
-    bool moved = false, wrong_way = false;
+    bool moved = false, wrong_direction = false;
   };
   Ramp forward_, backward_;
   double step_start_s_ = 0.0, last_time_s_ = 0.0, last_position_m_ = 0.0, base_force_n_ = 0.0;

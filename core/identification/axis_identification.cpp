@@ -78,8 +78,9 @@ AxisModel model_so_far(const FitInput& input) {
     m.delay_s = fit.figures.delay_s.value;
     return careful(m);
   }
-  const std::vector<Window> windows = stroke_windows(
-      *input.record, Part::kTrial, {.skip_start = 0.2, .shortest_s = 0.08, .encoder_step_m = step});
+  const std::vector<Window> windows =
+      stroke_windows(*input.record, Part::kProbeStroke,
+                     {.skip_start = 0.2, .shortest_s = 0.08, .encoder_step_m = step});
   // From the grid: a wrong first model must not decide.
   const Fit fit = fit_output_error(*input.record, windows, options_for({}, period_s, step));
   if (!fit.converged || !plausible(fit.figures) || windows.size() < 3)

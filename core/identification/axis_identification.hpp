@@ -8,9 +8,8 @@ namespace voxtouch::identification {
 /// Largest ratio of friction and bias to the allowed force at which figures are reported.
 inline constexpr double kMostFrictionRatio = 0.6;
 
-/// The model that the next step of the excitation uses, from the record so far: pulses, then
-/// trials.
-/// Never fails: without a usable fit it returns a careful guess. Not for the loop.
+/// The model that the next step of the excitation uses, from the record so far: pulses, then probe
+/// strokes. Never fails: without a usable fit it returns a careful guess. Not for the loop.
 AxisModel model_so_far(const FitInput& input);
 
 /// The figures of a finished record. Not for the loop.

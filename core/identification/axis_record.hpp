@@ -8,10 +8,10 @@
 namespace voxtouch::identification {
 
 /// Parts of a run; windows of the fit are cut from strokes and pulses.
-enum class Part : std::uint8_t { kHold, kBreakAway, kPulse, kTrial, kStroke, kDenseTones };
+enum class Part : std::uint8_t { kHold, kBreakAway, kPulse, kProbeStroke, kStroke, kDenseTones };
 
-/// What acts on the axis beside its own force: forces and positions of the other two axes.
-struct Beside {
+/// What acts on the axis in addition to its own force: forces and positions of the other two axes.
+struct CrossAxis {
   std::array<double, 2> force_n{}, position_m{};
 };
 
@@ -22,7 +22,7 @@ struct RecordEntry {
   std::int16_t segment = 0;   ///< grows with each stroke, pulse and ramp
   std::int8_t direction = 0;  ///< of the reference
   Part part = Part::kHold;
-  Beside beside{};
+  CrossAxis cross_axis{};
 };
 
 /// Real-time safe after `reserve`: entries beyond the capacity are dropped.
@@ -37,11 +37,11 @@ class AxisRecord {
       entries_.push_back(entry);
   }
   /// What was sent in reply to the last sample, as the guard let it through.
-  void set_last(double force_n, const Beside& beside) noexcept {
+  void set_last(double force_n, const CrossAxis& cross_axis) noexcept {
     if (entries_.empty())
       return;
     entries_.back().force_n = force_n;
-    entries_.back().beside = beside;
+    entries_.back().cross_axis = cross_axis;
   }
   const std::vector<RecordEntry>& entries() const noexcept { return entries_; }
   bool full() const noexcept { return entries_.size() >= entries_.capacity(); }

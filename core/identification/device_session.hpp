@@ -18,7 +18,7 @@ struct FitResult {
   AxisFigures figures;
 };
 
-/// Pulses and trials give a model, the whole record gives figures. Allocates.
+/// Pulses and probe strokes give a model, the whole record gives figures. Allocates.
 FitResult fit(const FitInput& input);
 
 /// The loop calls `step` with each sample and `applied` with what the guard let through. When

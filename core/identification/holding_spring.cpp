@@ -19,7 +19,7 @@ void HoldingSpring::follow(const AxisModel& m, double period_s, double step,
                            double force_n) noexcept {
   const double filter_s = 1.0 / (2.0 * std::numbers::pi * kFilterHz);
   const double lag = m.delay_s + 1.8 * period_s + filter_s;
-  // Force of the encoder's noise and of 2 mm stay small beside what is allowed.
+  // Force of the encoder's noise and of 2 mm stay small compared with what is allowed.
   const double per_step = 0.1 * force_n / std::max(1e-9, step);
   damping_ = std::min(0.3 * m.mass_kg / lag, per_step * filter_s);
   // With much friction and little mass the spring must overcome the error of the friction.

@@ -61,8 +61,8 @@ class Problem {
   std::size_t windows() const { return responses_.size(); }
   Eigen::Index rows() const { return rows_; }
   bool both_directions() const { return both_; }
-  Eigen::Index beside_columns() const {
-    return coupled_ && !options_.friction_known ? WindowResponse::kBeside : 0;
+  Eigen::Index cross_axis_columns() const {
+    return coupled_ && !options_.friction_known ? WindowResponse::kCrossAxis : 0;
   }
   const FitOptions& options() const { return options_; }
   Eigen::Index first_row(std::size_t w) const { return offsets_[w]; }
@@ -70,7 +70,7 @@ class Problem {
 
   Projected project(const Nonlinear& at, bool with_amplitude) const {
     const Eigen::Index forces = options_.friction_known ? 0 : both_ ? 2 : 1;
-    const Eigen::Index others = beside_columns();
+    const Eigen::Index others = cross_axis_columns();
     const Eigen::Index columns = 1 + forces + others + (with_amplitude ? 1 : 0);
     Projected out{Vector(rows_), Matrix::Zero(rows_, columns)};
     Matrix local;
@@ -82,10 +82,10 @@ class Problem {
       measured = response.measured();
       const Eigen::Index direction = both_ && response.direction() < 0 ? 2 : 1;
       Matrix columns_w(count, with_amplitude ? 3 : 2);
-      Matrix beside(count, others);
-      response.respond(at, columns_w, local, beside);
+      Matrix cross_axis(count, others);
+      response.respond(at, columns_w, local, cross_axis);
       if (others > 0)
-        block.middleCols(1 + forces, others) = beside;
+        block.middleCols(1 + forces, others) = cross_axis;
       block.col(0) = columns_w.col(0);
       if (forces > 0)
         block.col(direction) = columns_w.col(1);
@@ -104,11 +104,11 @@ class Problem {
       WindowResponse& response = responses_[w];
       response.forget_lost_commands();
       Matrix columns(row_count(w), 2), local;
-      Matrix beside(row_count(w), beside_columns());
-      response.respond(at, columns, local, beside);
+      Matrix cross_axis(row_count(w), cross_axis_columns());
+      response.respond(at, columns, local, cross_axis);
       Vector rest = response.measured() - columns.col(0) * solved.linear[0];
-      if (beside.cols() > 0)
-        rest -= beside * solved.linear.tail(beside.cols());
+      if (cross_axis.cols() > 0)
+        rest -= cross_axis * solved.linear.tail(cross_axis.cols());
       if (!options_.friction_known)
         rest -= columns.col(1) * solved.linear[both_ && response.direction() < 0 ? 2 : 1];
       remove(local, columns, rest);
@@ -130,7 +130,7 @@ class Problem {
     const Matrix normal = p.linear.transpose() * p.linear;
     const Vector scale = normal.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     Matrix scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-    scaled.diagonal().array() += 1e-13;  // a column may be zero: an axis beside that never moves
+    scaled.diagonal().array() += 1e-13;  // a column may be zero: another axis that never moves
     const Vector right = scale.asDiagonal() * (p.linear.transpose() * p.measured);
     Solved out;
     out.linear = scale.asDiagonal() * scaled.ldlt().solve(right);

@@ -45,7 +45,7 @@ std::array<double, 2> directions(const std::vector<RecordEntry>& e, std::size_t 
   std::array<double, 2> out{};
   const double time = e[last].time_s - e[first].time_s;
   for (std::size_t k = 0; k < 2 && time > 0.0; ++k) {
-    const double v = (e[last].beside.position_m[k] - e[first].beside.position_m[k]) / time;
+    const double v = (e[last].cross_axis.position_m[k] - e[first].cross_axis.position_m[k]) / time;
     out[k] = v / (std::abs(v) + kDirectionSpeed);
   }
   return out;
@@ -124,7 +124,7 @@ WindowResponse::WindowResponse(const AxisRecord& record, const Window& window, d
     --first;
   const double origin = e[window.begin].position_m;
   for (std::size_t i = first; i < window.end; ++i) {
-    const Beside& o = e[i].beside;
+    const CrossAxis& o = e[i].cross_axis;
     const std::array<double, 2> direction = directions(e, i);
     commands_.push_back({e[i].time_s - start,
                          e[i].force_n,
@@ -202,9 +202,10 @@ std::size_t WindowResponse::find_lost_commands(const Nonlinear& at, double inver
 }
 
 void WindowResponse::respond(const Nonlinear& at, Eigen::MatrixXd& columns, Eigen::MatrixXd& local,
-                             Eigen::MatrixXd& beside) const {
-  using Forces = Eigen::Array<double, 1, kBeside + 1>;  // the own force, then what acts beside it
-  const bool with_mode = columns.cols() > 2, with_beside = beside.cols() > 0;
+                             Eigen::MatrixXd& cross_axis) const {
+  using Forces =
+      Eigen::Array<double, 1, kCrossAxis + 1>;  // the own force, then what acts in addition to it
+  const bool with_mode = columns.cols() > 2, with_cross_axis = cross_axis.cols() > 0;
   const auto count = static_cast<Eigen::Index>(times_.size());
   local.resize(count, with_mode ? 4 : 2);
   const bool lags = at.lag_s > kShortestLagS;
@@ -212,9 +213,9 @@ void WindowResponse::respond(const Nonlinear& at, Eigen::MatrixXd& columns, Eige
   const auto forces_of = [&](const Command& c) {
     Forces f = Forces::Zero();
     f[0] = c.force_n + known_force_n_;
-    if (with_beside)
-      for (Eigen::Index k = 0; k < kBeside; ++k)
-        f[k + 1] = c.beside[static_cast<std::size_t>(k)];
+    if (with_cross_axis)
+      for (Eigen::Index k = 0; k < kCrossAxis; ++k)
+        f[k + 1] = c.cross_axis[static_cast<std::size_t>(k)];
     return f;
   };
   LaggedForce lag(lags ? at.lag_s : 0.0, at.damping_rate);
@@ -243,7 +244,7 @@ void WindowResponse::respond(const Nonlinear& at, Eigen::MatrixXd& columns, Eige
       return;
     const Moves m = moves(at.damping_rate, dt);
     const LaggedForce::Part part = lag.move(force[0], dt);
-    if (with_beside) {
+    if (with_cross_axis) {
       position += velocity * m.by_velocity + force * m.by_force;
       velocity = velocity * m.keep + force * m.by_velocity;
     } else {
@@ -266,8 +267,8 @@ void WindowResponse::respond(const Nonlinear& at, Eigen::MatrixXd& columns, Eige
     const Moves free = moves(at.damping_rate, time);
     columns(k, 0) = position[0];
     columns(k, 1) = free.by_force;
-    if (with_beside)
-      beside.row(k) = position.tail<kBeside>().matrix();
+    if (with_cross_axis)
+      cross_axis.row(k) = position.tail<kCrossAxis>().matrix();
     local(k, 0) = 1.0;
     local(k, 1) = free.by_velocity;
     if (!with_mode)

@@ -44,22 +44,21 @@ class WindowResponse {
   /// Replaces the two columns of friction and bias by forces that are known [N].
   void set_known_force(double force_n) noexcept { known_force_n_ = force_n; }
 
-  /// Forces beside the own one whose effect is linear: the own position (gravity changes with it);
-  /// forces, positions and directions of motion (joint friction) of the other axes.
-  static constexpr Eigen::Index kBeside = 7;
+  /// Forces in addition to the own one whose effect is linear: the own position (gravity changes
+  /// with it); forces, positions and directions of motion (joint friction) of the other axes.
+  static constexpr Eigen::Index kCrossAxis = 7;
 
   /// Columns of a unit mass: response to the commands, to a constant force of 1 N, of a unit
-  /// mode to the commands (third column), and to what acts beside (`beside`, kBeside columns or
-  /// none).
-  /// `local`: what initial values add.
+  /// mode to the commands (third column), and to what acts in addition (`cross_axis`, kCrossAxis
+  /// columns or none). `local`: what initial values add.
   void respond(const Nonlinear& at, Eigen::MatrixXd& columns, Eigen::MatrixXd& local,
-               Eigen::MatrixXd& beside) const;
+               Eigen::MatrixXd& cross_axis) const;
   bool coupled() const noexcept { return coupled_; }
 
  private:
   struct Command {
     double time_s, force_n;
-    std::array<double, kBeside> beside;
+    std::array<double, kCrossAxis> cross_axis;
   };
   std::vector<double> times_;      // from the first sample of the window
   std::vector<Command> commands_;  // likewise; lost ones have the force of the one before

@@ -59,7 +59,7 @@ std::vector<Window> stroke_windows(const AxisRecord& record, Part first, const W
     std::size_t end = begin;
     while (end < e.size() && e[end].segment == e[begin].segment && e[end].part == e[begin].part)
       ++end;
-    if (e[begin].part >= std::max(first, Part::kTrial) && e[begin].direction != 0) {
+    if (e[begin].part >= std::max(first, Part::kProbeStroke) && e[begin].direction != 0) {
       const auto count = static_cast<double>(end - begin);
       cut(e, begin + static_cast<std::size_t>(rules.skip_start * count),
           end - static_cast<std::size_t>(rules.skip_end * count), e[begin].direction, rules, out);
@@ -71,7 +71,7 @@ std::vector<Window> stroke_windows(const AxisRecord& record, Part first, const W
 
 std::vector<Window> pulse_windows(const AxisRecord& record, double step) {
   // Each segment of a pulse is a push in one direction; the motion lags it, so windows run from one
-  // turning point of the position to the next.
+  // extremum of the position to the next.
   const Entries& e = record.entries();
   std::vector<Window> out;
   std::size_t begin = 0;

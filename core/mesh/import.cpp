@@ -33,8 +33,8 @@ ImportOptions checked(const std::filesystem::path& path, ImportOptions options) 
   return options;
 }
 
-std::string left_out(std::uint64_t count, const char* what) {
-  return fmt::format("{} {}{} left out: only faces can be felt", count, what,
+std::string skipped(std::uint64_t count, const char* what) {
+  return fmt::format("{} {}{} left out: only faces can be touched", count, what,
                      count == 1 ? " is" : "s are");
 }
 
@@ -116,9 +116,9 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes,
   ImportedMesh result;
   result.warnings = std::move(read.warnings);
   if (read.points > 0)
-    result.warnings.push_back(left_out(read.points, "point"));
+    result.warnings.push_back(skipped(read.points, "point"));
   if (read.lines > 0)
-    result.warnings.push_back(left_out(read.lines, "line"));
+    result.warnings.push_back(skipped(read.lines, "line"));
   // Welded before scaling: the file's own numbers say what coincides.
   const TriangleMesh welded = weld(read.mesh);
   const Eigen::AlignedBox3d box = bounds(welded);

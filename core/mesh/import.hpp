@@ -50,7 +50,7 @@ struct FileTriangles {
   std::uint64_t points = 0, lines = 0;  ///< left out
   double spacing = 0.0;  ///< widest step of single precision at the coordinates, after nodes
   double largest = 0.0;  ///< the coordinate it belongs to
-  std::vector<std::string> warnings;  ///< what was left out beside points and lines
+  std::vector<std::string> warnings;  ///< what was skipped in addition to points and lines
 };
 
 /// From a file's bytes to triangles, at most as many as the options say. Throws MeshError; what it
@@ -71,8 +71,8 @@ struct ImportedMesh {
   std::vector<std::string> warnings;  ///< odd about the file: things left out, a doubtful unit
 };
 
-/// Reads a mesh. Throws MeshError; allocates; not for the loop. Same file and options give the same
-/// bits.
+/// Reads a mesh. Throws MeshError; allocates; not for the loop. Same file and options give
+/// bit-identical results.
 ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options = {},
                          const TriangleReader& read = read_triangles);
 /// The same from the file's bytes, for those who have looked at them already.

@@ -41,7 +41,7 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   out.inertia_m2 = spread.trace() * Mat3::Identity() - spread;
   if (!(Eigen::SelfAdjointEigenSolver<Mat3>(out.inertia_m2).eigenvalues().minCoeff() > 0.0))
     throw std::invalid_argument(
-        "the mesh's parts face against each other, so its mass cannot be told");
+        "the mesh's parts face against each other, so its mass is undefined");
   return out;
 }
 

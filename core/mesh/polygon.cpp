@@ -136,10 +136,10 @@ Vec3 area_vector(std::span<const Vec3> corners, const std::vector<Ring>& rings) 
 /// are: corners on a line stay exactly on it. Corners off the plane go to their foot in it first.
 FlatPolygon flatten(std::span<const Vec3> corners, const Vec3& normal, double largest) {
   FlatPolygon flat{.points = {}, .axes = {}, .normal = normal, .offset = 0.0};
-  int left_out = 0;
-  normal.cwiseAbs().maxCoeff(&left_out);
-  flat.axes = {(left_out + 1) % 3, (left_out + 2) % 3, left_out};
-  if (normal[left_out] < 0.0)
+  int skipped = 0;
+  normal.cwiseAbs().maxCoeff(&skipped);
+  flat.axes = {(skipped + 1) % 3, (skipped + 2) % 3, skipped};
+  if (normal[skipped] < 0.0)
     std::swap(flat.axes[0], flat.axes[1]);
   for (const Vec3& x : corners) {
     flat.offset += normal.dot(x) / static_cast<double>(corners.size());

@@ -233,20 +233,19 @@ std::vector<std::string> MeshReport::sentences() const {
       ": triangles there have no place in the grid; repair the file, nothing can be built from "
       "this mesh");
   say(open_edges, "open edge", "open edges", "at triangle",
-      ": the mesh has no interior, so forces of depth do not push a tool back that goes through "
+      ": the mesh has no interior, so penalty forces do not push a tool back that goes through "
       "the surface");
   if (inverted)
     all.push_back(
-        "the whole mesh faces inward (its signed volume is negative): it is felt as if all "
-        "triangles were turned "
-        "round; other programs may see it inside out");
+        "the whole mesh faces inward (its signed volume is negative): all triangles are treated as "
+        "flipped; other programs may see it inside out");
   say(flipped, "triangle is flipped against its neighbours",
       "triangles are flipped against their neighbours", "triangle",
-      closed && orientable ? ": felt as if turned round"
+      closed && orientable ? ": treated as flipped"
                            : ": normals there point the wrong way, so the force drops or turns "
                              "round as the tool passes");
   say(inward_parts, "closed part faces inward", "closed parts face inward", "beginning at triangle",
-      ": right for a cavity inside another part; a part of its own is felt as if turned round");
+      ": right for a cavity inside another part; a part of its own is treated as flipped");
   say(nested_parts, "closed part lies inside another and faces outward as it does",
       "closed parts lie inside another and face outward as it does", "beginning at triangle",
       ": the space in it is solid; if it was meant as a cavity, turn its triangles round");

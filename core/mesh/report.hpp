@@ -23,8 +23,8 @@ struct Finding {
   }
 };
 
-/// Vertices at exactly one position count as one point here; weld() first if a file's seams do not
-/// match to the bit.
+/// Vertices at exactly one position count as one point here; weld() first if a file's seams are not
+/// bit-identical.
 struct MeshReport {
   std::size_t vertices = 0, triangles = 0;
   std::size_t points = 0;       ///< distinct positions among the used vertices

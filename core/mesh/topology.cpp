@@ -85,9 +85,9 @@ std::vector<TriangleKind> triangle_kinds(const TriangleMesh& mesh,
     if (corners[k].sorted != corners[first].sorted) {
       first = k;
     } else {
-      const bool same_way = corners[k].even == corners[first].even;
+      const bool same_direction = corners[k].even == corners[first].even;
       kinds[corners[k].triangle] =
-          same_way ? TriangleKind::kDuplicate : TriangleKind::kOppositeDuplicate;
+          same_direction ? TriangleKind::kDuplicate : TriangleKind::kOppositeDuplicate;
     }
   }
   return kinds;

@@ -43,7 +43,7 @@ struct ShellPoint {
   Vec3 plain_normal = Vec3::UnitZ();
   bool plain_cancels = false;
   double distance_m = 0.0;  ///< from the voxel's centre
-  double area_m2 = 0.0;     ///< the point's share of the surface
+  double area_m2 = 0.0;     ///< the point's fraction of the surface
   double coherence = 0.0;   ///< |sum A n| / sum A
   bool open = false;        ///< a triangle reaches the open cube; false: touch only
   bool tie = false;         ///< another point of the surface in V is as near, to 1e-9 e
@@ -51,7 +51,7 @@ struct ShellPoint {
 };
 
 /// One point a surface voxel, sorted by (i, j, k): a point's rank is its id. Throws like
-/// `voxelise`. Same bits whatever the loop does.
+/// `voxelise`. Bit-identical whatever the loop does.
 std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid,
                                      const ParallelFor& parallel_for,
                                      std::uint64_t memory_limit_bytes = voxmap::kVoxelMemoryLimit);

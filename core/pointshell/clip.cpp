@@ -75,14 +75,14 @@ Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
                        const VoxelPolygon& polygon) noexcept {
   // The triangle and the cube are asked, not the polygon: its short sides have no direction worth
   // asking.
-  const Vec3 foot = normal * normal.dot(triangle[0]);
-  bool inside = foot.cwiseAbs().maxCoeff() <= 0.5 && !normal.isZero(0.0);
+  const Vec3 nearest = normal * normal.dot(triangle[0]);
+  bool inside = nearest.cwiseAbs().maxCoeff() <= 0.5 && !normal.isZero(0.0);
   for (std::size_t n = 0; n < 3 && inside; ++n) {
-    const Vec3 side = triangle[(n + 1) % 3] - triangle[n], to_foot = foot - triangle[n];
-    inside = normal.dot(side.cross(to_foot)) > kOnSide * side.norm() * (1.0 + to_foot.norm());
+    const Vec3 side = triangle[(n + 1) % 3] - triangle[n], to_nearest = nearest - triangle[n];
+    inside = normal.dot(side.cross(to_nearest)) > kOnSide * side.norm() * (1.0 + to_nearest.norm());
   }
   if (inside)
-    return foot;
+    return nearest;
 
   // Along an edge or face of the cube that they only touch, rounding may have cut away all but an
   // end.

@@ -14,7 +14,7 @@ namespace voxtouch::pointshell {
 struct Pointshell {
   std::vector<double> x, y, z;     ///< position [m]
   std::vector<double> nx, ny, nz;  ///< unit normal, pointing INTO the dynamic object
-  /// the point's share of the surface, its weight [m^2]; all of them sum to the mesh's area
+  /// the point's fraction of the surface, its weight [m^2]; all of them sum to the mesh's area
   std::vector<double> area_m2;
   /// |sum A n| / sum A over the voxel's triangles; 1 = flat, 0 = normals cancel
   std::vector<double> coherence;

@@ -45,7 +45,7 @@ struct ShellBuilder {
 /// Sums over the triangles of a voxel that have an area.
 struct NormalSums {
   Vec3 weighted = Vec3::Zero(), plain = Vec3::Zero();
-  double area = 0.0, share = 0.0;
+  double area = 0.0, fraction = 0.0;
   int count = 0;
 };
 
@@ -116,7 +116,7 @@ ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* f
     sums.weighted += size * normal[t];
     sums.plain += normal[t];
     sums.area += size;
-    sums.share += lies_in_face(a, b, c, voxel) ? 0.5 * size : size;
+    sums.fraction += lies_in_face(a, b, c, voxel) ? 0.5 * size : size;
     ++sums.count;
   }
   const Piece& best = *std::find_if(pieces.begin(), pieces.end(),
@@ -139,7 +139,7 @@ ShellPoint ShellBuilder::point_of(const voxmap::VoxelIndex& voxel, const Pair* f
   point.triangle = owner->triangle;
   point.point = grid.from_grid(centre + owner->nearest);
   point.distance_m = least * grid.edge;
-  point.area_m2 = sums.share * grid.edge * grid.edge;
+  point.area_m2 = sums.fraction * grid.edge * grid.edge;
   set_normals(sums, face ? normal[face->triangle] : Vec3::Zero(), -owner->nearest, point);
   return point;
 }

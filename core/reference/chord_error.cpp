@@ -23,8 +23,8 @@ ChordError chord_error(const ReferenceMesh& mesh, const MeshDistance& distance,
   }
   for (const scene::Primitive& primitive : primitives)
     for (const Vec3& x : surface_samples(primitive, kSamplesPerPrimitive)) {
-      const double buried = -signed_distance(primitives, x).distance_m;
-      if (const double off = distance.nearest(x).distance_m; buried < 0.5 * off)
+      const double inside_depth = -signed_distance(primitives, x).distance_m;
+      if (const double off = distance.nearest(x).distance_m; inside_depth < 0.5 * off)
         error.primitives_to_mesh_m = std::max(error.primitives_to_mesh_m, off);
     }
   return error;

@@ -8,10 +8,10 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kBendShare = 0.02;  ///< of the resolution: depths that differ less count as linear
-constexpr double kLongestShare =
+constexpr double kBendRatio = 0.02;  ///< of the resolution: depths that differ less count as linear
+constexpr double kLongestRatio =
     4.0;  ///< of the resolution: larger triangles are split, whatever their depths
-constexpr double kShortestShare = 0.5;  ///< of the resolution: smaller ones are not
+constexpr double kShortestRatio = 0.5;  ///< of the resolution: smaller ones are not
 
 /// A point of the tool in W, and how deep it is; below zero outside.
 struct Sample {
@@ -19,7 +19,7 @@ struct Sample {
   double depth;
 };
 
-/// Of a place, by its bits: the middle of an edge comes out the same for both triangles beside it.
+/// Of a place, by its bits: the middle of an edge comes out the same for both triangles next to it.
 struct PlaceHash {
   std::size_t operator()(const Vec3& x) const noexcept {
     std::uint64_t hash = 0;
@@ -111,9 +111,9 @@ class DepthIntegral {
                                   std::abs(bc.depth - 0.5 * (b.depth + c.depth)),
                                   std::abs(ca.depth - 0.5 * (c.depth + a.depth)),
                                   std::abs(middle.depth - (a.depth + b.depth + c.depth) / 3.0)});
-    const bool even = bend <= kBendShare * resolution_ && radius <= kLongestShare * resolution_;
+    const bool even = bend <= kBendRatio * resolution_ && radius <= kLongestRatio * resolution_;
     const Vec3 quarter = 0.25 * area;
-    if (!even && radius > kShortestShare * resolution_) {
+    if (!even && radius > kShortestRatio * resolution_) {
       add_part(a, ab, ca, quarter), add_part(ab, b, bc, quarter), add_part(ca, bc, c, quarter);
       if (!covered(bc, ca, ab))
         add(bc, ca, ab, middle, quarter);  // its middle is the whole one's

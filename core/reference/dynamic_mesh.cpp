@@ -23,19 +23,19 @@ DynamicMesh::DynamicMesh(const scene::MeshSpec& spec) : body_(without_primitives
 
 GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const {
   GapResult best;
-  double error = 0.0, buried = 0.0;
+  double error = 0.0, inside_depth = 0.0;
   bool check = true;
   std::size_t which = statics.size();
   ask_near(statics, pose_WT, [&](std::size_t i) {
     GapResult other = against(statics[i], pose_WT);
-    error = std::max(error, other.self_error_m), buried = std::max(buried, other.buried_m),
-    check = check && other.self_check;
+    error = std::max(error, other.self_error_m),
+    inside_depth = std::max(inside_depth, other.inside_depth_m), check = check && other.self_check;
     const double gap_m = other.gap_m;
     if (which == statics.size() || gap_m < best.gap_m || (gap_m == best.gap_m && i < which))
       best = std::move(other), which = i;
     return gap_m;
   });
-  best.self_error_m = error, best.self_check = check, best.buried_m = buried;
+  best.self_error_m = error, best.self_check = check, best.inside_depth_m = inside_depth;
   return best;
 }
 
@@ -83,7 +83,7 @@ GapResult DynamicMesh::against(const PosedMesh& object, const Pose& pose_WT) con
   const double differ =
       std::abs(object.distance().nearest(pair.other).distance_m - pair.distance_m);
   const double allowed =
-      object.distance().second_way_error_m() + body_.distance().second_way_error_m();
+      object.distance().second_method_error_m() + body_.distance().second_method_error_m();
   gap.self_error_m = std::max(0.0, std::max(mine_off, differ) - allowed);
   gap.self_check = gap.self_error_m <= 0.0;
   return gap;
@@ -100,13 +100,13 @@ GapResult DynamicMesh::overlap(const PosedMesh& object, const Pose& pose_WM,
     if (!object.inside(x))
       continue;
     const SignedPoint at = object.mesh_signed_distance(x);
-    if (-at.distance_m <= gap.buried_m)
+    if (-at.distance_m <= gap.inside_depth_m)
       continue;
-    gap.buried_m = -at.distance_m;
+    gap.inside_depth_m = -at.distance_m;
     gap.nearest_static = at.nearest, gap.nearest_dynamic = x;
     gap.direction = (at.nearest - x).normalized();
   }
-  gap.gap_m = -std::max(gap.buried_m, surfaces_apart_m);
+  gap.gap_m = -std::max(gap.inside_depth_m, surfaces_apart_m);
   return gap;
 }
 

@@ -32,11 +32,11 @@ struct GapResult {
   /// Depth below the static surface that some point of the dynamic object's surface is known to
   /// have; 0 without overlap. At most -gap_m; less where the static object is thinner than the
   /// sphere has sunk. A lower bound, so "some shell point must collide" can be proved from it.
-  double buried_m = 0.0;
+  double inside_depth_m = 0.0;
   /// Depth that all of the sphere's cap within sqrt(3) e of its deepest point has at least (seen at
   /// the pole and at six points of the rim); 0 where some of it is outside, and for meshes. An
   /// exact shell has a point in every such cap.
-  double cap_buried_m = 0.0;
+  double cap_inside_depth_m = 0.0;
   Vec3 nearest_static = Vec3::Zero();   ///< on the static surface
   Vec3 nearest_dynamic = Vec3::Zero();  ///< on the dynamic surface
   Vec3 direction =

@@ -4,13 +4,14 @@ namespace voxtouch::reference {
 
 Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& start,
                 const Vec3& hand) {
-  constexpr double kStepShare = 0.02, kEndShare = 1e-6;  // of the radius
+  constexpr double kStepRatio = 0.02, kEndRatio = 1e-6;  // of the radius
   constexpr int kMaxSteps = 2000, kWalls = 8;
   Vec3 centre = start;
-  double step = kStepShare * radius_m;
-  for (int n = 0; n < kMaxSteps && step > kEndShare * radius_m; ++n) {
-    const Vec3 way = hand - centre, before = centre;
-    centre += way.norm() > step ? Vec3(step / way.norm() * way) : way;
+  double step = kStepRatio * radius_m;
+  for (int n = 0; n < kMaxSteps && step > kEndRatio * radius_m; ++n) {
+    const Vec3 displacement = hand - centre, before = centre;
+    centre +=
+        displacement.norm() > step ? Vec3(step / displacement.norm() * displacement) : displacement;
     for (int wall = 0; wall < kWalls; ++wall) {
       const Vec3 out = centre - reference.nearest(centre);
       const double gap = out.norm() - radius_m;

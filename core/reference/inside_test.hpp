@@ -16,7 +16,7 @@ class InsideTest {
 
   /// Whether |winding number| > 1/2, for `x` in the mesh's frame. Right up to the surface for a
   /// closed mesh. A mesh turned inside out has the same inside. Does not allocate. Sums run in a
-  /// fixed order: the same bits everywhere.
+  /// fixed order: bit-identical everywhere.
   bool inside(const Vec3& x) const noexcept;
 
   /// The exact sum over all triangles (Van Oosterom and Strackee 1983): 1 inside a closed mesh, 0

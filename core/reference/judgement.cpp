@@ -59,7 +59,7 @@ double Judge::free_limit_m() const noexcept {
   return kDiagonal * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
 }
 
-double Judge::buried_limit_m() const noexcept {
+double Judge::inside_depth_limit_m() const noexcept {
   return 0.5 * kDiagonal * settings_.edge_m + settings_.shell_gap_m + settings_.chord_error_m +
          settings_.shell_offset_m;
 }
@@ -117,7 +117,7 @@ void Judge::count(const Judgement& judgement) noexcept {
 void Judge::follow(const GapResult& gap, const ReportedContact& report) {
   const bool same = run_.samples > 0 && report.wrench.force == run_.wrench.force &&
                     report.wrench.torque == run_.wrench.torque;
-  if (report.wrench.zero() || report.retained) {
+  if (report.wrench.zero() || report.latched) {
     run_ = {};
   } else if (same) {
     ++run_.samples;
@@ -167,22 +167,22 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
           report.wrench.force.norm());
     return "";
   }
-  if (gap.buried_m > buried_limit_m()) {
+  if (gap.inside_depth_m > inside_depth_limit_m()) {
     out.decided = true;
     if (report.surface_hits == 0 && report.interior_hits == 0)
       return fmt::format(
           "no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)",
-          mm(gap.buried_m), mm(buried_limit_m()));
+          mm(gap.inside_depth_m), mm(inside_depth_limit_m()));
   }
   const double cap_limit =
       kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
   const bool cap_contains_a_point =
       settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
   if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point &&
-      gap.cap_buried_m > cap_limit)
+      gap.cap_inside_depth_m > cap_limit)
     return fmt::format(
         "no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
-        mm(gap.cap_buried_m));
+        mm(gap.cap_inside_depth_m));
   if (interior > 0 && gap.gap_m > settings_.chord_error_m + settings_.shell_offset_m)
     return fmt::format("{} interior hits, though the tool is {:.3g} mm outside the surface",
                        interior, mm(gap.gap_m));
@@ -199,7 +199,7 @@ std::string Judge::force_breach(const ReportedContact& report) const {
   if (run_.samples >= kFrozenSamples &&
       run_.largest_gap_m - run_.least_gap_m > kFrozenGap * settings_.edge_m)
     return fmt::format(
-        "a frozen force: the same bits in {} checked samples while the gap went over {:.3g} mm",
+        "a frozen force: bit-identical in {} checked samples while the gap went over {:.3g} mm",
         run_.samples, mm(run_.largest_gap_m - run_.least_gap_m));
   return "";
 }
@@ -208,14 +208,14 @@ std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& rep
                                 Judgement& out) const {
   const bool at_least =
       gap.method == GapMethod::kVertexDepth;  // a mesh is at least as deep as its vertices
-  if (!(gap.depth_exact || at_least) || report.retained || gap.gap_m > free_limit_m())
+  if (!(gap.depth_exact || at_least) || report.latched || gap.gap_m > free_limit_m())
     return "";
   const double e = settings_.edge_m, g = settings_.shell_gap_m, radius = gap.sphere_radius_m;
   const double sag = radius > 0 ? std::min(g, g * g / (2.0 * radius)) : g;
   const double layer = 0.5 * e * (gap.direction.isZero() ? kDiagonal : gap.direction.lpNorm<1>());
   const double tolerance = std::max(kDepthTolerance * e, layer + sag) + settings_.chord_error_m +
                            settings_.shell_offset_m;
-  const double depth = at_least ? gap.buried_m : std::max(0.0, -gap.gap_m),
+  const double depth = at_least ? gap.inside_depth_m : std::max(0.0, -gap.gap_m),
                error = report.deepest_depth_m - depth;
   const bool saturated = report.interior_hits > 0;
   if (!saturated || error > 0)
@@ -232,7 +232,7 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
   const double e = settings_.edge_m;
   const bool coherent = report.coherence >= kDirectionFromCoherence;
   if (!gap.unique_face || gap.direction.isZero() || report.fallback ||
-      !(coherent || report.retained))
+      !(coherent || report.latched))
     return "";
   if (gap.gap_m >= kSignFromGap * e || report.surface_hits + report.interior_hits == 0)
     return "";
@@ -242,7 +242,7 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
           std::fmax(out.direction_error_rad, angle_between(reported, gap.direction));
   const double from_depth = kDirectionFromDepth * e + settings_.shell_offset_m;
   const bool to_angle = -gap.gap_m >= from_depth && report.surface_hits >= kDirectionFromHits &&
-                        report.interior_hits == 0 && !report.retained;
+                        report.interior_hits == 0 && !report.latched;
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit))
     return "";
@@ -253,7 +253,7 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
 std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& report) const {
   if (!(gap.sphere_radius_m > 0) || gap.direction.isZero())
     return "";
-  if (report.retained || report.fallback || report.interior_hits > 0)
+  if (report.latched || report.fallback || report.interior_hits > 0)
     return "";
   if (report.coherence < kDirectionFromCoherence)
     return "";

@@ -36,7 +36,7 @@ struct ReportedContact {
   double deepest_depth_m = 0.0;
   double coherence = 0.0;
   std::uint32_t surface_hits = 0, interior_hits = 0;
-  bool retained = false;  ///< FLAG_HELD
+  bool latched = false;   ///< FLAG_LATCHED
   bool fallback = false;  ///< FLAG_FALLBACK
 };
 
@@ -86,11 +86,11 @@ class Judge {
   /// Another scene within the session: counts go on, memory begins anew. Throws as the constructor.
   void change(const JudgeSettings& settings);
 
-  double free_limit_m() const noexcept;    ///< a gap above it is free
-  double buried_limit_m() const noexcept;  ///< a depth above it must collide
+  double free_limit_m() const noexcept;          ///< a gap above it is free
+  double inside_depth_limit_m() const noexcept;  ///< a depth above it must collide
 
  private:
-  /// Checked samples in a row with the same bits in the wrench.
+  /// Checked samples in a row with bit-identical wrenches.
   struct Run {
     Wrench wrench;
     int samples = 0;

@@ -10,8 +10,8 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kProbeShare = 1e-9;     ///< size of the second way's triangle over the mesh's size
-constexpr double kRoundingShare = 1e-9;  ///< rounding of FCL's projections over the mesh's size
+constexpr double kProbeRatio = 1e-9;     ///< size of the second way's triangle over the mesh's size
+constexpr double kRoundingRatio = 1e-9;  ///< rounding of FCL's projections over the mesh's size
 
 double size_of(const ReferenceMesh& mesh) {
   double size = 0.0;
@@ -44,14 +44,14 @@ struct MeshDistance::Model {
 MeshDistance::MeshDistance(const ReferenceMesh& mesh) : model_(std::make_unique<Model>()) {
   model_->size = size_of(mesh);
   model_->bvh = make_fcl_mesh(mesh);
-  model_->probe = make_fcl_mesh(probe_triangle(kProbeShare * model_->size));
+  model_->probe = make_fcl_mesh(probe_triangle(kProbeRatio * model_->size));
 }
 MeshDistance::~MeshDistance() = default;
 MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
 MeshDistance& MeshDistance::operator=(MeshDistance&&) noexcept = default;
 
-double MeshDistance::second_way_error_m() const noexcept {
-  return (kProbeShare + kRoundingShare) * model_->size;
+double MeshDistance::second_method_error_m() const noexcept {
+  return (kProbeRatio + kRoundingRatio) * model_->size;
 }
 
 NearestPoint MeshDistance::nearest(const Vec3& x) const {
@@ -62,12 +62,12 @@ NearestPoint MeshDistance::nearest(const Vec3& x) const {
   const Vec3 found = result.nearest_points[0];
   const double length = (x - found).norm();
   if (std::isfinite(length) &&
-      std::abs(length - result.min_distance) <= kRoundingShare * (model_->size + length))
+      std::abs(length - result.min_distance) <= kRoundingRatio * (model_->size + length))
     return {length, found};
-  return {second_way(x), x};
+  return {second_method(x), x};
 }
 
-double MeshDistance::second_way(const Vec3& x) const {
+double MeshDistance::second_method(const Vec3& x) const {
   const fcl::DistanceRequestd request(true);
   fcl::DistanceResultd result;
   fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), model_->probe.get(), at(x),

@@ -36,10 +36,10 @@ class MeshDistance {
 
   /// Second way, which shares only the tree with the first: FCL's mesh against a mesh of one
   /// triangle that is small enough to count as a point. Differs from the truth by up to
-  /// `second_way_error_m()`.
-  double second_way(const Vec3& x) const;
-  /// The bound for `second_way` [m].
-  double second_way_error_m() const noexcept;
+  /// `second_method_error_m()`.
+  double second_method(const Vec3& x) const;
+  /// The bound for `second_method` [m].
+  double second_method_error_m() const noexcept;
 
   /// Distance to another mesh posed in this one's frame.
   NearestPair to(const MeshDistance& other, const Pose& other_in_mine) const;

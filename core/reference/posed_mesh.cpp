@@ -79,14 +79,14 @@ PosedMesh::Answer PosedMesh::signed_distance(const Vec3& x) const {
   Answer answer{local_mesh(local), false, 0.0};
   const double by_mesh = answer.signed_point.distance_m;
   if (primitives_.empty()) {
-    const double differ = std::abs(std::abs(by_mesh) - distance_.second_way(local));
-    answer.check_error_m = std::max(0.0, differ - distance_.second_way_error_m());
+    const double differ = std::abs(std::abs(by_mesh) - distance_.second_method(local));
+    answer.check_error_m = std::max(0.0, differ - distance_.second_method_error_m());
   } else {
     const SignedPoint by_form = voxtouch::reference::signed_distance(primitives_, local);
     // Inside a union the closed form is only a bound: seams between parts are no surface. There the
     // mesh is the better one.
     const bool form_is_exact = by_form.distance_m > 0 || primitives_.size() == 1;
-    const double allowed = kChordSlack * chord_error_m_ + distance_.second_way_error_m();
+    const double allowed = kChordSlack * chord_error_m_ + distance_.second_method_error_m();
     const double side = mesh_.closed ? by_form.distance_m
                                      : std::abs(by_form.distance_m);  // open: the mesh has one side
     const double differ = form_is_exact ? std::abs(side - by_mesh) : std::max(0.0, by_mesh);

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kUniqueAngleRad =
     5.0 * std::numbers::pi / 180.0;  ///< the patch's mean direction against its middle's
-constexpr double kThickShare =
+constexpr double kThickRatio =
     0.25;  ///< of an edge: how much less buried than deep still counts as one thick face
 constexpr double kKeepSide =
     0.9;  ///< of the centre's distance: a smaller step cannot cross the surface
@@ -87,7 +87,7 @@ struct ReferenceScene::Parts {
 
   GapResult sphere_gap(const Vec3& centre) const;
   void add_depth(const SignedPoint& at_centre, const Vec3& centre, GapResult& gap) const;
-  double cap_buried(const Union& all, const Vec3& centre, const GapResult& gap) const;
+  double cap_inside(const Union& all, const Vec3& centre, const GapResult& gap) const;
 };
 
 ReferenceScene::ReferenceScene(const scene::Scene& scene) : parts_(std::make_unique<Parts>()) {
@@ -183,14 +183,14 @@ GapResult ReferenceScene::Parts::sphere_gap(const Vec3& centre) const {
   return gap;
 }
 
-double ReferenceScene::Parts::cap_buried(const Union& all, const Vec3& centre,
+double ReferenceScene::Parts::cap_inside(const Union& all, const Vec3& centre,
                                          const GapResult& gap) const {
   const double radius = sphere->radius_m, reach = std::sqrt(3.0) * edge;
-  if (gap.buried_m <= 0 || reach >= radius)
+  if (gap.inside_depth_m <= 0 || reach >= radius)
     return 0.0;
   const double angle = 2.0 * std::asin(0.5 * reach / radius);
   const Vec3 side = gap.direction.unitOrthogonal(), other = gap.direction.cross(side);
-  double least = gap.buried_m;
+  double least = gap.inside_depth_m;
   for (int k = 0; k < kRimPoints && least > 0; ++k) {
     const double around = 2.0 * std::numbers::pi * k / kRimPoints;
     const Vec3 out = std::sin(angle) * (std::cos(around) * side + std::sin(around) * other) -
@@ -204,21 +204,21 @@ void ReferenceScene::Parts::add_depth(const SignedPoint& at_centre, const Vec3& 
                                       GapResult& gap) const {
   const double distance = at_centre.distance_m, depth = std::max(0.0, -gap.gap_m);
   gap.nearest_dynamic = centre;
-  if (std::abs(distance) < kThickShare * edge)
-    return;  // the centre lies on the surface: no direction can be told
+  if (std::abs(distance) < kThickRatio * edge)
+    return;  // the centre lies on the surface: no direction is defined
   const Union all{statics};
   gap.direction = (distance < 0 ? -1.0 : 1.0) * (centre - at_centre.nearest).normalized();
   gap.nearest_dynamic = centre - sphere->radius_m * gap.direction;
   if (depth > 0)
-    gap.buried_m =
+    gap.inside_depth_m =
         std::clamp(-all.mesh_signed_distance(gap.nearest_dynamic).distance_m, 0.0, depth);
-  gap.cap_buried_m = cap_buried(all, centre, gap);
-  gap.depth_exact = depth - gap.buried_m <= kThickShare * edge + chord;
+  gap.cap_inside_depth_m = cap_inside(all, centre, gap);
+  gap.depth_exact = depth - gap.inside_depth_m <= kThickRatio * edge + chord;
   const double layer = std::sqrt(3.0) * edge -
                        gap.gap_m;  // shell points up to this far above the lowest one may collide
   gap.unique_face = layer > 0 && stands_for_patch(all, centre, distance, gap.direction,
                                                   std::sqrt(2.0 * sphere->radius_m * layer),
-                                                  0.5 * layer + kThickShare * edge);
+                                                  0.5 * layer + kThickRatio * edge);
 }
 
 }  // namespace voxtouch::reference

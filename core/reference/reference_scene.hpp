@@ -31,7 +31,8 @@ class ReferenceScene {
   ReferenceScene(ReferenceScene&&) noexcept;
   ReferenceScene& operator=(ReferenceScene&&) noexcept;
 
-  /// Puts moving objects to where they are `time_s` after the session's begin. Not beside a query.
+  /// Puts moving objects to where they are `time_s` after the session's begin. Not concurrently
+  /// with a query.
   void move_to(double time_s) noexcept;
 
   /// The gap with the tool at `pose_WT`. A pose that is not finite gives method kNone.

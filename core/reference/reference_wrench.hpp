@@ -31,7 +31,7 @@ struct TrueWrench {
 /// The integral runs over the tool's own triangles, split where the depth bends
 /// (depth_integral.hpp), with signed distances by the nearest feature (signed_surface.hpp). A part
 /// of the tool whose centre is farther outside than it is wide is skipped: a distance changes by no
-/// more than the way. Queries are const and may run at once; they allocate.
+/// more than the displacement. Queries are const and may run at once; they allocate.
 class ReferenceWrench {
  public:
   /// Reads the scene's mesh files itself. Throws std::runtime_error naming the file if one cannot

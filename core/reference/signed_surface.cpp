@@ -65,12 +65,12 @@ bool one_fan_each(const ReferenceMesh& mesh, const EdgeOwners& owner) {
 
 /// Moeller and Trumbore 1997: whether the segment passes through the triangle's inside.
 bool passes_through(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& t) noexcept {
-  const Vec3 way = to - from, ab = t[1] - t[0], ac = t[2] - t[0], p = way.cross(ac);
+  const Vec3 ray = to - from, ab = t[1] - t[0], ac = t[2] - t[0], p = ray.cross(ac);
   const double det = ab.dot(p);
   if (det == 0.0)
     return false;
   const Vec3 s = (from - t[0]) / det, q = s.cross(ab);
-  const double u = s.dot(p), v = way.dot(q), along = ac.dot(q);
+  const double u = s.dot(p), v = ray.dot(q), along = ac.dot(q);
   return u > 0.0 && v > 0.0 && u + v < 1.0 && along > 0.0 && along < 1.0;
 }
 
@@ -262,8 +262,8 @@ bool SignedSurface::agrees_with_winding() const {
     const double size = std::sqrt(std::max(
         {(t[1] - t[0]).squaredNorm(), (t[2] - t[0]).squaredNorm(), (t[2] - t[1]).squaredNorm()}));
     const Vec3 step = (1e-6 * size + 1e-12 * middle.cwiseAbs().maxCoeff()) * normals_[n][0];
-    for (const double way : {1.0, -1.0}) {
-      const Vec3 x = middle + way * step;
+    for (const double ray : {1.0, -1.0}) {
+      const Vec3 x = middle + ray * step;
       std::uint32_t hint = kNoHint;
       if ((distance(x, hint) < 0.0) != inside_.inside(x))
         return false;

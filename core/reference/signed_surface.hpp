@@ -13,7 +13,7 @@ namespace voxtouch::reference {
 /// angle-weighted pseudonormal of edge or vertex (Baerentzen and Aanaes 2005). That needs a surface
 /// without borders that does not cross itself, which the constructor checks: two triangles at each
 /// edge, one fan at each vertex, no edge through another triangle, and agreement with the winding
-/// number beside the middles of up to kTestedFaces faces. Else the winding number gives all signs
+/// number next to the middles of up to kTestedFaces faces. Else the winding number gives all signs
 /// (InsideTest).
 class SignedSurface {
  public:

@@ -31,13 +31,13 @@ bool same_pose(const Pose& a, const Pose& b) {
 
 std::string state_breach(const ReportedTool& r) {
   const bool force = !r.wrench.zero();
-  if (force && r.unplaced)
+  if (force && r.not_initialised)
     return fmt::format("a force of {:.3g} N without a virtual tool in its place",
                        r.wrench.force.norm());
   if (force && !r.constrained)
     return fmt::format("a force of {:.3g} N, though nothing constrains the virtual tool",
                        r.wrench.force.norm());
-  if (!r.unplaced && !r.lag && !r.constrained && !same_pose(r.tool, r.hand))
+  if (!r.not_initialised && !r.not_converged && !r.constrained && !same_pose(r.tool, r.hand))
     return fmt::format(
         "nothing constrains the virtual tool, but it is {:.3g} mm away from the hand",
         in_mm((r.tool.position - r.hand.position).norm()));
@@ -45,7 +45,7 @@ std::string state_breach(const ReportedTool& r) {
     return "";
   const double off = angle_between(r.wrench.force, r.tool.position - r.hand.position);
   if (off > kAlongSpring && (r.tool.position - r.hand.position).norm() > kSamePose)
-    return fmt::format("the force is {:.3g} degrees off the spring's way", in_degrees(off));
+    return fmt::format("the force is {:.3g} degrees off the spring's direction", in_degrees(off));
   return "";
 }
 
@@ -57,7 +57,7 @@ std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const 
     return "the contact carries a value that is not a finite number";
   if (std::string found = state_breach(r); !found.empty())
     return found;
-  if (r.unplaced || r.lag)
+  if (r.not_initialised || r.not_converged)
     return "";
   const double e = s.edge_m, c = s.chord_error_m + s.shell_offset_m, g = s.shell_gap_m,
                radius = at_tool.sphere_radius_m;
@@ -81,8 +81,8 @@ std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const 
     return fmt::format(
         "a force of {:.3g} N, though the virtual tool is {:.3g} mm off, more than {:.3g} mm",
         r.wrench.force.norm(), in_mm(at_tool.gap_m), in_mm(off));
-  const double way = shift.norm() + tool.reach_m * turn_between(r.tool, r.hand);
-  if (settled && at_hand.gap_m > way + kFree * e + c)
+  const double displacement = shift.norm() + tool.reach_m * turn_between(r.tool, r.hand);
+  if (settled && at_hand.gap_m > displacement + kFree * e + c)
     return fmt::format(
         "a force of {:.3g} N, though nothing lies between the virtual tool and the hand, which is "
         "{:.3g} mm off the surface",

@@ -10,10 +10,10 @@ struct ReportedTool {
   Pose tool, hand;
   Wrench wrench;
   double residual_m = 0.0;
-  bool constrained = false, lag = false, unplaced = false;  ///< the flags
+  bool constrained = false, not_converged = false, not_initialised = false;  ///< the flags
 };
 
-/// What the rules need to know beside JudgeSettings.
+/// What the rules need in addition to JudgeSettings.
 struct ToolSettings {
   double reach_m = 0.0;  ///< no point of the tool is farther from its origin
   bool rubs = false;     ///< the scene has friction

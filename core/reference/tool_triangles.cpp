@@ -54,7 +54,7 @@ void ToolTriangles::build(std::uint32_t first, std::uint32_t last) {
     Eigen::Index axis = 0;
     (high - low).maxCoeff(&axis);
     const std::uint32_t middle = (first + last) / 2;
-    // Equal centroids are told apart by all their numbers, so that the order, and so the sum's
+    // Equal centroids are distinguished by all their numbers, so that the order, and so the sum's
     // bits, are the same everywhere.
     const auto key = [axis](const ToolTriangle& c) {
       const Vec3 at = centroid(c.corner);

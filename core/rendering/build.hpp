@@ -1,6 +1,6 @@
 #pragma once
 /// From a scene to something that renders: import, voxmap, pointshell, contact renderer, and the
-/// plan that tells of them.
+/// plan that describes them.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,7 +16,7 @@
 
 namespace voxtouch::rendering {
 
-/// What effects look up beside the contact; nothing of it is there unless one asks.
+/// What effects look up in addition to the contact; nothing of it is there unless one asks.
 struct EffectGround {
   std::optional<ProximityField> proximity;
   ToolPoints tool;
@@ -80,8 +80,8 @@ struct BuildChoices {
       {};  ///< std::invalid_argument where the model does not weigh so
   std::optional<double> shell_voxel_m =
       {};  ///< voxel edge that the pointshell is made with, instead of the scene's
-  /// A field that tells depth down to here [voxels] instead of DistanceFieldOptions' own: the same
-  /// bits to this depth for less time. For a tool that is known to go no deeper.
+  /// A field that gives depth down to here [voxels] instead of DistanceFieldOptions' own:
+  /// bit-identical to this depth for less time. For a tool that is known to go no deeper.
   std::optional<double> field_depth_voxels = {};
   ToolMeets tool_meets = ToolMeets::kVoxels;
   mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file
@@ -89,7 +89,7 @@ struct BuildChoices {
 };
 
 /// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
-/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for forces of depth
+/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for penalty forces
 /// with `field` where no static mesh has an inside, and for effects that ask for distances where no
 /// static mesh is closed or for a lever that the tool is longer than.
 std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,

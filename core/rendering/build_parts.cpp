@@ -175,12 +175,12 @@ effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMes
 std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context,
                                           const mesh::ImportedMesh& moving) {
   BuildCounts& counts = context.counts;
-  const auto left_out = [&](const std::string& why) {
-    counts.edges_left_out = why;
+  const auto skipped = [&](const std::string& why) {
+    counts.skipped_edges = why;
     return nullptr;
   };
   if (!moving.report.closed)
-    return left_out("the dynamic mesh is not closed");
+    return skipped("the dynamic mesh is not closed");
   context.step("distances to the dynamic mesh");
   try {
     const voxmap::Grid grid =
@@ -191,11 +191,11 @@ std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context,
         voxmap::build_distance_field(moving.mesh, voxmap, {.depth_voxels = kToolDepthVoxels},
                                      context.parallel_for, kToolBodyBytes);
     if (!field.has_inside())
-      return left_out("the dynamic mesh is so thin that no corner of half a voxel lies in it");
+      return skipped("the dynamic mesh is so thin that no corner of half a voxel lies in it");
     return std::make_unique<ToolBody>(std::move(voxmap), std::move(field));
   } catch (const voxmap::VoxelBudgetError&) {
-    return left_out("distances to the dynamic mesh would take more than " +
-                    bytes_text(kToolBodyBytes));
+    return skipped("distances to the dynamic mesh would take more than " +
+                   bytes_text(kToolBodyBytes));
   }
 }
 

@@ -21,7 +21,7 @@ std::unique_ptr<ToolSolver> solver_for(const ObjectContacts& objects, double lev
 
 /// A frame as a contact, with a spring of `k` [N/m]. Real-time safe.
 contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double k,
-                                  bool felt) noexcept {
+                                  bool displayed) noexcept {
   contact::ContactResult contact;
   contact.pose_status = frame.pose_status;
   contact.surface_hits = frame.surface_hits, contact.interior_hits = frame.interior_hits;
@@ -32,7 +32,7 @@ contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double
     contact.coherence = frame.contact_normal.isZero(0.0) ? 0.0 : 1.0;
     contact.saturated = frame.saturated;
   }
-  if (felt) {
+  if (displayed) {
     contact.wrench = frame.wrench(k);
     contact.stiffness = frame.stiffness(k);
     contact.stiffness_bound_n_per_m = k;
@@ -51,11 +51,11 @@ ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m, const 
     parts_.push_back({.object = objects.object(n).id, .contact = &results_[n], .twist = {}});
 }
 
-void ConstrainedTool::aim_for(double spring_n_per_m) noexcept {
+void ConstrainedTool::set_target(double spring_n_per_m) noexcept {
   const double aim = std::isfinite(spring_n_per_m) ? std::max(spring_n_per_m, 0.0) : 0.0;
-  if (aim == aim_n_per_m_)
+  if (aim == target_n_per_m_)
     return;
-  aim_n_per_m_ = aim;
+  target_n_per_m_ = aim;
   if (fresh_)
     spring_ = coupling::Ramp(aim);
   else
@@ -82,26 +82,27 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
     find_hand(hand);
   frame_ = solver_->frame({.pose = hand, .period_s = dt_s, .friction = friction}, displacements_);
   out = {.constrained = frame_.constrained,
-         .lag = frame_.lag || frame_.moved_too_far,
-         .unplaced = frame_.unplaced || frame_.pose_status != contact::PoseStatus::kUsable ||
-                     (frame_.constrained && aim_n_per_m_ == 0.0),
+         .not_converged = frame_.not_converged || frame_.moved_too_far,
+         .not_initialised = frame_.not_initialised ||
+                            frame_.pose_status != contact::PoseStatus::kUsable ||
+                            (frame_.constrained && target_n_per_m_ == 0.0),
          .residual_m = frame_.residual_m,
          .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0)),
          .iterations = static_cast<std::uint32_t>(std::max(frame_.iterations, 0))};
-  if (frame_.unplaced)
+  if (frame_.not_initialised)
     frame_.tool = hand;
   if (frame_.pose_status == contact::PoseStatus::kUsable) {
     hand_ = hand;
     fresh_ = false;
   }
-  const double k = spring_.advance(dt_s), felt = k * frame_.share;
-  const bool felt_at_all = frame_.constrained && felt > 0.0;
-  contact::ContactResult contact = contact_of(frame_, k, felt_at_all);
+  const double k = spring_.advance(dt_s), displayed = k * frame_.fraction;
+  const bool displays_force = frame_.constrained && displayed > 0.0;
+  contact::ContactResult contact = contact_of(frame_, k, displays_force);
   if (!contact.wrench.finite() ||
       !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
     contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
     solver_->reset();
-    out.unplaced = true;
+    out.not_initialised = true;
   }
   const bool follows = was_placed && solver_->placed() && dt_s > 0.0;
   twist_ = {};
@@ -109,9 +110,11 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
     twist_.linear = (frame_.tool.position - before.position) / dt_s;
     twist_.angular = rotation_vector(before.orientation, frame_.tool.orientation) / dt_s;
   }
-  stiffened_j_ = felt > felt_n_per_m_ ? 0.5 * (felt - felt_n_per_m_) * depth_of_spring2() : 0.0;
-  felt_n_per_m_ = felt;
-  tell_parts(felt_at_all ? felt : 0.0);
+  stiffened_j_ = displayed > displayed_n_per_m_
+                     ? 0.5 * (displayed - displayed_n_per_m_) * depth_of_spring2()
+                     : 0.0;
+  displayed_n_per_m_ = displayed;
+  give_parts(displays_force ? displayed : 0.0);
   return contact;
 }
 
@@ -122,7 +125,7 @@ void ConstrainedTool::find_hand(const Pose& hand) noexcept {
     return;
   solver_->relocate(hand, displacements_);
   spring_ = coupling::Ramp(0.0);
-  spring_.head_for(aim_n_per_m_, kSpringRampS);
+  spring_.head_for(target_n_per_m_, kSpringRampS);
 }
 
 double ConstrainedTool::depth_of_spring2() const noexcept {
@@ -131,18 +134,18 @@ double ConstrainedTool::depth_of_spring2() const noexcept {
                             : 0.0;
 }
 
-void ConstrainedTool::tell_parts(double felt_n_per_m) noexcept {
+void ConstrainedTool::give_parts(double displayed_n_per_m) noexcept {
   power_w_ = 0.0;
   const std::span<const Wrench> pushes = solver_->forces();
   for (std::size_t n = 0; n < results_.size(); ++n) {
     contact::ContactResult& part = results_[n];
     part = {};
-    if (n >= pushes.size() || !(felt_n_per_m > 0.0) || pushes[n].zero())
+    if (n >= pushes.size() || !(displayed_n_per_m > 0.0) || pushes[n].zero())
       continue;
-    part.wrench = {felt_n_per_m * pushes[n].force, felt_n_per_m * pushes[n].torque};
+    part.wrench = {displayed_n_per_m * pushes[n].force, displayed_n_per_m * pushes[n].torque};
     part.deepest_point = n == frame_.contact_object ? frame_.contact_point : frame_.tool.position;
     part.deepest_depth_m = frame_.worst_depth_m;
-    part.stiffness_bound_n_per_m = felt_n_per_m;
+    part.stiffness_bound_n_per_m = displayed_n_per_m;
     power_w_ += part.wrench.force.dot(parts_[n].twist.linear);
   }
 }
@@ -159,8 +162,8 @@ void ConstrainedTool::reset() noexcept {
   solver_->reset();
   frame_ = {};
   twist_ = {};
-  spring_ = coupling::Ramp(aim_n_per_m_);
-  felt_n_per_m_ = power_w_ = stiffened_j_ = 0.0;
+  spring_ = coupling::Ramp(target_n_per_m_);
+  displayed_n_per_m_ = power_w_ = stiffened_j_ = 0.0;
   fresh_ = true, hand_lost_ = false;
   for (contact::ContactResult& part : results_)
     part = {};

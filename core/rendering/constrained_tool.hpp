@@ -13,14 +13,14 @@ namespace voxtouch::rendering {
 
 class ExactBodies;
 
-/// What a frame of a virtual tool says beside its contact.
+/// What a frame of a virtual tool reports in addition to its contact.
 struct ToolFrame {
-  bool constrained = false;  ///< something holds it off the hand's pose
-  bool lag = false;  ///< it has not come to its place within the frame, or an object moved so far
-                     ///< that it may have passed it
-  bool unplaced = false;    ///< it has none: the hand has not been outside yet, or is where nothing
-                            ///< can be looked up; or no spring is known yet to pull it
-  double residual_m = 0.0;  ///< way that its last step would still have gone
+  bool constrained = false;      ///< something holds it off the hand's pose
+  bool not_converged = false;    ///< it has not come to its place within the frame, or an object
+                                 ///< moved so far that it may have passed it
+  bool not_initialised = false;  ///< it has none: the hand has not been outside yet, or is where
+                                 ///< nothing can be looked up; or no spring is known yet to pull it
+  double residual_m = 0.0;       ///< path that its last step would still have gone
   std::uint32_t queries = 0, iterations = 0;  ///< of all steps
 };
 
@@ -40,7 +40,7 @@ class ConstrainedTool {
   /// The stiffness of the spring [N/m] in W from the next frames on, on a straight line over
   /// kSpringRampS; at once after `reset`. One that is no number, or below zero, is 0. Real-time
   /// safe.
-  void aim_for(double spring_n_per_m) noexcept;
+  void set_target(double spring_n_per_m) noexcept;
 
   /// One frame: the spring's wrench on the hand, stiffness and what is touched, as a contact.
   /// `contact.stiffness_bound_n_per_m` is the spring's own. Real-time safe.
@@ -70,7 +70,7 @@ class ConstrainedTool {
 
  private:
   void put_objects(double time_s) noexcept;
-  void tell_parts(double felt_n_per_m) noexcept;
+  void give_parts(double displayed_n_per_m) noexcept;
   double depth_of_spring2() const noexcept;
   void find_hand(const Pose& hand) noexcept;
 
@@ -79,10 +79,11 @@ class ConstrainedTool {
   std::vector<Vec3> displacements_;  ///< of each object
   contact::VirtualToolFrame frame_;
   coupling::Ramp spring_;
-  double aim_n_per_m_ = 0.0,
-         felt_n_per_m_ = 0.0;  ///< felt: with the fade that a tool that was placed begins with
-  bool fresh_ = true;          ///< no frame since `reset`
-  bool hand_lost_ = false;     ///< `lose_hand` since the last frame
+  double target_n_per_m_ = 0.0,
+         displayed_n_per_m_ =
+             0.0;           ///< displayed: with the fade that a tool that was placed begins with
+  bool fresh_ = true;       ///< no frame since `reset`
+  bool hand_lost_ = false;  ///< `lose_hand` since the last frame
   Pose hand_;
   Twist twist_;
   std::vector<contact::ContactResult> results_;

@@ -40,12 +40,12 @@ contact::ContactParameters contact_parameters(const scene::ContactSpec& given,
     spec.stiffness_n_per_m3 = body_stiffness_n_per_m3(spec.body_mass_kg, area_m2(shell));
   const contact::PointWeights chosen = weights.value_or(weights_of(spec, kind));
   const bool by_area = spec.stiffness_n_per_m3 > 0.0,
-             alone = spec.rendering == scene::RenderingKind::kModelAlone;
+             memoryless = spec.rendering == scene::RenderingKind::kMemoryless;
   if (chosen == contact::PointWeights::kArea)
     return {by_area ? spec.stiffness_n_per_m3 : spec.stiffness_n_per_m / mean_area_m2(shell),
-            chosen, alone};
+            chosen, memoryless};
   return {by_area ? spec.stiffness_n_per_m3 * mean_area_m2(shell) : spec.stiffness_n_per_m, chosen,
-          alone};
+          memoryless};
 }
 
 }  // namespace voxtouch::rendering

@@ -12,7 +12,7 @@
 ///
 /// The torque carries f / s because a lever in W is s times as long as in the hand. With it one
 /// rule holds for every motion: power at the hand = (f / s) * power in W, so a passive scene stays
-/// passive through any pair of scales. A stiffness against translation is felt times s f, one
+/// passive through any pair of scales. A stiffness against translation is displayed times s f, one
 /// against rotation times f / s: the same contact at levers 1 / s as long.
 #include <cstdint>
 

@@ -73,8 +73,8 @@ void ExactTool::report(const exact::VirtualToolFrame& found,
   out.shift = found.shift / scale;
   out.turn = found.rotation;
   out.lever_m = found.lever_m / scale;
-  out.share = found.ratio;
-  out.shown = found.displayed;
+  out.fraction = found.ratio;
+  out.displayed = found.displayed;
   out.residual_m = found.residual_m / scale;
   out.contact_point = to_world(found.contact_point);
   out.contact_normal = found.contact_normal;
@@ -85,9 +85,10 @@ void ExactTool::report(const exact::VirtualToolFrame& found,
   out.iterations = found.iterations;
   out.pose_status = status_of(found.pose_status);
   out.constrained = found.constrained;
-  out.unplaced = found.not_initialised;
+  out.not_initialised = found.not_initialised;
   const bool free = found.not_converged && !found.constrained;
-  out.lag = !out.unplaced && (free || found.cut_short || found.object_lag_m > 0.0);
+  out.not_converged =
+      !out.not_initialised && (free || found.cut_short || found.object_delay_m > 0.0);
   out.moved_too_far = found.passed_through;
   std::fill(forces_.begin(), forces_.end(), Wrench{});
   const std::span<const Wrench> by_owner = tool_.contact_forces();

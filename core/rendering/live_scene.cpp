@@ -9,7 +9,7 @@ Wrench blend(const Wrench& a, const Wrench& b, double w) noexcept {
   return {(1.0 - w) * a.force + w * b.force, (1.0 - w) * a.torque + w * b.torque};
 }
 
-/// A sum of both, told by `told`.
+/// A sum of both, reported by `reported`.
 SceneFrame blend(const SceneFrame& a, const SceneFrame& b, double w) noexcept {
   const auto mix = [w](double x, double y) { return (1.0 - w) * x + w * y; };
   SceneFrame frame = w < 0.5 ? a : b;
@@ -80,8 +80,8 @@ SceneFrame LiveScene::render_scenes(const ToolState& tool, double time_s) noexce
 
 void LiveScene::swap_to(BuiltScene& next) noexcept {
   old_ = std::exchange(now_, &next);
-  now_->scene_renderer().aim_for_spring(spring_n_per_m_);
-  now_->scene_renderer().aim_for_series(series_);
+  now_->scene_renderer().set_spring_target(spring_n_per_m_);
+  now_->scene_renderer().set_series_target(series_);
   if (external_)
     now_->scene_renderer().external_is(*external_);
   now_->scene_renderer().start_tool_from(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
@@ -89,22 +89,22 @@ void LiveScene::swap_to(BuiltScene& next) noexcept {
   weight_ = 0.0;
 }
 
-void LiveScene::aim_for_spring(double n_per_m) noexcept {
+void LiveScene::set_spring_target(double n_per_m) noexcept {
   if (n_per_m == spring_n_per_m_)
     return;
   spring_n_per_m_ = n_per_m;
   for (BuiltScene* scene : {now_, old_})
     if (scene != nullptr)
-      scene->scene_renderer().aim_for_spring(n_per_m);
+      scene->scene_renderer().set_spring_target(n_per_m);
 }
 
-void LiveScene::aim_for_series(const Compliance& spring) noexcept {
+void LiveScene::set_series_target(const Compliance& spring) noexcept {
   if (spring == series_)
     return;
   series_ = spring;
   for (BuiltScene* scene : {now_, old_})
     if (scene != nullptr)
-      scene->scene_renderer().aim_for_series(spring);
+      scene->scene_renderer().set_series_target(spring);
 }
 
 void LiveScene::external_is(const effects::ExternalWrench& newest) noexcept {

@@ -1,7 +1,7 @@
 #pragma once
 /// The scene that runs, and the one that takes its place while a hand is in contact.
 #include "core/rendering/build.hpp"
-#include "core/rendering/held_turn.hpp"
+#include "core/rendering/latched_rotation.hpp"
 
 namespace voxtouch::rendering {
 
@@ -9,11 +9,11 @@ namespace voxtouch::rendering {
 /// w new with w on a straight line from 0 to 1. Force, torque, stiffness and its bound are all
 /// blended so: a convex sum of symmetric positive semidefinite matrices is one, and the bound stays
 /// a bound. Between two samples the blend adds to what each scene does at most |new - old| dt /
-/// kFadeS. What cannot be blended (hits, normal, deepest point, model) is told by the one with more
-/// weight.
+/// kFadeS. What cannot be blended (hits, normal, deepest point, model) is taken from the one with
+/// more weight.
 ///
 /// On a device that returns no torque, `series_spring` says so, the tool's rotation is the one of
-/// held_turn.hpp.
+/// latched_rotation.hpp.
 ///
 /// Owns no scene: whoever gave the old one takes it back from `retired`. Costs twice a frame while
 /// it fades. Real-time safe.
@@ -32,9 +32,9 @@ class LiveScene {
   void swap_to(BuiltScene& next) noexcept;
   /// Of a virtual tool, in all scenes from now on: the spring's stiffness in W [N/m], and that it
   /// is placed anew; see SceneRenderer.
-  void aim_for_spring(double n_per_m) noexcept;
+  void set_spring_target(double n_per_m) noexcept;
   /// Without a virtual tool, likewise: the spring in series with the contact; see SceneRenderer.
-  void aim_for_series(const Compliance& spring) noexcept;
+  void set_series_target(const Compliance& spring) noexcept;
   double spring_n_per_m() const noexcept { return spring_n_per_m_; }
   const Compliance& series_spring() const noexcept { return series_; }
   /// What the effect `external` of every scene follows from the next sample on.
@@ -42,7 +42,7 @@ class LiveScene {
   /// The hand may be anywhere in the next sample; see SceneRenderer.
   void lose_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
-  /// Ends a fade at once, where nobody feels it: no session runs.
+  /// Ends a fade at once, where it is not displayed: no session runs.
   void finish() noexcept;
   /// Forgets all samples so far, and a fade with them: a new session.
   void reset() noexcept;
@@ -66,11 +66,11 @@ class LiveScene {
   double weight_ = 1.0;  ///< of now_
   double spring_n_per_m_ = 0.0;
   Compliance series_;
-  HeldTurn turn_;
+  LatchedRotation turn_;
   std::optional<effects::ExternalWrench> external_;
   double last_s_ = -1.0;  ///< time of the last frame; below 0: none
   double supplied_j_ = 0.0, supplied_now_j_ = 0.0,
-         supplied_old_j_ = 0.0;  ///< told to the hand; by each scene so far
+         supplied_old_j_ = 0.0;  ///< displayed to the hand; by each scene so far
 };
 
 }  // namespace voxtouch::rendering

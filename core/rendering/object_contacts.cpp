@@ -97,8 +97,9 @@ contact::StageResult ObjectContacts::render_all(const Pose& tool, double time_s)
       all = one;
     } else {
       add_contact(one.contact, all.contact);
-      all.retained |= one.retained, all.fast |= one.fast, all.missed |= one.missed,
-          all.passing |= one.passing;
+      all.latched |= one.latched, all.fast |= one.fast,
+          all.tunnelling_suspected |= one.tunnelling_suspected,
+          all.passed_through |= one.passed_through;
     }
   }
   if (all.contact.pose_status != contact::PoseStatus::kUsable && objects_.size() > 1) {

@@ -65,8 +65,8 @@ class ObjectContacts {
       parts_[0].contact = &all.contact;
     return parts_;
   }
-  /// Of what each object's part of the last `render` tells as its stiffness the hand is shown
-  /// `part`. Real-time safe.
+  /// Of what each object's part of the last `render` reports as its stiffness the hand gets `part`.
+  /// Real-time safe.
   void soften(double part) noexcept;
   /// Power [W] with which moving objects pushed the tool in the last `render`; below zero where it
   /// pushed them.
@@ -89,7 +89,7 @@ class ObjectContacts {
 
   std::vector<std::unique_ptr<StaticObject>> objects_;
   contact::ContactRenderer* alone_ =
-      nullptr;  ///< of the one object that rests: it costs nothing beside its own contact
+      nullptr;  ///< of the one object that rests: it costs nothing in addition to its own contact
   std::vector<std::vector<contact::ContactRenderer*>> solids_;
   std::vector<MotionPoint> motions_;  ///< in the last `render`
   std::vector<contact::ContactResult> results_;

@@ -52,7 +52,7 @@ std::string design_sentence(const scene::DesignOptions& options) {
   std::string text =
       fmt::format("Coupling: designed when the device is known; kind {}, ", options.kind);
   if (options.kind == "auto" || options.kind == "shaping_filter")
-    text += fmt::format("wished cut-off {:g} Hz, ", options.cutoff_hz);
+    text += fmt::format("requested cut-off {:g} Hz, ", options.cutoff_hz);
   text += fmt::format("gain margin {:g}, hand: {}, {}", options.gain_margin,
                       scene::name_of(options.hand),
                       options.released ? "and it may be let go" : "but it is never let go");
@@ -153,14 +153,14 @@ void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
                           scene.contact.model, scene.contact.stiffness_n_per_m3)
             : fmt::format("Contact model '{}' with {:g} N/m per shell point.", scene.contact.model,
                           scene.contact.stiffness_n_per_m));
-  if (scene.contact.rendering == scene::RenderingKind::kModelAlone)
+  if (scene.contact.rendering == scene::RenderingKind::kMemoryless)
     plan.built.push_back(
         "The model alone, as the paper has it: no depths are held, so that what has gone through a "
         "wall's voxels pushes no more. A run in which the middle of "
         "the tool is in what it touches is not a good one.");
   const double unseen_mm = 1e3 * contact::limits::kFastEdges * scene.voxel_size_m;
   plan.built.push_back(
-      fmt::format("Fast motion: beside the scene the tool may pass a wall unseen where it moves "
+      fmt::format("Fast motion: next to the scene the tool may pass a wall unseen where it moves "
                   "more than half a voxel a sample, {:.3g} mm ({:.3g} m/s at 1 kHz). "
                   "Such samples are flagged, and a run that has any is not a good one.",
                   unseen_mm, unseen_mm));
@@ -249,28 +249,28 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
                                      counted(parts, "closed form", "closed forms")));
 }
 
-void say_left_out(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+void report_skipped(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.field_bytes == 0)
-    plan.left_out.push_back(
+    plan.skipped.push_back(
         "Signed distance field: only the contact model 'field' would ask for it.");
-  if (!n.edges_left_out.empty())
-    plan.left_out.push_back(
+  if (!n.skipped_edges.empty())
+    plan.skipped.push_back(
         fmt::format("Sharp edges and rims of the static meshes: {}. At a convex edge the force is "
-                    "short by a third to a half of a voxel of way, and a rim thinner than a "
+                    "short by a third to a half of a voxel of depth, and a rim thinner than a "
                     "voxel may come in between the tool's points.",
-                    n.edges_left_out));
+                    n.skipped_edges));
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   if (!(needs.proximity_m > 0.0))
-    plan.left_out.push_back("Distances outside the surface: no effect asks for them.");
+    plan.skipped.push_back("Distances outside the surface: no effect asks for them.");
   if (!needs.twist)
-    plan.left_out.push_back("The tool's velocity: no effect asks for it.");
+    plan.skipped.push_back("The tool's velocity: no effect asks for it.");
   if (const std::string absent = absent_effects(scene); !absent.empty())
-    plan.left_out.push_back(fmt::format("Effects that the scene does not name: {}.", absent));
+    plan.skipped.push_back(fmt::format("Effects that the scene does not name: {}.", absent));
   if (n.interior_voxels == 0)
-    plan.left_out.push_back(n.closed ? "Interior: no voxel lies wholly inside at this voxel size."
-                                     : "Interior: a static mesh is open and so has none.");
+    plan.skipped.push_back(n.closed ? "Interior: no voxel lies wholly inside at this voxel size."
+                                    : "Interior: a static mesh is open and so has none.");
   if (!scene.device.clutch_button)
-    plan.left_out.push_back("Clutch: the scene names no button.");
+    plan.skipped.push_back("Clutch: the scene names no button.");
 }
 
 /// It holds a tool out at walls of any thickness, but not everywhere alike.
@@ -382,7 +382,7 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
     if (part.node == "rendering")
       plan.expected_ns_per_frame += part.expected_ns;
   say_built(scene, counts, plan);
-  say_left_out(scene, counts, plan);
+  report_skipped(scene, counts, plan);
   say_warnings(scene, counts, plan);
   return plan;
 }

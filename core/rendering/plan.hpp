@@ -54,7 +54,7 @@ struct BuildCounts {
   double tool_reach_m = 0.0;             ///< farthest point of the tool's shell from its origin [m]
   std::uint64_t edge_points = 0, edge_bytes = 0;  ///< of sharp edges, that a virtual tool looks up
                                                   ///< in itself, and of what it looks up; 0: none
-  std::string edges_left_out;                     ///< why it does not, where it could not
+  std::string skipped_edges;                      ///< why it does not, where it could not
   StiffnessBounds contact;                        ///< without effects; see contact_range.hpp
   bool closed = true;  ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;  ///< what is wrong with the meshes, as sentences
@@ -69,7 +69,7 @@ struct PlanPart {
   double expected_ns = 0.0;  ///< a frame, at most: from counts, not measured; 0: nothing in a frame
 };
 
-/// Of a virtual tool's spring, before anybody knows the device: stiffer than any device can show,
+/// Of a virtual tool's spring, before the device is known: stiffer than any device can show,
 /// and against rotation that times the square of its lever. The fit brings it down to what the
 /// device and the certificates allow (design_problem.hpp).
 inline constexpr double kSpringOfAnyDevice = 1e8;  ///< [N/m]
@@ -77,8 +77,8 @@ inline StiffnessBounds spring_of_any_device(double lever_m) noexcept {
   const double k = kSpringOfAnyDevice, kr = k * lever_m * lever_m;
   return {{k, k}, {kr, kr}};
 }
-/// Whether the contact is such a spring, effects aside: so the plan tells who fits a coupling,
-/// whatever scene that one has read.
+/// Whether the contact is such a spring, effects aside: so the plan carries it to the node that
+/// fits a coupling, whatever scene that one has read.
 inline bool is_spring(const StiffnessBounds& bounds) noexcept {
   return bounds.translation.one_point == kSpringOfAnyDevice;
 }
@@ -104,20 +104,20 @@ struct Plan {
   coupling::design::ContactRange contact_n_per_m, contact_nm_per_rad;
   StiffnessBounds of_contact_alone;  ///< the same without any effect
   double tool_reach_m = 0.0;  ///< farthest point of the tool's shell from its origin, at the hand
-  std::vector<std::string> built, left_out, warnings;  ///< one sentence each
+  std::vector<std::string> built, skipped, warnings;  ///< one sentence each
   std::vector<PlanPart> parts;  ///< what a frame is made of, in the order of its way
 };
 
-/// Cost of one shell point that the culling leaves to be turned and looked up, and of a frame
-/// beside its points [ns]: a server processor of the 2020s, one thread that shares its core, voxmap
-/// within the caches.
+/// Cost of one shell point that the culling leaves to be turned and looked up, and of a frame in
+/// addition to its points [ns]: a server processor of the 2020s, one thread that shares its core,
+/// voxmap within the caches.
 inline constexpr double kNsPerPoint = 6.0, kNsPerFrame = 150.0;
 /// A point in contact, with the sums for the stiffness and what the stage remembers of it [ns]:
 /// `original` and `adapted`; `field`, eight nodes.
 inline constexpr double kNsPerPlainPoint = 12.0, kNsPerFieldPoint = 35.0;
 /// An iteration of a virtual tool's step, with the most rows that one has [ns].
 inline constexpr double kNsPerIteration = 3000.0;
-/// An effect's gate and sum beside its own law, one that is switched off, and a step of the
+/// An effect's gate and sum in addition to its own law, one that is switched off, and a step of the
 /// coupling with cap, law, damping and observer [ns].
 inline constexpr double kNsPerEffect = 60.0, kNsPerEffectOff = 15.0, kNsPerCoupling = 300.0;
 
@@ -135,7 +135,7 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& c
 double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept;
 /// Of one point in contact [ns]; `contact_model` as scenes spell it.
 double ns_per_contact_point(std::string_view contact_model) noexcept;
-/// Memory of the sharp edges of all objects beside the distances to the tool.
+/// Memory of the sharp edges of all objects in addition to the distances to the tool.
 std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept;
 /// "812 bytes", "96.0 kB", "2.5 MB".
 std::string bytes_text(std::uint64_t bytes);

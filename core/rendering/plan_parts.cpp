@@ -17,7 +17,7 @@ constexpr const char* kRendering = "rendering";
 /// layer, and thrice the depth it is retained with. `field` remembers nothing, nor does a model
 /// alone.
 std::uint64_t stage_bytes_per_point(const scene::ContactSpec& contact) {
-  if (contact.rendering == scene::RenderingKind::kModelAlone)
+  if (contact.rendering == scene::RenderingKind::kMemoryless)
     return 0;
   return contact.model == "original" || contact.model == "adapted" ? 52 : 0;
 }

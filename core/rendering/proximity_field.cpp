@@ -99,7 +99,7 @@ ToolPoints spread_tool_points(const pointshell::Pointshell& shell, std::size_t m
       if (square < distance[p])
         distance[p] = square, owner[p] = out.points.size();
     }
-    out.points.push_back({.position = chosen, .share = 0.0});
+    out.points.push_back({.position = chosen, .fraction = 0.0});
     out.reach_m = std::max(out.reach_m, chosen.norm());
     next = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) -
                                     distance.begin());
@@ -107,11 +107,12 @@ ToolPoints spread_tool_points(const pointshell::Pointshell& shell, std::size_t m
   }
   double area = 0.0;
   for (std::size_t p = 0; p < shell.size(); ++p) {
-    out.points[owner[p]].share += shell.area_m2[p];
+    out.points[owner[p]].fraction += shell.area_m2[p];
     area += shell.area_m2[p];
   }
   for (effects::ToolPoint& point : out.points)
-    point.share = area > 0.0 ? point.share / area : 1.0 / static_cast<double>(out.points.size());
+    point.fraction =
+        area > 0.0 ? point.fraction / area : 1.0 / static_cast<double>(out.points.size());
   return out;
 }
 

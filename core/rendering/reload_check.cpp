@@ -20,7 +20,7 @@ std::optional<std::string> topic_of(const scene::Scene& scene) {
 
 }  // namespace
 
-std::string why_not_reloaded(const scene::Scene& running, const scene::Scene& next) {
+std::string reload_refusal(const scene::Scene& running, const scene::Scene& next) {
   if (running.device != next.device)
     return "the scene's 'device' section has changed, which the device and coupling nodes do not "
            "read again: restart the "

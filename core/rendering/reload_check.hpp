@@ -13,7 +13,7 @@ namespace voxtouch::rendering {
 /// can. Another `device` or `coupling` section belongs to nodes that do not read the file again.
 /// Meshes, voxel size, contact and effects may differ, and are judged on the device by who knows it
 /// (fit_coupling.hpp); motions are not looked at.
-std::string why_not_reloaded(const scene::Scene& running, const scene::Scene& next);
+std::string reload_refusal(const scene::Scene& running, const scene::Scene& next);
 
 /// The effects of `next` as they are to run. One that the file still asks for in the same words
 /// keeps what was changed while running (`now`, the state of `before`'s effects); where the file

@@ -8,20 +8,20 @@
 namespace voxtouch::rendering {
 
 SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects,
-                             const SceneSurroundings& surroundings)
+                             const EffectResources& resources)
     : contact_(contact),
       effects_(std::move(effects)),
-      surroundings_(surroundings),
+      resources_(resources),
       has_effects_or_motion_(!effects_.empty() || contact.moves()) {
   for (std::size_t n = 0; n < effects_.size(); ++n) {
     if (!effects_.spec(n).kind->needs(effects_.spec(n).values).body)
       continue;
-    if (!surroundings.body)
+    if (!resources.body)
       throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
-    body_.emplace(BodyPart{effects::RigidBody(*surroundings.body), n});
+    body_.emplace(BodyPart{effects::RigidBody(*resources.body), n});
   }
-  if (surroundings.virtual_tool_lever_m)
-    constrained_.emplace(contact, *surroundings.virtual_tool_lever_m, surroundings.bodies);
+  if (resources.virtual_tool_lever_m)
+    constrained_.emplace(contact, *resources.virtual_tool_lever_m, resources.bodies);
 }
 
 /// The contact pushes the tool where the hand has it.
@@ -47,8 +47,8 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
   const bool followed = constrained_->placed();
   const Pose before = constrained_->pose();
   frame.touch.contact = constrained_->render(tool.pose, time_s, dt_s, friction, frame.tool);
-  if (surroundings_.watch != nullptr && followed && constrained_->placed())
-    frame.touch.passing = surroundings_.watch->passed(before, constrained_->pose());
+  if (resources_.watch != nullptr && followed && constrained_->placed())
+    frame.touch.passed_through = resources_.watch->passed(before, constrained_->pose());
   const contact::ContactResult& contact = frame.touch.contact;
   frame.object = constrained_->pose();
   frame.wrench = contact.wrench;
@@ -109,9 +109,11 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
 
 /// One look-up of the contact. True: another is needed.
 bool SceneRenderer::settle_in_series(double time_s, contact::StageResult& touch) noexcept {
-  const bool fast = touch.fast, missed = touch.missed, passing = touch.passing;
+  const bool fast = touch.fast, tunnelling_suspected = touch.tunnelling_suspected,
+             passed_through = touch.passed_through;
   touch = contact_.render(series_.tool(), time_s);
-  touch.fast |= fast, touch.missed |= missed, touch.passing |= passing;
+  touch.fast |= fast, touch.tunnelling_suspected |= tunnelling_suspected,
+      touch.passed_through |= passed_through;
   if (touch.contact.pose_status != contact::PoseStatus::kUsable) {
     series_.lose();
     return false;
@@ -159,31 +161,32 @@ void SceneRenderer::add_effects(const ToolState& object, double time_s, double d
 
 /// What the effects give in `frame`; forces of position behind their spring from the hand, where
 /// there is one.
-effects::EffectPush SceneRenderer::effects_at(const ToolState& hand,
-                                              const effects::EffectFrame& frame,
-                                              const effects::EffectFrame* surface) noexcept {
+effects::EffectForce SceneRenderer::effects_at(const ToolState& hand,
+                                               const effects::EffectFrame& frame,
+                                               const effects::EffectFrame* surface) noexcept {
   if (field_.rigid())
     return effects_.apply(frame, surface);
   effects::EffectFrame behind = frame;
-  effects::EffectPush there;
+  effects::EffectForce there;
   behind.tool = field_.begin(hand.pose, frame.dt_s);
   do {
     behind.tool = field_.tool();
     there = effects_.of_position(behind);
   } while (field_.settle({there.wrench, there.stiffness}));
-  const double gives_way = field_.compliance().translation;
-  effects::EffectPush sum = effects_.apply(frame, surface, &behind);
+  const double series_compliance = field_.compliance().translation;
+  effects::EffectForce sum = effects_.apply(frame, surface, &behind);
   there = effects_.of_position(behind);  // with the gains of this sample
   sum.wrench.force += field_.wrench().force - there.wrench.force;
   sum.stiffness += in_series(there.stiffness, field_.compliance()) - there.stiffness;
   sum.stiffness_bound_n_per_m -=
       there.stiffness_bound_n_per_m -
-      there.stiffness_bound_n_per_m / (1.0 + gives_way * there.stiffness_bound_n_per_m);
-  sum.potential_j += 0.5 * gives_way * field_.wrench().force.squaredNorm();  // of the spring
+      there.stiffness_bound_n_per_m / (1.0 + series_compliance * there.stiffness_bound_n_per_m);
+  sum.potential_j +=
+      0.5 * series_compliance * field_.wrench().force.squaredNorm();  // of the spring
   return sum;
 }
 
-void SceneRenderer::add(const effects::EffectPush& effects, SceneFrame& frame) noexcept {
+void SceneRenderer::add(const effects::EffectForce& effects, SceneFrame& frame) noexcept {
   frame.effects = effects;
   frame.wrench.force += frame.effects.wrench.force;
   frame.wrench.torque += frame.effects.wrench.torque;
@@ -200,16 +203,18 @@ effects::EffectFrame SceneRenderer::look(
   in.dt_s = step_s >= kMinStepS && step_s <= kLongestStepS ? step_s : kDefaultStepS;
   in.time_s = time_s;
   in.contacts = contacts;
-  in.proximity = surroundings_.proximity, in.tool_points = surroundings_.tool_points;
+  in.proximity = resources_.proximity, in.tool_points = resources_.tool_points;
   in.external = external_ ? &*external_ : nullptr;
   return in;
 }
 
-/// `given_j`: by what is no effect.
-void SceneRenderer::supply(const Pose& object, double given_j, SceneFrame& frame) noexcept {
+/// `energy_generated_j`: by what is no effect.
+void SceneRenderer::supply(const Pose& object, double energy_generated_j,
+                           SceneFrame& frame) noexcept {
   const double potential = frame.effects.potential_j;
   supplied_j_ +=
-      potential_j_.value_or(potential) - potential + given_j + frame.effects.given_j +
+      potential_j_.value_or(potential) - potential + energy_generated_j +
+      frame.effects.energy_generated_j +
       effects_.given_over((object.position - last_position_.value_or(object.position)).norm());
   potential_j_ = potential;
   last_position_ = object.position;

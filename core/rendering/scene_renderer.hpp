@@ -23,18 +23,18 @@ struct SceneFrame {
   Pose object;     ///< where the dynamic object was when the contact was found: the tool, which a
                    ///< spring or a virtual tool holds off the hand, or the body
   ToolFrame tool;  ///< of a virtual tool; all zero without one
-  contact::StageResult touch;   ///< contact alone
-  effects::EffectPush effects;  ///< effects alone; all zero where the scene lists none
-  Wrench wrench;                ///< for the hand: the sum of both, or the grip
+  contact::StageResult touch;    ///< contact alone
+  effects::EffectForce effects;  ///< effects alone; all zero where the scene lists none
+  Wrench wrench;                 ///< for the hand: the sum of both, or the grip
   Mat6 stiffness = Mat6::Zero();
   double stiffness_bound_n_per_m = 0.0;
   /// What the hand may have been given since the session began, by potentials that fell, moving
-  /// objects, effects that are bounded by the way, or the body's weight and speed [J].
+  /// objects, effects that are bounded by the path, or the body's weight and speed [J].
   double supplied_energy_j = 0.0;
 };
 
 /// What effects look up, where one asks for it.
-struct SceneSurroundings {
+struct EffectResources {
   const effects::Proximity* proximity = nullptr;
   std::span<const effects::ToolPoint> tool_points = {};
   std::optional<effects::BodyShape> body =
@@ -45,7 +45,7 @@ struct SceneSurroundings {
   const ExactBodies* bodies = nullptr;  ///< with one that meets triangles
 };
 
-/// One thread at a time. `contact` and what `surroundings` points to must outlive it.
+/// One thread at a time. `contact` and what `resources` points to must outlive it.
 class SceneRenderer {
  public:
   /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts
@@ -54,7 +54,7 @@ class SceneRenderer {
 
   /// std::invalid_argument where a body's shape is missing.
   SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects,
-                const SceneSurroundings& surroundings = {});
+                const EffectResources& resources = {});
 
   /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from
   /// anything. Real-time safe.
@@ -73,19 +73,19 @@ class SceneRenderer {
       constrained_->lose_hand();
     series_.lose();
   }
-  /// Stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::aim_for. Real-time
+  /// Stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::set_target. Real-time
   /// safe.
-  void aim_for_spring(double n_per_m) noexcept {
+  void set_spring_target(double n_per_m) noexcept {
     if (constrained_)
-      constrained_->aim_for(n_per_m);
+      constrained_->set_target(n_per_m);
   }
   /// Without a virtual tool: the spring in series with the contact, or with a body's grip, in W.
   /// Real-time safe. Forces of position (guides, magnets, fields) whose stiffness leaves the
   /// contact less than half of what is certified act behind a spring of their own: their largest
   /// force is given whole, at a displacement of the hand that the spring adds. Real-time safe.
-  void aim_for_series(const Compliance& spring) noexcept {
-    series_.aim_for({spring.translation, spring.returns_torque() ? spring.rotation : 0.0});
-    field_.aim_for({spring.effects, 0.0});
+  void set_series_target(const Compliance& spring) noexcept {
+    series_.set_target({spring.translation, spring.returns_torque() ? spring.rotation : 0.0});
+    field_.set_target({spring.effects, 0.0});
   }
   /// A body is gripped, which is turned against its inertia.
   bool grips_a_body() const noexcept { return body_.has_value(); }
@@ -115,21 +115,21 @@ class SceneRenderer {
   void add_effects_at_both(const ToolState& hand, const Twist& tool_twist,
                            std::span<const effects::ObjectContact> parts, double time_s,
                            double dt_s, SceneFrame& frame) noexcept;
-  void add(const effects::EffectPush& effects, SceneFrame& frame) noexcept;
-  effects::EffectPush effects_at(const ToolState& hand, const effects::EffectFrame& frame,
-                                 const effects::EffectFrame* surface) noexcept;
+  void add(const effects::EffectForce& effects, SceneFrame& frame) noexcept;
+  effects::EffectForce effects_at(const ToolState& hand, const effects::EffectFrame& frame,
+                                  const effects::EffectFrame* surface) noexcept;
   double step_to(double time_s) noexcept;
   const Pose& object_pose(const Pose& tool) const noexcept;
   void add_rest(const ToolState& tool, double time_s, SceneFrame& frame) noexcept;
   void add_effects(const ToolState& object, double time_s, double dt_s, SceneFrame& frame) noexcept;
-  void supply(const Pose& object, double given_j, SceneFrame& frame) noexcept;
+  void supply(const Pose& object, double energy_generated_j, SceneFrame& frame) noexcept;
   void soften_grip(const Pose& tool, double dt_s, double lever_m,
                    effects::BodyParameters& parameters) noexcept;
   void move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept;
 
   ObjectContacts& contact_;
   effects::EffectChain effects_;
-  SceneSurroundings surroundings_;
+  EffectResources resources_;
   bool has_effects_or_motion_;  ///< than contact with what rests
   std::optional<BodyPart> body_;
   std::optional<ConstrainedTool> constrained_;

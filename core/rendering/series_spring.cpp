@@ -31,7 +31,7 @@ Mat6 in_series(const Mat6& stiffness, const Compliance& spring) noexcept {
   return 0.5 * (both + both.transpose());
 }
 
-void SeriesSpring::aim_for(const Compliance& spring) noexcept {
+void SeriesSpring::set_target(const Compliance& spring) noexcept {
   if (spring == goal_)
     return;
   goal_ = spring;
@@ -77,10 +77,10 @@ void SeriesSpring::predict() noexcept {
   if (lookups_ != 1)
     bracketed_ = false;
   const ContactAt& at = last_.contact;
-  const Vec6 way = (Vec6() << hand_.position - last_.tool.position,
-                    rotation_vector(last_.tool.orientation, hand_.orientation))
-                       .finished();
-  Vec6 w = (Vec6() << at.wrench.force, at.wrench.torque).finished() - at.stiffness * way;
+  const Vec6 displacement = (Vec6() << hand_.position - last_.tool.position,
+                             rotation_vector(last_.tool.orientation, hand_.orientation))
+                                .finished();
+  Vec6 w = (Vec6() << at.wrench.force, at.wrench.torque).finished() - at.stiffness * displacement;
   if (!at.stiffness.isZero(0.0)) {
     Mat6 system = at.stiffness * diagonal(now_).asDiagonal();
     system.diagonal().array() += 1.0;
@@ -96,12 +96,12 @@ void SeriesSpring::predict() noexcept {
 /// The tool between the last place and the one on the other side. False: they are not on both sides
 /// of the balance.
 bool SeriesSpring::between() noexcept {
-  const Vec3 way = last_.tool.position - other_.tool.position;
-  const double here = residual(last_).dot(way), there = residual(other_).dot(way);
+  const Vec3 displacement = last_.tool.position - other_.tool.position;
+  const double here = residual(last_).dot(displacement), there = residual(other_).dot(displacement);
   if (!(here * there < 0.0))
     return false;
   const double part = std::clamp(here / (here - there), 0.2, 0.8);
-  tool_.position = last_.tool.position - part * way;
+  tool_.position = last_.tool.position - part * displacement;
   tool_.orientation = hand_.orientation;
   if (now_.rotation > 0.0)
     tool_.orientation = last_.tool.orientation;
@@ -136,8 +136,8 @@ bool SeriesSpring::settle(const ContactAt& contact) noexcept {
     return false;
   }
   if (now_.translation > 0.0) {
-    const Vec3 way = tool_.position - before.tool.position;
-    if (residual(before).dot(way) * residual(last_).dot(way) < 0.0)
+    const Vec3 displacement = tool_.position - before.tool.position;
+    if (residual(before).dot(displacement) * residual(last_).dot(displacement) < 0.0)
       other_ = before, bracketed_ = true;
     // On a step of the contact, between two places that are all but one: the spring holds it there.
     if (bracketed_ &&

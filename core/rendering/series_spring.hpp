@@ -12,7 +12,8 @@ namespace voxtouch::rendering {
 struct Compliance {
   double translation = 0.0, rotation = 0.0;
   double effects = 0.0;  ///< of the spring between hand and forces of position [m/N]: SceneRenderer
-  /// Infinite rotation: the device returns no torque, and held_turn.hpp has what its rotation does.
+  /// Infinite rotation: the device returns no torque, and latched_rotation.hpp has what its
+  /// rotation does.
   bool returns_torque() const noexcept {
     return rotation < std::numeric_limits<double>::infinity();
   }
@@ -56,8 +57,8 @@ Mat6 in_series(const Mat6& stiffness, const Compliance& spring) noexcept;
 ///
 /// Where the contact's wrench is monotone in the pose the displayed wrench is the gradient of the
 /// Moreau envelope of its potential (Moreau 1965): slopes from 0 to C^-1, no energy given over
-/// closed ways. Nothing else is stored than the tool's pose and what the contact gave there, and on
-/// the other side of the balance.
+/// closed paths. Nothing else is stored than the tool's pose and what the contact gave there, and
+/// on the other side of the balance.
 class SeriesSpring {
  public:
   /// Over this time the spring goes from one compliance to the next [s].
@@ -65,13 +66,13 @@ class SeriesSpring {
   static constexpr int kMaxLookups = 4;
   /// Part of the wrench by which the contact may differ from it, and what is no matter [N, Nm].
   static constexpr double kBalance = 0.01, kSettledN = 1e-4, kSettledNm = 1e-6;
-  /// Ways of the hand from one sample to the next that are no motion: the tool begins at the hand
-  /// anew [m, rad].
+  /// Displacements of the hand from one sample to the next that are no motion: the tool begins at
+  /// the hand anew [m, rad].
   static constexpr double kJumpM = 0.02, kJumpRad = 0.5;
 
   /// The compliance from the next samples on; at once where there was no sample since `reset`.
   /// Real-time safe.
-  void aim_for(const Compliance& spring) noexcept;
+  void set_target(const Compliance& spring) noexcept;
   bool rigid() const noexcept { return now_.rigid() && goal_.rigid(); }
   /// Begins a sample of the hand at `hand`, `dt_s` after the last: where to look up the contact
   /// first. Real-time safe.

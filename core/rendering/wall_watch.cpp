@@ -41,11 +41,11 @@ bool WallWatch::passed(const Pose& from, const Pose& to) const noexcept {
 }
 
 bool WallWatch::crosses(const Vec3& from, const Vec3& to) const noexcept {
-  const Vec3 way = to - from;
-  if (way.isZero(0.0))
+  const Vec3 displacement = to - from;
+  if (displacement.isZero(0.0))
     return false;
   bool crossed = false;
-  tree_.each_on_ray(from, way, [&](std::uint32_t t) {
+  tree_.each_on_ray(from, displacement, [&](std::uint32_t t) {
     const Vec3 &a = mesh_.corner(t, 0), &b = mesh_.corner(t, 1), &c = mesh_.corner(t, 2);
     if (volume(a, b, c, from) * volume(a, b, c, to) >= 0.0)
       return;

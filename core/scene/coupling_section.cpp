@@ -83,7 +83,7 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   map.read("gain_margin", options.gain_margin);
   map.read("damping_floor", options.damping_floor);
   map.read("rotation_damping_floor", options.rotation_damping_floor);
-  map.read("damper_share", options.damper_share);
+  map.read("damping_force_ratio", options.damping_force_ratio);
   map.read("stiffness_cap_n_per_m", options.stiffness_cap_n_per_m);
   map.read("stiffness_cap_nm_per_rad", options.stiffness_cap_nm_per_rad);
   if (const YamlNode* hand = map.find("hand"))
@@ -131,7 +131,7 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node,
                                    {"velocity_window", "is of the velocity for"},
                                    {"slow_velocity_hz", "is of the velocity for"},
                                    {"velocity_band_m_per_s", "is of the velocity for"},
-                                   {"damper_share", "bounds"}})
+                                   {"damping_force_ratio", "bounds"}})
       map.refuse(key, fmt::format("{} injected damping; it goes with injected_damping_ns_per_m or "
                                   "injected_damping_nms_per_rad.",
                                   job));
@@ -139,7 +139,7 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node,
   map.read("velocity_window", spec.velocity_window);
   map.read("slow_velocity_hz", spec.slow_velocity_hz);
   map.read("velocity_band_m_per_s", spec.velocity_band_m_per_s);
-  map.read("damper_share", spec.damper_share);
+  map.read("damping_force_ratio", spec.damping_force_ratio);
   judge(source, node, map, spec);
   return spec;
 }

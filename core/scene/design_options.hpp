@@ -29,15 +29,16 @@ struct DesignOptions {
   double gain_margin = 2.0;    ///< >= 1
   double damping_floor = 0.3;  ///< of translation, with a hand, and a third of it released; 0: none
   double rotation_damping_floor = 0.0;  ///< likewise
-  std::optional<double> damper_share;   ///< as CouplingSpec has it; none: the designer chooses one
-  /// Caps on the contact's stiffness in W that are wanted as they are; without both the designer is
-  /// free to cap.
+  std::optional<double>
+      damping_force_ratio;  ///< as CouplingSpec has it; none: the designer chooses one
+  /// Caps on the contact's stiffness in W that are requested as they are; without both the designer
+  /// is free to cap.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
   HandOption hand = HandOption::kAsDeviceIsHeld;
   coupling::design::HandRange given_translation;  ///< for kGiven
   std::optional<coupling::design::HandRange>
       given_rotation;            ///< for kGiven; none: the range of the device's grip
-  bool released = true;          ///< nobody holding the device is one of the cases
+  bool released = true;          ///< the released device is one of the cases
   bool inject_damping = true;    ///< damping while in contact is allowed
   bool velocity_windows = true;  ///< also on the velocity of a window
   bool run_infeasible = false;   ///< run what was found even where the design is called infeasible

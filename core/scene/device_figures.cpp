@@ -30,20 +30,20 @@ constexpr auto kFigures = std::to_array<DeviceFigure>(
       "1 to 20 Nm",
       {},
       {},
-      "Above 0 turning is designed for too; 0 leaves it out."},
+      "Above 0 rotation is designed for too; 0 leaves it out."},
      {"max_stiffness_n_per_m",
       "300 to 5000 N/m",
       "1000 to 5000 N/m",
       {},
       {},
-      "No more than this is wanted of a design, whatever would hold."},
+      "No more than this is requested of a design, whatever would hold."},
      {"mass_kg",
       "0.03 to 0.3 kg",
       "1 to 10 kg",
       {},
       {},
-      "Apparent at the tool, a number or [least, most]: the least one decides when nobody holds "
-      "the device."},
+      "Apparent at the tool, a number or [least, most]: the least one decides when the device is "
+      "released."},
      {"damping_ns_per_m", "0.005 to 1 Ns/m", "1 to 50 Ns/m", 0.005, 1.0,
       "Dissipation that the design may count on; too high a figure makes an unstable design look "
       "stable."},
@@ -71,16 +71,16 @@ constexpr auto kFigures = std::to_array<DeviceFigure>(
       "The class: a stylus between the fingers, or an arm that hand and arm hold; it chooses the "
       "hands that are designed for."},
      {"inertia_kg_m2", "1e-5 to 1e-3 kg m^2", "0.01 to 0.5 kg m^2", 1e-4, 0.05,
-      "About any axis at the tool, a number or [least, most]: the least one decides when nobody "
-      "holds it."},
+      "About any axis at the tool, a number or [least, most]: the least one decides when it is "
+      "released."},
      {"damping_nms_per_rad", "1e-4 to 1e-2 Nms/rad", "0.05 to 1 Nms/rad", 1e-4, 0.05,
-      "As damping_ns_per_m, against turning."},
+      "As damping_ns_per_m, against rotation."},
      {"coulomb_friction_nm", "0 to 0.01 Nm", "0 to 0.5 Nm", 0.0, 0.0,
-      "As coulomb_friction_n, against turning."},
+      "As coulomb_friction_n, against rotation."},
      {"orientation_resolution_rad", "1e-5 to 1e-3 rad", "1e-6 to 1e-3 rad", 1e-3, 1e-4,
-      "As position_resolution_m, for turning."},
+      "As position_resolution_m, for rotation."},
      {"max_stiffness_nm_per_rad", "0.1 to 5 Nm/rad", "20 to 300 Nm/rad", 0.3, 100.0,
-      "As max_stiffness_n_per_m, against turning."}});
+      "As max_stiffness_n_per_m, against rotation."}});
 
 }  // namespace
 

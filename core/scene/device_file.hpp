@@ -2,7 +2,7 @@
 /// Reads a device file strictly: a device that the project has no driver for, or another one than
 /// its driver says, to be designed for and rehearsed. Whatever is unknown, doubled, of the wrong
 /// type, not finite or out of its range is a SceneError that says where and what would be right.
-/// What is missing is told all at once. What data sheets leave out has standards by class
+/// All that is missing is reported at once. What data sheets leave out has standards by class
 /// (device_figures.hpp), and the reader says which ones it took.
 ///
 /// ```yaml
@@ -16,7 +16,7 @@
 /// stylus | arm # May be left out from here on. workspace_m: [0.4, 0.6, 0.8]      # edges of the
 /// box that the tool reaches; left out: unknown damping_ns_per_m: 0.005           # the least
 /// coulomb_friction_n: 0.2
-/// delay_s: 0.001                    # from the sample to the force, beside the hold of a period
+/// delay_s: 0.001                    # from the sample to the force, excluding the hold of a period
 /// force_bandwidth_hz: 50            # left out: no lag
 /// rotation: {inertia_kg_m2: [0.1, 0.1], damping_nms_per_rad: 0.3, coulomb_friction_nm: 0.1,
 /// orientation_resolution_rad: 1e-4,

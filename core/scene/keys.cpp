@@ -65,7 +65,7 @@ constexpr auto kObject =
                          "Of each shell point against it [N/m]; left out: the scene's."},
                         {"stiffness_n_per_m3", kPositive, kNotTogether, none,
                          "Per area against it [N/m^3]; left out: the scene's."},
-                        {"moves", kMap, kOptional, none, "", "", &way}});
+                        {"moves", kMap, kOptional, none, "", "", &object_motion}});
 constexpr auto kDynamicMesh =
     joined(kMesh, std::to_array<Key>({{"shell", kWord, kOptional, initial<&Scene::shell>,
                                        "Shell points on the surface, or in the voxels' centres.",
@@ -78,12 +78,12 @@ constexpr auto kContact = std::to_array<Key>(
      {"rendering", kWord, kOptional, none,
       "A virtual tool that stays outside what it touches, with `field` (then the standard model): "
       "it displays the coupling's certified stiffness, and none is given here. "
-      "Or penalty, forces that grow with the depth. Or model_alone, these as the paper has them, "
+      "Or penalty, forces that grow with the depth. Or memoryless, these as the paper has them, "
       "to compare with it: points that have gone through a wall's "
       "voxels push no more, so it is soon passed. Left out: virtual_tool for `field` without a "
       "stiffness, else penalty. With the effect `body` and no stiffness: penalty, and the "
       "stiffness follows from the body's mass.",
-      "virtual_tool penalty model_alone"},
+      "virtual_tool penalty memoryless"},
      {"stiffness_n_per_m", kPositive, kOneOf, none,
       "Of each shell point [N/m]; original and adapted."},
      {"stiffness_n_per_m3", kPositive, kOneOf, none,
@@ -106,7 +106,7 @@ constexpr auto kEffect = std::to_array<Key>(
      {"object", kName, kOptional, none,
       "Feels the contact with this object alone; `ground` for the meshes of none."},
      {"gain", kNumber, kOptional, initial<&effects::EffectSpec::gain>,
-      "Share of its force that is displayed.", "", nullptr, 0, 1},
+      "Fraction of its force that is displayed.", "", nullptr, 0, 1},
      {"on", kFlag, kOptional, initial<&effects::EffectSpec::on>,
       "false: built and ready, switched off at the start."}});
 
@@ -155,8 +155,8 @@ constexpr auto kCoupling = std::to_array<Key>(
      {"velocity_band_m_per_s", kNotNegative, kWithoutFirst,
       initial<&coupling::CouplingSpec::velocity_band_m_per_s>,
       "How much that may be along each axis, in W [m/s]."},
-     {"damper_share", kNotNegative, kOptional, none,
-      "Most that injected damping adds to what contact and effects give, as a share of it, plus a "
+     {"damping_force_ratio", kNotNegative, kOptional, none,
+      "Most that injected damping adds to what contact and effects give, as a ratio of it, plus a "
       "small constant force: so a touch begins with the contact. 0: without that bound. Left out: "
       "0.35, with design as long as it leaves two thirds of the stiffness, else the least of 0.7, "
       "2, 6 and 24 that leaves nine tenths, else 0. One that is given and would take more than a "

@@ -61,7 +61,7 @@ struct Key {
                                                           ///< entries of a list
 };
 
-/// The keys of one map, in the order in which people are told of them.
+/// The keys of one map, in the order in which they are listed.
 struct KeyGroup {
   std::string_view defined = {};  ///< its name in the schema, where it stands at several places
   std::string_view meaning = {};
@@ -73,9 +73,9 @@ std::vector<std::string_view> words_of(std::string_view list);
 
 namespace keys {
 
-/// What rules between keys name, beside the rows: the contact model that weighs points by their
-/// area, kinds of a coupling that is set by hand, and what an effect that works everywhere, all or
-/// nothing, does not have.
+/// What rules between keys name, in addition to the rows: the contact model that weighs points by
+/// their area, kinds of a coupling that is set by hand, and what an effect that works everywhere,
+/// all or nothing, does not have.
 inline constexpr std::string_view kModelByArea = "field",
                                   kKindsByHand = "shaping_filter spring_damper direct",
                                   kNotEverywhere = "region gain on";
@@ -87,7 +87,7 @@ extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, 
 /// A device file and its part for devices that give torque.
 extern const KeyGroup device_file, device_rotation;
 /// A motion without what only a hand has.
-extern const KeyGroup way;
+extern const KeyGroup object_motion;
 
 }  // namespace keys
 }  // namespace voxtouch::scene

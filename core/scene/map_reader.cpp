@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <stdexcept>
 
@@ -29,9 +30,9 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }
 
 [[noreturn]] void mistyped(const SceneSource& source, const YamlNode& node, std::string_view what,
-                           std::string_view wanted) {
+                           std::string_view requested) {
   source.fail(node.place,
-              fmt::format("'{}' must be {}, but here is {}.", what, wanted, describe(node)));
+              fmt::format("'{}' must be {}, but here is {}.", what, requested, describe(node)));
 }
 
 bool is_word(const YamlNode& node) { return node.kind == YamlNode::Kind::kScalar && !node.quoted; }
@@ -46,6 +47,13 @@ bool is_not_finite_word(std::string text) {
     text.erase(0, 1);
   return text == "inf" || text == "infinity" || text == "nan";
 }
+
+/// Keys and values of earlier scenes, and their names.
+struct Renamed {
+  std::string_view old_name, name;
+};
+constexpr std::array kRenamed{Renamed{"damper_share", "damping_force_ratio"},
+                              Renamed{"model_alone", "memoryless"}};
 
 std::vector<std::string_view> with_keys_of(const KeyGroup& group,
                                            std::vector<std::string_view> words) {
@@ -76,6 +84,9 @@ std::string_view nearest_word(std::string_view word, const std::vector<std::stri
 }
 
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& allowed) {
+  for (const auto& [old_name, name] : kRenamed)
+    if (word == old_name && std::ranges::find(allowed, name) != allowed.end())
+      return fmt::format("; its name is '{}'.", name);
   const std::string_view near = nearest_word(word, allowed);
   return near.empty() ? std::string() : fmt::format("; did you mean '{}'?", near);
 }
@@ -139,9 +150,8 @@ std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::st
   if (found == allowed.end())
     source.fail(
         node.place,
-        fmt::format(
-            "'{}' must be one of: {}; here is {}{}", what, listed(allowed), describe(node),
-            nearest_word(node.text, allowed).empty() ? "." : suggestion(node.text, allowed)));
+        fmt::format("'{}' must be one of: {}; here is {}{}", what, listed(allowed), describe(node),
+                    suggestion(node.text, allowed).empty() ? "." : suggestion(node.text, allowed)));
   return static_cast<std::size_t>(found - allowed.begin());
 }
 

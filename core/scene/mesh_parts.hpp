@@ -1,5 +1,5 @@
 #pragma once
-/// What a mesh is read from beside its own file.
+/// What a mesh is read from in addition to its own file.
 #include <filesystem>
 #include <functional>
 #include <string>

@@ -16,7 +16,7 @@ constexpr auto kTurn =
                         {"angle_rad", kNumber, kRequired, none, "[rad]", "", nullptr, -3.1, 3.1},
                         {"from_s", kNotNegative, kOptional, initial<&MotionTurn::from_s>, "[s]"},
                         {"to_s", kPositive, kRequired, none, "[s]"}});
-constexpr auto kWay = std::to_array<Key>(
+constexpr auto kObjectMotion = std::to_array<Key>(
     {{"path", kVectors, kRequired, none, "Way points [m], walked in straight pieces.", "", nullptr,
       1},
      {"speed_m_per_s", kPositive, kOptional, initial<&Motion::speed_m_per_s>,
@@ -26,7 +26,7 @@ constexpr auto kWay = std::to_array<Key>(
       "Back and forth between this point, counted from 0, and the last, for ever."},
      {"circle", kMap, kNotTogether, none, "", "", &circle}});
 constexpr auto kMotion = joined(
-    kWay,
+    kObjectMotion,
     std::to_array<Key>({{"orientation", kQuaternion, kOptional, initial<&Motion::orientation>},
                         {"turn", kMap, kOptional, none, "", "", &turn},
                         {"press", kMaps, kOptional, none,
@@ -41,7 +41,9 @@ constinit const KeyGroup turn{
     "", "The hand turns from its orientation, about the device's tip, from rest to rest.", kTurn};
 constinit const KeyGroup circle{"", "Round and round after the way points, beginning at the last.",
                                 kCircle};
-constinit const KeyGroup way{
-    "way", "How an object moves: its displacement over the time since the session's begin.", kWay};
+constinit const KeyGroup object_motion{
+    "object_motion",
+    "How an object moves: its displacement over the time since the session's begin.",
+    kObjectMotion};
 
 }  // namespace voxtouch::scene::keys

@@ -48,7 +48,7 @@ enum class ShellKind { kExact, kNaive };
 enum class RenderingKind {
   kPenalty,  ///< the contact model's forces at the hand's pose, which go on where points have gone
              ///< through
-  kModelAlone,   ///< the same as the paper has them: no depth is held
+  kMemoryless,   ///< the same as the paper has them: no depth is held
   kVirtualTool,  ///< a spring from the hand to a tool that stays outside
 };
 
@@ -98,7 +98,7 @@ struct Scene {
   double voxel_size_m = 0.0;
   std::vector<MeshSpec> static_meshes;
   std::vector<ObjectSpec>
-      objects;  ///< beside the ground, which all meshes belong to that name no object
+      objects;  ///< in addition to the static scene, to which all meshes without an object belong
   std::optional<Vec3> grid_origin;  ///< of the ground; left out: voxmap::object_grid
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;

@@ -112,7 +112,7 @@ MeshSpec read_mesh(const SceneSource& source, const MapReader& map) {
 
 Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_view what,
                    bool by_hand) {
-  const MapReader map(source, node, what, by_hand ? keys::motion : keys::way);
+  const MapReader map(source, node, what, by_hand ? keys::motion : keys::object_motion);
   Motion motion;
   for (const YamlNode& point : map.list("path"))
     motion.path.push_back(read_vec3(source, point, "path"));
@@ -160,7 +160,7 @@ bool has_virtual_tool(const MapReader& map) {
          !map.has("stiffness_n_per_m3");
 }
 
-/// No stiffness of its own: what is felt is what the coupling is certified for.
+/// No stiffness of its own: what is displayed is what the coupling is certified for.
 ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
   ContactSpec contact;
   contact.model = "field", contact.rendering = RenderingKind::kVirtualTool;
@@ -171,9 +171,9 @@ ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
                 fmt::format("'rendering: virtual_tool' goes with model: field, not with {}.",
                             contact.model));
   for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
-    map.refuse(
-        key,
-        "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is felt.");
+    map.refuse(key,
+               "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is "
+               "displayed.");
   return contact;
 }
 
@@ -190,7 +190,7 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   ContactSpec contact;
   map.read("model", contact.model);
   if (map.has("rendering") && map.choice("rendering") == 2)
-    contact.rendering = RenderingKind::kModelAlone;
+    contact.rendering = RenderingKind::kMemoryless;
   const bool by_area_only = contact.model == keys::kModelByArea;
   const bool by_area = map.has("stiffness_n_per_m3");
   if (by_area_only)

@@ -71,7 +71,7 @@ Json standard_of(const Key& key) {
   return key.kind == KeyKind::kWord ? Json(key.standard()) : Json::parse(key.standard());
 }
 
-/// The value's type and its lower limit. Numbers within limits and flags tell their standard here,
+/// The value's type and its lower limit. Numbers within limits and flags state their default here,
 /// as effects do.
 Json type_of(const Key& key) {
   Json out;
@@ -222,7 +222,7 @@ Json definitions() {
   Json out = {{"vector", numbers(3, "[x, y, z]")},
               {"quaternion", numbers(4, "Unit quaternion [w, x, y, z].")}};
   for (const KeyGroup* group : {&keys::pose, &keys::part, &keys::object, &keys::static_mesh,
-                                &keys::region, &keys::effect, &keys::way, &keys::motion})
+                                &keys::region, &keys::effect, &keys::object_motion, &keys::motion})
     out[group->defined] = map_of(*group);
   out["object"] = {
       {"oneOf", {described(name(), "Made by an entry above."), map_of(keys::object)}},

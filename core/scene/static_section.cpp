@@ -16,7 +16,7 @@ ContactSpec read_material(const MapReader& map, const ContactSpec& scenes) {
     for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
       map.refuse(key,
                  "does not go with 'rendering: virtual_tool': the coupling's certified stiffness "
-                 "is felt.");
+                 "is displayed.");
     return contact;
   }
   const bool by_area = scenes.stiffness_n_per_m3 > 0.0;

@@ -14,7 +14,7 @@ void derive_slew_limits(DeviceDescription& d) noexcept {
       d.max_stiffness_nm_per_rad * kFastestHandRadPerS + d.max_torque_nm * steps;
 }
 
-std::string what_is_wrong(const DeviceDescription& d) {
+std::string validate(const DeviceDescription& d) {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
   constexpr double kMostRate =
       1e15;  // finite: what is derived from a figure that overflowed is not

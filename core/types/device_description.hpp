@@ -19,9 +19,9 @@ struct DeviceDescription {
   double damping_ns_per_m = 0.0;
   double coulomb_friction_n = 0.0;
   double position_resolution_m = 0.0;
-  double delay_s = 0.0;  ///< from command to force, beside the sample period
+  double delay_s = 0.0;  ///< from command to force, excluding the sample period
   double network_delay_s =
-      0.0;  ///< of the network between device and coupling, there and back, beside delay_s
+      0.0;  ///< of the network between device and coupling, there and back, in addition to delay_s
   double force_bandwidth_hz =
       0.0;  ///< first-order lag of the force and the torque; infinity if none
   double inertia_min_kg_m2 = 0.0,
@@ -54,8 +54,8 @@ inline constexpr double kReturnRampS = 0.1;
 void derive_slew_limits(DeviceDescription& device) noexcept;
 
 /// The first number that cannot be a device's, as a sentence; empty where all can. It cannot know
-/// whether the numbers are true. One check for whoever opens a device and for whoever is told of
+/// whether the numbers are true. One check for whoever opens a device and for every receiver of
 /// one. Allocates: not for the loop.
-std::string what_is_wrong(const DeviceDescription& device);
+std::string validate(const DeviceDescription& device);
 
 }  // namespace voxtouch

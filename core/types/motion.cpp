@@ -17,9 +17,10 @@ double walk_duration(const Motion& motion, std::size_t from, std::size_t to) noe
   return kMinimumJerkPeak * (motion.path[to] - motion.path[from]).norm() / motion.speed_m_per_s;
 }
 
-/// Minimum jerk: rest to rest, acceleration zero at both ends. Share of the way and its rate [1/s].
+/// Minimum jerk: rest to rest, acceleration zero at both ends. Fraction of the path and its rate
+/// [1/s].
 struct Profile {
-  double share, rate;
+  double fraction, rate;
 };
 Profile minimum_jerk(double time_s, double duration_s) noexcept {
   const double s = time_s / duration_s;
@@ -30,9 +31,9 @@ Profile minimum_jerk(double time_s, double duration_s) noexcept {
 /// From one way point to another.
 MotionPoint walk(const Motion& motion, std::size_t from, std::size_t to, double time_s,
                  double duration_s) noexcept {
-  const auto [share, rate] = minimum_jerk(time_s, duration_s);
-  const Vec3 way = motion.path[to] - motion.path[from];
-  return {motion.path[from] + share * way, rate * way};
+  const auto [fraction, rate] = minimum_jerk(time_s, duration_s);
+  const Vec3 displacement = motion.path[to] - motion.path[from];
+  return {motion.path[from] + fraction * displacement, rate * displacement};
 }
 
 MotionPoint rest_at(const Motion& motion, std::size_t point) noexcept {
@@ -117,9 +118,9 @@ MotionTurnPoint turn_at(const Motion& motion, double time_s) noexcept {
   const double time = usable_time(time_s), duration = turn.to_s - turn.from_s;
   if (turn.angle_rad == 0.0 || time <= turn.from_s || !(duration > 0.0))
     return {motion.orientation, Vec3::Zero()};
-  const auto [share, rate] =
+  const auto [fraction, rate] =
       time < turn.to_s ? minimum_jerk(time - turn.from_s, duration) : Profile{1.0, 0.0};
-  return {Quat(Eigen::AngleAxisd(share * turn.angle_rad, turn.axis)) * motion.orientation,
+  return {Quat(Eigen::AngleAxisd(fraction * turn.angle_rad, turn.axis)) * motion.orientation,
           rate * turn.angle_rad * turn.axis};
 }
 

@@ -66,8 +66,8 @@ struct MotionTurnPoint {
   Vec3 rate = Vec3::Zero();
 };
 
-/// The target's orientation at `time_s`, of which the same holds as of motion_at's. Without a turn
-/// `motion.orientation` to the bit. Real-time safe.
+/// The target's orientation at `time_s`, of which the same holds as of motion_at's. Bit-identical
+/// to `motion.orientation` without a rotation. Real-time safe.
 MotionTurnPoint turn_at(const Motion& motion, double time_s) noexcept;
 
 /// Seconds until the last way point's rest is over: from then on the motion holds, repeats or

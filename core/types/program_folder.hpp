@@ -16,7 +16,7 @@ inline std::filesystem::path shared_folder() {
   return program_folder().parent_path() / "share" / "voxtouch";
 }
 
-/// What is loaded at run time and belongs to nobody else.
+/// What is loaded at run time by this program only.
 inline std::filesystem::path library_folder() {
   return program_folder().parent_path() / "lib" / "voxtouch";
 }

@@ -10,7 +10,7 @@
 
 // A triangle is left out where a lower bound of its distance is above an upper bound of what a node
 // will get. Where q is the triangle's point nearest to a middle c, all of the triangle is behind
-// the plane through q across the way from q to c, for it is convex: so its distance from p is at
+// the plane through q across the line from q to c, for it is convex: so its distance from p is at
 // least |c - q| + (p - c) . (c - q) / |c - q|, and at most |p - q|. The first is a few operations,
 // for many p at once; only what is left is compared with the nodes in full. So bounds decide what
 // is worked out, and no bit of it.
@@ -25,8 +25,8 @@ constexpr double kBrickReach = 3.5 * 1.7320509, kBlockReach = 2.1794496;
 /// With more triangles near a brick than this its blocks ask the tree on their own, with more near
 /// a block its nodes.
 constexpr std::size_t kMaxNear = 1024;
-/// Added to every bound [voxels]: far more than what rounds. Below `kTooShort` a way's direction
-/// says nothing.
+/// Added to every bound [voxels]: far more than what rounds. Below `kTooShort` a difference's
+/// direction says nothing.
 constexpr double kSlack = 1e-3, kTooShort = 0.05;
 
 using Points = DistanceTree::Points;
@@ -77,18 +77,18 @@ constexpr std::array<std::int64_t, kLanes> kBitOf = [] {
 /// A triangle as it is seen from a middle.
 struct Seen {
   Vec3 direction;        ///< unit, from its nearest point; zero where that is too near
-  double length, bound;  ///< of the way from there; what the lower bounds begin with
+  double length, bound;  ///< of the difference from there; what the lower bounds begin with
   std::uint32_t place;
 };
 
-Seen seen_so(const Vec3& way, std::uint32_t place) noexcept {
-  const double length = way.norm();
+Seen seen_so(const Vec3& delta, std::uint32_t place) noexcept {
+  const double length = delta.norm();
   if (length < kTooShort)
     return {Vec3::Zero(), length, -1.0, place};
-  return {1.0 / length * way, length, length - kSlack, place};
+  return {1.0 / length * delta, length, length - kSlack, place};
 }
 
-/// square[n] = |way + step n|^2 where that is less, and then `place` is whose it is.
+/// square[n] = |delta + step n|^2 where that is less, and then `place` is whose it is.
 VOXTOUCH_CLONES void keep_nearer(const double* x, const double* y, const double* z, double wx,
                                  double wy, double wz, std::int64_t place, double* square,
                                  std::int64_t* whose) noexcept {
@@ -162,14 +162,14 @@ class BrickFill {
 
   void fill(std::uint32_t place) {
     const double most = *std::max_element(farthest_.begin(), farthest_.end()) + kBrickReach;
-    // What is nearest to any node is within the middle's own distance and twice the way to that
-    // node.
+    // What is nearest to any node is within the middle's own distance and twice the distance to
+    // that node.
     const double reach =
         std::min(tree_.nearest(middle_, most, place) + 2.0 * kBrickReach, most) + kSlack;
     if (!tree_.within(middle_, reach, kMaxNear, near_))
       return each_block_asks(place);
     look_from_middle(reach);
-    share_out();
+    distribute();
     for (std::size_t block = 0; block < kBlocks; ++block)
       fill_block(block,
                  std::span(shared_).subspan(first_[block], first_[block + 1] - first_[block]));
@@ -192,23 +192,24 @@ class BrickFill {
     std::array<std::int64_t, kLanes> whose{};
     seen_.clear();
     for (const std::uint32_t place : near_) {
-      const Vec3 way = tree_.way(place, middle_);
-      const Seen seen = seen_so(way, place);
+      const Vec3 delta = tree_.displacement(place, middle_);
+      const Seen seen = seen_so(delta, place);
       if (seen.length > reach_of_brick)
         continue;
       seen_.push_back(seen);
-      keep_nearer(kToBlocks.x.data(), kToBlocks.y.data(), kToBlocks.z.data(), way.x(), way.y(),
-                  way.z(), place, least.data(), whose.data());
+      keep_nearer(kToBlocks.x.data(), kToBlocks.y.data(), kToBlocks.z.data(), delta.x(), delta.y(),
+                  delta.z(), place, least.data(), whose.data());
     }
     for (std::size_t block = 0; block < kBlocks && !seen_.empty(); ++block) {
       const double reach = reach_of(
-          block, tree_.way(static_cast<std::uint32_t>(whose[block]), middle_of(block)).norm());
+          block,
+          tree_.displacement(static_cast<std::uint32_t>(whose[block]), middle_of(block)).norm());
       square_of_block_[block] = reach * reach;
     }
   }
 
   /// The triangles that each block has to look at, block by block.
-  void share_out() {
+  void distribute() {
     near_.resize(seen_.size());  // now a bit for each block
     first_ = {};
     for (std::size_t n = 0; n < seen_.size(); ++n) {
@@ -249,7 +250,7 @@ class BrickFill {
     seen_of_block_.clear();
     std::size_t nearest = 0;
     for (const std::uint32_t place : places) {
-      seen_of_block_.push_back(seen_so(tree_.way(place, middle), place));
+      seen_of_block_.push_back(seen_so(tree_.displacement(place, middle), place));
       if (seen_of_block_.back().length < seen_of_block_[nearest].length)
         nearest = seen_of_block_.size() - 1;
     }

@@ -30,8 +30,8 @@ using BrickLimits = std::array<double, kOwnNodes>;
 
 /// The distance from each own node to the nearest triangle of the tree, its limit at most, with the
 /// limit's sign. `first`: the brick's first node, whole numbers. `place`: of a triangle that is
-/// near, which makes it faster and changes nothing, or DistanceTree::kNoPlace. Same bits as
-/// DistanceTree::nearest gives. The other nodes stay as they are.
+/// near, which makes it faster and changes nothing, or DistanceTree::kNoPlace. Bit-identical to
+/// DistanceTree::nearest. The other nodes stay as they are.
 void signed_distances(const DistanceTree& tree, const Vec3& first, const BrickLimits& limit,
                       std::uint32_t place, DistanceField::Brick& brick);
 

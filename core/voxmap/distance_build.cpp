@@ -72,24 +72,24 @@ class DistanceFieldBuilder {
     if (shells_.closed_parts == 0 && !has_walls_)
       return std::move(field_);
     const auto layer = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1]);
-    std::vector<std::vector<Wanted>> of_layer(cells / layer);
+    std::vector<std::vector<Requested>> of_layer(cells / layer);
     parallel_for(of_layer.size(), [&](std::size_t z) {
       std::uint32_t place = DistanceTree::kNoPlace;
       for (std::size_t cell = z * layer; cell < (z + 1) * layer; ++cell) {
         field_.table_[cell] = coarse(cell, place);
-        if (field_.table_[cell] == kWanted)
+        if (field_.table_[cell] == kRequested)
           of_layer[z].push_back({cell, place});
       }
     });
-    const std::vector<Wanted> wanted = list_wanted(of_layer, memory_limit_bytes);
-    fill(wanted, parallel_for);
+    const std::vector<Requested> requested = list_requested(of_layer, memory_limit_bytes);
+    fill(requested, parallel_for);
     return std::move(field_);
   }
 
  private:
-  static constexpr std::int32_t kWanted = 0;
+  static constexpr std::int32_t kRequested = 0;
   /// A cell that gets a brick, and the place of a triangle near it.
-  struct Wanted {
+  struct Requested {
     std::size_t cell;
     std::uint32_t place;
   };
@@ -119,7 +119,7 @@ class DistanceFieldBuilder {
                  inner = field_.depth_voxels_ + kBrickRadius;
     if (voxmap_.free_distance_voxels(centre) > outer)
       return DistanceField::kFree;
-    // No surface that near, so the centre's own voxel tells the side of the whole cell.
+    // No surface that near, so the centre's own voxel gives the side of the whole cell.
     const VoxelKind kind = voxmap_.at({v.i + 4, v.j + 4, v.k + 4});
     std::uint32_t wall = DistanceTree::kNoPlace;
     const double walls = has_walls_ ? outer + half_wall_ : 0.0;
@@ -128,41 +128,41 @@ class DistanceFieldBuilder {
       return DistanceField::kFree;
     if (kind == VoxelKind::kInterior && tree_.nearest(centre, inner, place) >= inner)
       return DistanceField::kDeep;
-    return kWanted;
+    return kRequested;
   }
 
-  std::vector<Wanted> list_wanted(const std::vector<std::vector<Wanted>>& of_layer,
-                                  std::uint64_t memory_limit_bytes) {
-    std::vector<Wanted> wanted;
-    for (const std::vector<Wanted>& layer : of_layer)
-      wanted.insert(wanted.end(), layer.begin(), layer.end());
+  std::vector<Requested> list_requested(const std::vector<std::vector<Requested>>& of_layer,
+                                        std::uint64_t memory_limit_bytes) {
+    std::vector<Requested> requested;
+    for (const std::vector<Requested>& layer : of_layer)
+      requested.insert(requested.end(), layer.begin(), layer.end());
     field_.has_inside_ =
         std::ranges::find(field_.table_, DistanceField::kDeep) != field_.table_.end();
-    for (std::size_t n = 0; n < wanted.size(); ++n)
-      field_.table_[wanted[n].cell] = static_cast<std::int32_t>(n);
-    const std::uint64_t bytes = wanted.size() * sizeof(DistanceField::Brick);
+    for (std::size_t n = 0; n < requested.size(); ++n)
+      field_.table_[requested[n].cell] = static_cast<std::int32_t>(n);
+    const std::uint64_t bytes = requested.size() * sizeof(DistanceField::Brick);
     if (bytes > memory_limit_bytes)
       throw VoxelBudgetError(
           "distance field: it would take up to " + std::to_string(bytes >> 20) +
           " MiB, more than the limit of " + std::to_string(memory_limit_bytes >> 20) +
           " MiB; use a larger voxel size, or a contact model that needs no field");
-    return wanted;
+    return requested;
   }
 
-  void fill(const std::vector<Wanted>& wanted, const ParallelFor& parallel_for) {
-    field_.bricks_.resize(wanted.size());
-    std::vector<BrickRange> range(wanted.size());
-    parallel_for(wanted.size(), [&](std::size_t n) {
-      fill_own(first_voxel(wanted[n].cell), wanted[n].place, field_.bricks_[n]);
+  void fill(const std::vector<Requested>& requested, const ParallelFor& parallel_for) {
+    field_.bricks_.resize(requested.size());
+    std::vector<BrickRange> range(requested.size());
+    parallel_for(requested.size(), [&](std::size_t n) {
+      fill_own(first_voxel(requested[n].cell), requested[n].place, field_.bricks_[n]);
     });
-    parallel_for(wanted.size(), [&](std::size_t n) {
-      fill_shared(wanted[n].cell, field_.bricks_[n]);
+    parallel_for(requested.size(), [&](std::size_t n) {
+      fill_shared(requested[n].cell, field_.bricks_[n]);
       range[n] = range_of(field_.bricks_[n]);
     });
     std::size_t kept = 0;
     double largest = 1.0;
-    for (std::size_t n = 0; n < wanted.size(); ++n) {
-      std::int32_t& entry = field_.table_[wanted[n].cell];
+    for (std::size_t n = 0; n < requested.size(); ++n) {
+      std::int32_t& entry = field_.table_[requested[n].cell];
       field_.has_inside_ = field_.has_inside_ || range[n].least < 0.0F;
       largest = std::max(largest, range[n].steepest_square);
       if (range[n].least >= field_.band_voxels_ || range[n].most <= -field_.depth_voxels_) {
@@ -219,7 +219,7 @@ class DistanceFieldBuilder {
     for (std::size_t next = 1; next < 8; ++next) {
       const std::array<int, 3> on = {static_cast<int>(next & 1), static_cast<int>(next >> 1 & 1),
                                      static_cast<int>(next >> 2)};
-      const std::int32_t entry = entry_beside(cell, on);
+      const std::int32_t entry = neighbour_entry(cell, on);
       const DistanceField::Brick* const from =
           entry >= 0 ? &field_.bricks_[static_cast<std::size_t>(entry)] : nullptr;
       const auto cut_off = static_cast<float>(entry == DistanceField::kDeep ? -field_.depth_voxels_
@@ -235,7 +235,7 @@ class DistanceFieldBuilder {
   }
 
   /// Of the cell so many further on; beyond the table all is free.
-  std::int32_t entry_beside(std::size_t cell, const std::array<int, 3>& on) const noexcept {
+  std::int32_t neighbour_entry(std::size_t cell, const std::array<int, 3>& on) const noexcept {
     const auto c = static_cast<std::int64_t>(cell);
     const auto [nx, ny, nz] = field_.cells_;
     const std::int64_t x = c % nx + on[0], y = c / nx % ny + on[1], z = c / (nx * ny) + on[2];

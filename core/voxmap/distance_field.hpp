@@ -139,10 +139,10 @@ class DistanceField {
   double steepest_gradient_ = 1.0;
 };
 
-/// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them. Same
-/// bits whatever `parallel_for` does. Throws std::invalid_argument for options out of range and
-/// VoxelBudgetError where the bricks would take more than `memory_limit_bytes`, before they are
-/// allocated. Of a mesh alone it makes the ClosedMesh itself.
+/// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them.
+/// Bit-identical whatever `parallel_for` does. Throws std::invalid_argument for options out of
+/// range and VoxelBudgetError where the bricks would take more than `memory_limit_bytes`, before
+/// they are allocated. Of a mesh alone it makes the ClosedMesh itself.
 DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap,
                                    const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for,

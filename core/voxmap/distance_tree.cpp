@@ -145,19 +145,20 @@ bool DistanceTree::each_edge_before(const Facet& f, const Vec3& p, F&& call) noe
 
 double DistanceTree::square_distance(const Facet& f, const Vec3& p) noexcept {
   double best = HUGE_VAL;
-  if (each_edge_before(f, p, [&](const Vec3& way) { best = std::min(best, way.squaredNorm()); }))
+  if (each_edge_before(
+          f, p, [&](const Vec3& distance) { best = std::min(best, distance.squaredNorm()); }))
     return best;
   const double height = f.normal.dot(p - f.corner[0]);
   return height * height;
 }
 
-Vec3 DistanceTree::way(std::uint32_t place, const Vec3& p) const noexcept {
+Vec3 DistanceTree::displacement(std::uint32_t place, const Vec3& p) const noexcept {
   const Facet& f = facets_[place];
   Vec3 least = Vec3::Zero();
   double best = HUGE_VAL;
-  const auto keep = [&](const Vec3& way) {
-    if (const double square = way.squaredNorm(); square < best)
-      best = square, least = way;
+  const auto keep = [&](const Vec3& distance) {
+    if (const double square = distance.squaredNorm(); square < best)
+      best = square, least = distance;
   };
   return each_edge_before(f, p, keep) ? least : Vec3(f.normal.dot(p - f.corner[0]) * f.normal);
 }

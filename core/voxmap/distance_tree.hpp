@@ -9,7 +9,7 @@
 
 namespace voxtouch::voxmap {
 
-/// Queries are const, may run at once and give the same bits whatever was asked before.
+/// Queries are const, may run at once and give bit-identical results whatever was asked before.
 class DistanceTree {
  public:
   /// Over the triangles listed in `chosen`, whose numbers `each_on_ray` gives back. None: every
@@ -31,10 +31,11 @@ class DistanceTree {
     void set(std::size_t n, const Vec3& p) noexcept { x[n] = p.x(), y[n] = p.y(), z[n] = p.z(); }
   };
   using Squares = std::array<double, Points::kCount>;
-  /// The way to `p` from the nearest point of the triangle at this place, good to rounding.
-  Vec3 way(std::uint32_t place, const Vec3& p) const noexcept;
-  /// Squared distance of each point to the triangle at this place: what `nearest` compares, to the
-  /// bit.
+  /// The displacement to `p` from the nearest point of the triangle at this place, good to
+  /// rounding.
+  Vec3 displacement(std::uint32_t place, const Vec3& p) const noexcept;
+  /// Squared distance of each point to the triangle at this place: bit-identical to what `nearest`
+  /// compares.
   void squares(std::uint32_t place, const Points& points, Squares& out) const noexcept;
   /// Places of all triangles within `reach` of `centre`, and of some beyond, in the tree's order;
   /// at most `most`. False where there are more.
@@ -63,8 +64,8 @@ class DistanceTree {
   static constexpr std::size_t kDeepest = 64;  ///< halving 2^32 facets takes fewer levels
 
   static Facet make_facet(const GridMesh& mesh, std::uint32_t triangle);
-  /// Calls f(way from the edge) for each edge that `p` lies beyond. False where there is none: the
-  /// plane's foot is nearest.
+  /// Calls f(displacement from the edge) for each edge that `p` lies beyond. False where there is
+  /// none: the plane's foot is nearest.
   template <class F>
   static bool each_edge_before(const Facet& facet, const Vec3& p, F&& f) noexcept;
   static double square_distance(const Facet& facet, const Vec3& p) noexcept;

@@ -25,8 +25,8 @@ constexpr int gap_to(std::int64_t centre, std::int64_t cell) {
 VOXTOUCH_CLONES void keep_nearer(Squared* best, const Squared* from, Squared more,
                                  std::size_t count) noexcept {
   for (std::size_t n = 0; n < count; ++n) {
-    const auto way = static_cast<Squared>(from[n] + more);
-    best[n] = way < best[n] ? way : best[n];
+    const auto distance = static_cast<Squared>(from[n] + more);
+    best[n] = distance < best[n] ? distance : best[n];
   }
 }
 

@@ -11,7 +11,7 @@ namespace voxtouch::voxmap {
 
 /// A byte is a lower bound of the distance from the cell's *centre* to the nearest voxel that is
 /// not free, in quarters of its edge: in quarters of such a step up to 24 steps, in halves up to
-/// 64, in eights beyond, to 696. Elsewhere the distance is smaller by at most the way from the
+/// 64, in eights beyond, to 696. Elsewhere the distance is smaller by at most the distance from the
 /// centre.
 ///
 /// With cells of 4 voxels a step is a voxel. A table grows with the volume and a surface with the

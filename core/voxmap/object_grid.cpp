@@ -8,7 +8,7 @@
 namespace voxtouch::voxmap {
 namespace {
 
-constexpr int kSteps = 1024;  ///< of a voxel, that shares are whole multiples of
+constexpr int kSteps = 1024;  ///< of a voxel, that offsets are whole multiples of
 constexpr double kFlat =
     1e-3;  ///< slope, and extent in voxels, up to which a triangle lies along the grid
 constexpr double kTie = 1e-9;  ///< of the area: sums this near to each other differ by rounding
@@ -18,21 +18,21 @@ constexpr double kTie = 1e-9;  ///< of the area: sums this near to each other di
 struct FacesAcross {
   std::array<double, kSteps> area{}, moment{};  ///< of all
   std::array<double, kSteps> facing{},
-      turning{};  ///< the same, those that face down the axis counted below 0
+      facing_down{};  ///< the same, those that face down the axis counted below 0
 
   void add(double place, double size, bool up) noexcept {
     const auto bin =
         static_cast<std::size_t>(std::min(static_cast<int>(place * kSteps), kSteps - 1));
     const double sign = up ? 1.0 : -1.0;
     area[bin] += size, moment[bin] += size * place;
-    facing[bin] += sign * size, turning[bin] += sign * size * place;
+    facing[bin] += sign * size, facing_down[bin] += sign * size * place;
   }
 
-  /// The share for which the sum of squared distances to the middles is least.
-  double best_share() const noexcept {
+  /// The offset for which the sum of squared distances to the middles is least.
+  double best_clearance() const noexcept {
     double all = 0.0, moments = 0.0, squares = 0.0, facings = 0.0, turnings = 0.0;
     for (std::size_t n = 0; n < kSteps; ++n) {
-      all += area[n], moments += moment[n], facings += facing[n], turnings += turning[n];
+      all += area[n], moments += moment[n], facings += facing[n], turnings += facing_down[n];
       if (area[n] > 0.0)
         squares += moment[n] * (moment[n] / area[n]);
     }
@@ -59,13 +59,13 @@ struct FacesAcross {
     });
     for_each_cut([&](double mean, double scatter, double out) {
       if (scatter <= tied && out <= least_out + kTie * all)
-        best = std::min(best, share_for(mean));
+        best = std::min(best, clearance_for(mean));
     });
     return best;
   }
 
-  /// Borders half a voxel beside `middle`.
-  static double share_for(double middle) noexcept {
+  /// Borders half a voxel next to `middle`.
+  static double clearance_for(double middle) noexcept {
     const double steps = std::round((middle - 0.5) * kSteps);
     return (steps - kSteps * std::floor(steps / kSteps)) / kSteps;
   }
@@ -73,7 +73,7 @@ struct FacesAcross {
 
 }  // namespace
 
-Vec3 share_clear_of_faces(const mesh::TriangleMesh& mesh, double edge) noexcept {
+Vec3 clearance_of_faces(const mesh::TriangleMesh& mesh, double edge) noexcept {
   std::array<FacesAcross, 3> across;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const Vec3 &a = mesh.corner(t, 0), &b = mesh.corner(t, 1), &c = mesh.corner(t, 2);
@@ -91,15 +91,15 @@ Vec3 share_clear_of_faces(const mesh::TriangleMesh& mesh, double edge) noexcept 
       continue;
     across[static_cast<std::size_t>(axis)].add(place - std::floor(place), size, normal[axis] > 0.0);
   }
-  return {across[0].best_share(), across[1].best_share(), across[2].best_share()};
+  return {across[0].best_clearance(), across[1].best_clearance(), across[2].best_clearance()};
 }
 
 Grid object_grid(const mesh::TriangleMesh& mesh, double edge) {
   Grid grid = default_grid(mesh, edge);
-  const Vec3 share = share_clear_of_faces(mesh, edge);
+  const Vec3 clearance = clearance_of_faces(mesh, edge);
   for (int axis = 0; axis < 3; ++axis)
-    if (share[axis] > 0.0)
-      grid.origin[axis] = edge * (std::round(grid.origin[axis] / edge) - 1.0 + share[axis]);
+    if (clearance[axis] > 0.0)
+      grid.origin[axis] = edge * (std::round(grid.origin[axis] / edge) - 1.0 + clearance[axis]);
   return grid;
 }
 

@@ -15,7 +15,7 @@ struct SmoothBlock {
   alignas(64) double gradient[3][kPlaces];
 };
 
-/// Fills in the gradients. `band`: distances from there on are cut off [e]. The same bits on every
+/// Fills in the gradients. `band`: distances from there on are cut off [e]. Bit-identical on every
 /// processor. Real-time safe.
 void find_smooth(SmoothBlock& block, double band) noexcept;
 

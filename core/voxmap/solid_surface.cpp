@@ -47,7 +47,7 @@ class Neighbours {
       if (shells.role[t] != ShellRole::kNone)
         patches_[shells.patch[t]].box.add(box_of(mesh, t));
     find_pairs();
-    if (beside_.empty() && shells.open.empty())
+    if (sheets_.empty() && shells.open.empty())
       return;
     for (std::uint32_t t = 0; t < mesh.size(); ++t)
       if (shells.role[t] != ShellRole::kNone)
@@ -56,12 +56,12 @@ class Neighbours {
     for (const std::uint32_t t : shells.open)
       open_.push_back({box_of(mesh, t), t});
   }
-  bool none() const noexcept { return beside_.empty() && (open_.empty() || patches_.empty()); }
+  bool none() const noexcept { return sheets_.empty() && (open_.empty() || patches_.empty()); }
 
   /// Calls f(triangle, others) for each triangle that others may meet.
   template <class F>
   void for_each(F&& f) {
-    for (auto& [name, others] : beside_) {
+    for (auto& [name, others] : sheets_) {
       std::ranges::sort(others);
       for (const Entry& one : patches_.at(name).entries)
         visit(one, others, f);
@@ -92,8 +92,8 @@ class Neighbours {
     for (std::size_t a = 0; a < order.size(); ++a)
       for (std::size_t b = a + 1; b < order.size() && begins_before(order[b], order[a]); ++b)
         if (order[a].second->box.meets(order[b].second->box)) {
-          beside_[order[a].first].push_back(order[b].first);
-          beside_[order[b].first].push_back(order[a].first);
+          sheets_[order[a].first].push_back(order[b].first);
+          sheets_[order[b].first].push_back(order[a].first);
         }
   }
   template <class P>
@@ -134,7 +134,7 @@ class Neighbours {
   const GridMesh& mesh_;
   const ClosedShells& shells_;
   std::map<std::uint32_t, Patch> patches_;
-  std::map<std::uint32_t, std::vector<std::uint32_t>> beside_;
+  std::map<std::uint32_t, std::vector<std::uint32_t>> sheets_;
   std::vector<Entry> open_;
   std::vector<std::uint32_t> found_;
 };

@@ -17,7 +17,7 @@ namespace voxtouch::voxmap {
 
 /// Throws std::runtime_error for a mesh that cannot be used and VoxelBudgetError for one that would
 /// not fit; both before memory is spent. Several static meshes: concatenate them; surface wins over
-/// interior. Same bits whatever `parallel_for` does.
+/// interior. Bit-identical whatever `parallel_for` does.
 Voxmap voxelise(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                 std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);
 

@@ -32,7 +32,7 @@ Voxmap::Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last
     if (n < -kMaxIndex || n > kMaxIndex)
       throw std::length_error(
           "voxmap: voxel indices beyond 2^30; put the grid's origin near the mesh");
-  // One brick of border on every side, so that a point beside the object still finds a free brick.
+  // One brick of border on every side, so that a point next to the object still finds a free brick.
   base_ = {floor_to_brick(std::int64_t{first.i} - kBrickEdge),
            floor_to_brick(std::int64_t{first.j} - kBrickEdge),
            floor_to_brick(std::int64_t{first.k} - kBrickEdge)};
@@ -99,12 +99,12 @@ void Voxmap::fill_cell(const VoxelIndex& v, VoxelKind kind) {
   const auto [i, j, k] = local(v);
   const std::int64_t x = i >> 3, y = j >> 3, z = k >> 3;
   const std::int32_t brick = brick_of(x, y, z),
-                     wanted = kind == VoxelKind::kInterior ? kInteriorBrick : kFreeBrick;
+                     requested = kind == VoxelKind::kInterior ? kInteriorBrick : kFreeBrick;
   if ((brick != kFreeBrick && brick != kInteriorBrick) || kind == VoxelKind::kSurface)
     own_brick(x, y, z).fill(all_of(kind));
-  else if (brick != wanted)
+  else if (brick != requested)
     own_page(blocks_[block_index(x, y, z)])[place_in_page(x, y, z)] =
-        static_cast<std::uint8_t>(kSharedCode + wanted);
+        static_cast<std::uint8_t>(kSharedCode + requested);
 }
 
 void Voxmap::set_cell(const VoxelIndex& v, const BrickMask& surface, const BrickMask& interior) {
@@ -210,12 +210,12 @@ double Voxmap::free_distance_voxels(const Vec3& u) const noexcept {
     const auto nearest =
         static_cast<std::int64_t>(std::clamp(local[axis], 0.0, size - 1.0)) >> near_shift_;
     const double edge = static_cast<double>(1 << near_shift_),
-                 way = local[axis] - edge * (static_cast<double>(nearest) + 0.5);
-    squared += way * way;
+                 distance = local[axis] - edge * (static_cast<double>(nearest) + 0.5);
+    squared += distance * distance;
     cell[static_cast<std::size_t>(axis)] = nearest;
   }
-  // No distance falls faster than the way from the cell's centre. A point outside the table is no
-  // nearer to anything in the table than its projection onto the table is.
+  // No distance falls faster than the distance from the cell's centre. A point outside the table is
+  // no nearer to anything in the table than its projection onto the table is.
   const double from_centre = free_distance::step_of(near_shift_) *
                              free_distance::steps(near_[near_index(cell[0], cell[1], cell[2])]);
   return std::max(outside, from_centre - std::sqrt(squared));

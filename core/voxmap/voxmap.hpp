@@ -69,7 +69,8 @@ class Voxmap {
   void for_each_cell(F&& f) const;
 
   /// Counts voxels, lets uniform blocks share a page, computes the free-distance bytes and what
-  /// stands beside the pages; call after the last change: until then kernels see the map as it was.
+  /// stands next to the pages; call after the last change: until then kernels see the map as it
+  /// was.
   void finish();
 
   /// Lower bound of the distance [voxels] from `u` (grid coordinates) to the nearest voxel that is

@@ -47,8 +47,8 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}
 
 # Libraries: find_package(voxtouch), targets by module.
 set(libraries voxtouch_root voxtouch_reproducible)
-foreach(module types mesh mesh_import exact voxmap pointshell contact effects coupling coupling_design absolute_stability scene device_mapping plan rendering fitting
-    reference accuracy accuracy_advice first_scene devices)
+foreach(module types mesh mesh_import exact voxmap pointshell contact effects coupling coupling_design absolute_stability scene device_mapping plan rendering device_fit
+    reference accuracy accuracy_advice scene_proposal devices)
   set_target_properties(voxtouch_${module} PROPERTIES EXPORT_NAME ${module})
   list(APPEND libraries voxtouch_${module})
 endforeach()

@@ -29,13 +29,13 @@ voxtouch_forbid_includes(devices "dds|qos/|nodes/|voxtouch_msgs|idl/|core/(mesh|
 voxtouch_forbid_includes(devices "yaml-cpp/" "only the hand file is YAML." "/devices/operator/hand_file")
 voxtouch_forbid_includes(qos "nodes/|devices/|core/" "qos is tables over idl.")
 
-# What nodes say goes through nodes/log: any other way to stderr throws or waits when nobody takes the text.
+# What nodes say goes through nodes/console: any other way to stderr throws or waits when nobody takes the text.
 file(GLOB_RECURSE speaking CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/nodes/*.hpp ${PROJECT_SOURCE_DIR}/nodes/*.cpp)
-list(FILTER speaking EXCLUDE REGEX "/nodes/log/")
+list(FILTER speaking EXCLUDE REGEX "/nodes/console/")
 foreach(file IN LISTS speaking)
   file(STRINGS ${file} hits REGEX "fmt::print\\(|std::(cerr|cout|clog)|printf\\(std(err|out)|perror\\(")
   if(hits)
     list(GET hits 0 first)
-    message(FATAL_ERROR "${file} has '${first}': say it with tell or print_result of nodes/log.")
+    message(FATAL_ERROR "${file} has '${first}': use console::log or console::print_result.")
   endif()
 endforeach()

@@ -188,8 +188,8 @@ std::string design(const std::string& device, const std::string& scene, const st
   input.scene = scene, input.hand = hand, input.kind = kind, input.cutoff_hz = cutoff_hz,
   input.gain_margin = gain_margin;
   input.stiffness_n_per_m = stiffness_n_per_m, input.held = held, input.no_damping = !damping;
-  const auto build = [&](const scene::Scene& wanted) {
-    return rendering::build_scene(wanted, serial_for(), {.read = reader(program)});
+  const auto build = [&](const scene::Scene& requested) {
+    return rendering::build_scene(requested, serial_for(), {.read = reader(program)});
   };
   return cli::to_json(cli::work_out(input, coupling::design::model_of(description), build)).dump();
 }

@@ -51,7 +51,7 @@ def definitions():
 
 
 class Build(build_py):
-    """Puts what the tree's build makes beside the Python files."""
+    """Puts what the tree's build makes next to the Python files."""
 
     def run(self):
         super().run()

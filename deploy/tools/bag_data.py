@@ -239,13 +239,13 @@ class Bag:
         "rendering/changed": "EffectChanged",
     }
 
-    def __init__(self, path, rig="", wanted=None, progress=lambda share: None):
+    def __init__(self, path, rig="", requested=None, progress=lambda fraction: None):
         self.path = pathlib.Path(path)
         self.unread = False  # whether a part of a file could not be read
         self.notes = []  # sentences on what is not as it should be, and was read all the same
         self.require_same_layout()
         kinds = {**{name: kind for name, (kind, _) in self.STREAMS.items()}, **self.MESSAGES}
-        wanted = list(kinds) if wanted is None else wanted
+        requested = list(kinds) if requested is None else requested
         try:
             files = [open_file(file) for file in files_of(path)]
         except (FileError, OSError) as error:
@@ -255,27 +255,33 @@ class Bag:
         self.rig = self.find_rig(
             {name: kind for file in files for name, kind, _ in file.topics.values()}, rig
         )
-        self.rows = {name: Rows(kinds[name], self.STREAMS.get(name, (0, ()))[1]) for name in wanted}
+        self.rows = {
+            name: Rows(kinds[name], self.STREAMS.get(name, (0, ()))[1]) for name in requested
+        }
         for number, file in enumerate(files):
             rows = {
                 row: self.rows[name]
                 for row, (full, kind, _) in file.topics.items()
-                for name in wanted
+                for name in requested
                 if full == f"/{self.rig}/{name}" and kind == f"{OWN}/msg/{kinds[name]}"
             }
-            self.read(file, rows, lambda share, done=number: progress((done + share) / len(files)))
+            self.read(
+                file, rows, lambda fraction, done=number: progress((done + fraction) / len(files))
+            )
         try:
-            self.tables = {name: self.rows[name].table() for name in wanted if name in self.STREAMS}
+            self.tables = {
+                name: self.rows[name].table() for name in requested if name in self.STREAMS
+            }
         except BagError as error:
             raise BagError(f"{self.path}: {error}") from None
-        self.times = {name: numpy.array(self.rows[name].times, numpy.int64) for name in wanted}
+        self.times = {name: numpy.array(self.rows[name].times, numpy.int64) for name in requested}
 
     def require_same_layout(self):
-        """A bag tells the hashes of its types since there are any; an older one may be tried."""
-        told = self.recording()
+        """A bag states the hashes of its types since there are any; an older one may be tried."""
+        recording = self.recording()
         topics = (
-            [one for one in told.get("topics", []) if isinstance(one, dict)]
-            if isinstance(told.get("topics"), list)
+            [one for one in recording.get("topics", []) if isinstance(one, dict)]
+            if isinstance(recording.get("topics"), list)
             else []
         )
         pairs = {
@@ -287,7 +293,7 @@ class Bag:
         if changed:
             raise BagError(
                 f"{self.path}: it was recorded by voxtouch"
-                f" {told.get('voxtouch', 'of an unknown version')}, whose"
+                f" {recording.get('voxtouch', 'of an unknown version')}, whose"
                 f" {', '.join(changed)} {'is' if len(changed) == 1 else 'are'} laid out otherwise"
                 " than in this version: read it with the version that recorded it."
                 " deploy/CHANGELOG.md says what has changed."
@@ -350,15 +356,18 @@ class Bag:
         return out
 
     def recording(self):
-        """What the logger tells of the recording beside it; {} where there is nothing."""
-        return self.beside("voxtouch_recording.json")
+        """What the logger reports of the recording next to it; {} where there is nothing."""
+        return self.file_of("voxtouch_recording.json")
 
     def summary(self):
-        """What `voxtouch up` told of the run, as its --json does; {} where it did not come to its
-        end, was not there, or where this is none of its.
+        """What `voxtouch up` reported of the run, as its --json does; {} where it did not come to
+        its end, was not there, or where this is none of its.
         """
-        told = self.beside("voxtouch_run.json")
-        limits, sentences = told.get("limits"), [told.get("problems"), told.get("notes")]
+        recording = self.file_of("voxtouch_run.json")
+        limits, sentences = recording.get("limits"), [
+            recording.get("problems"),
+            recording.get("notes"),
+        ]
         whole = isinstance(limits, dict) and all(
             isinstance(one, dict)
             and all(
@@ -367,11 +376,11 @@ class Bag:
             )
             for one in limits.values()
         )
-        return told if whole and all(isinstance(every, list) for every in sentences) else {}
+        return recording if whole and all(isinstance(every, list) for every in sentences) else {}
 
-    def beside(self, name):
+    def file_of(self, name):
         try:
-            told = json.loads((self.path / name).read_text())
+            recording = json.loads((self.path / name).read_text())
         except (OSError, ValueError):
             return {}
-        return told if isinstance(told, dict) else {}
+        return recording if isinstance(recording, dict) else {}

@@ -119,7 +119,7 @@ class SqliteFile:
         except sqlite3.Error:
             return 0
 
-    def messages(self, wanted, progress=lambda share: None):
+    def messages(self, requested, progress=lambda fraction: None):
         """(topic's number, time [ns], bytes) of these topics, in order of arrival. FileError where
         the file is damaged, behind what is whole.
         """
@@ -128,7 +128,7 @@ class SqliteFile:
             last = connection.execute("SELECT max(id) FROM messages").fetchone()[0] or 1
             cursor = connection.execute(
                 "SELECT id, topic_id, timestamp, data FROM messages WHERE topic_id IN"
-                f" ({','.join(map(str, wanted))}) ORDER BY id"
+                f" ({','.join(map(str, requested))}) ORDER BY id"
             )
             for row, topic, time, data in cursor:
                 yield topic, time, data
@@ -301,9 +301,9 @@ class McapFile:
             raise FileError("a chunk does not have its checksum")
         return memoryview(data)
 
-    def messages(self, wanted, progress=lambda share: None):
+    def messages(self, requested, progress=lambda fraction: None):
         """As SqliteFile.messages."""
-        wanted = set(wanted)
+        requested = set(requested)
         with open(self.file, "rb") as opened:
             last = 0
             for code, content, at in self.walk(opened):
@@ -313,7 +313,7 @@ class McapFile:
                 if code != MESSAGE or len(content) < 22:
                     continue
                 channel, _, time, published = struct.unpack_from("<HIQQ", content)
-                if channel in wanted:
+                if channel in requested:
                     yield channel, 0 if (time, published) == (LOG_TIME_OF_ZERO, 0) else time, bytes(
                         content[22:]
                     )

@@ -16,7 +16,7 @@ import sys
 DEVICES = pathlib.Path(__file__).resolve().parents[1] / "devices"
 README = DEVICES / "README.md"
 BEGIN, END = "<!-- what `deploy/tools/device_table.py` writes begins -->\n", "<!-- and ends -->\n"
-HEAD = """| device | class | least mass | force | wanted | certified | 10 mm deep | limited by | measured by |
+HEAD = """| device | class | least mass | force | requested | certified | 10 mm deep | limited by | measured by |
 |---|---|---|---|---|---|---|---|---|
 """
 
@@ -51,16 +51,17 @@ def design(program, file):
 def row(program, file):
     text, answer = file.read_text(encoding="utf-8"), design(program, file)
     axis, force = answer["translation"], figure(text, "max_force_n")
-    shown = 0.0 if answer["status"] == "infeasible" else axis["shown_stiffness"]
+    displayed = 0.0 if answer["status"] == "infeasible" else axis["displayed_stiffness"]
     grip = "arm" if re.search(r"^grip:\s*arm", text, re.MULTILINE) else "stylus"
     limit = (
         "what the device can show"
-        if shown >= 0.999 * axis["wanted_stiffness"]
+        if displayed >= 0.999 * axis["requested_stiffness"]
         else axis["worst_case"]
     )
     return (
         f"| [{file.stem}]({file.name}) | {grip} | {figure(text, 'mass_kg'):g} kg | {force:g} N |"
-        f" {axis['wanted_stiffness']:.0f} N/m | {shown:.0f} N/m | {min(force, 0.01 * shown):.2g} N"
+        f" {axis['requested_stiffness']:.0f} N/m | {displayed:.0f} N/m |"
+        f" {min(force, 0.01 * displayed):.2g} N"
         f" | {limit} | {measured_by(text)} |\n"
     )
 

@@ -13,7 +13,7 @@ import sys
 
 
 def said(*words):
-    """As for anybody: a default in the home folder is not that of who builds."""
+    """As for any user: a default in the home folder is not that of who builds."""
     return subprocess.run(
         words,
         capture_output=True,
@@ -91,7 +91,7 @@ def page(folder, name):
             f" {escaped(usage)}\n{prose(about)}{rows(lists)}"
         )
     return (
-        text + ".SH SEE ALSO\nThe README files beside the sources say more: each folder has one.\n"
+        text + ".SH SEE ALSO\nThe README files next to the sources say more: each folder has one.\n"
     )
 
 

@@ -10,7 +10,7 @@ python3-matplotlib.
                                         the filter's cut-off
   %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded
                                         run over time
-  %(prog)s beside BAG BAG PICTURE       force returned in runs of the same motion, over time and
+  %(prog)s compare BAG BAG PICTURE       force returned in runs of the same motion, over time and
                                         over the depth of the hand
   %(prog)s replay RUN.json PICTURE      forces of a recorded run and of its replay; voxtouch replay
                                         --plot calls it
@@ -38,11 +38,11 @@ import subprocess
 import sys
 import warnings
 
-sys.dont_write_bytecode = True  # beside the program stand sources, and nothing else
+sys.dont_write_bytecode = True  # next to the program stand sources, and nothing else
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from plot_accuracy import accuracy_figure, page_figure  # noqa: E402
 from plot_design import design_figure  # noqa: E402
-from plot_forces import beside_figure, forces_figure, replay_figure  # noqa: E402
+from plot_forces import comparison_figure, forces_figure, replay_figure  # noqa: E402
 from plot_style import *  # noqa: E402, F403
 from plot_style import NO_MATPLOTLIB  # noqa: E402
 
@@ -117,12 +117,12 @@ def read_json(file, verb):
 
 
 # -------------------- report
-def tell_progress(share):
+def report_progress(fraction):
     """For who started this and waits: a line that is no part of what is said in the end."""
-    print(f"progress {100.0 * share:.0f}", file=sys.stderr, flush=True)
+    print(f"progress {100.0 * fraction:.0f}", file=sys.stderr, flush=True)
 
 
-def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
+def write_report(bag, page, compared=None, rig="", progress=lambda fraction: None):
     """Writes a run's page; says what it holds. Of what goes wrong a sentence, whatever stands in
     the bag.
     """
@@ -131,13 +131,13 @@ def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
     from bag_data import BagError
     from run_data import Run
 
-    bags = [bag] + ([beside] if beside else [])
+    bags = [bag] + ([compared] if compared else [])
     try:
         runs = [
-            Run(one, rig, lambda share, done=i: progress(0.4 * (done + share) / len(bags)))
+            Run(one, rig, lambda fraction, done=i: progress(0.4 * (done + fraction) / len(bags)))
             for i, one in enumerate(bags)
         ]
-        text = run_page.page(runs, lambda share: progress(0.4 + 0.6 * share))
+        text = run_page.page(runs, lambda fraction: progress(0.4 + 0.6 * fraction))
     except BagError as error:
         sys.exit(str(error))
     except Exception as error:  # a bag may hold anything
@@ -147,14 +147,14 @@ def write_report(bag, page, beside=None, rig="", progress=lambda share: None):
         )
     keep(page, lambda part: part.write_text(text, encoding="utf-8", errors="replace"))
     return (
-        f"shows {' beside '.join(run.name for run in runs)}:"
+        f"shows {' next to '.join(run.name for run in runs)}:"
         f" {max(run.length_s for run in runs):.3f} s"
     )
 
 
 # -------------------- command
 class Version(argparse.Action):
-    """As the program says that this tool stands beside."""
+    """As the program says that this tool stands next to."""
 
     def __call__(self, parser, *unused):
         program = pathlib.Path(sys.argv[0]).parent / "voxtouch"
@@ -176,7 +176,7 @@ def main(arguments=None):
         one = commands.add_parser(name, help=what, description=what)
         if data:
             one.add_argument("data", metavar=data[0], help=data[1])
-        if name == "beside":
+        if name == "compare":
             one.add_argument("data", metavar="BAG", nargs=2, help="folders of the bags")
         one.add_argument(
             "picture",
@@ -221,8 +221,8 @@ def main(arguments=None):
     forces.add_argument(
         "--note", default="", help="the conditions, under the title; default: the bag's name"
     )
-    beside = command("beside", None, "draws the forces of runs of the same motion side by side")
-    beside.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
+    compared = command("compare", None, "draws the forces of runs of the same motion side by side")
+    compared.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
     report = commands.add_parser(
         "report",
         help="writes the page of a recorded run",
@@ -231,7 +231,10 @@ def main(arguments=None):
     report.add_argument("data", metavar="BAG", help="folder of the bag")
     report.add_argument("picture", metavar="PAGE.html", type=pathlib.Path, help="file to write")
     report.add_argument(
-        "--beside", metavar="BAG", help="a second run, which stands beside the first"
+        "--compare-with",
+        dest="compared",
+        metavar="BAG",
+        help="a second run, which stands next to the first",
     )
     report.add_argument("--rig", default="", help="rig name (default: the one that the bag holds)")
     report.add_argument("--progress", action="store_true", help="says on stderr how far it is")
@@ -240,15 +243,15 @@ def main(arguments=None):
     warnings.simplefilter("ignore")  # a user cannot act on the warnings of matplotlib
     check_picture(a.picture, (".html",) if a.command == "report" else tuple(ENDINGS))
     if a.command == "report":
-        progress = tell_progress if a.progress else lambda share: None
-        return print(f"{a.picture} {write_report(a.data, a.picture, a.beside, a.rig, progress)}")
+        progress = report_progress if a.progress else lambda fraction: None
+        return print(f"{a.picture} {write_report(a.data, a.picture, a.compared, a.rig, progress)}")
     if a.command == "check":
         return
     with matplotlib.rc_context(STYLE):
         if a.command == "forces":
             figure, shows = forces_figure(a.data, a.rig, a.begin, a.end, a.note)
-        elif a.command == "beside":
-            figure, shows = beside_figure(a.data, a.rig)
+        elif a.command == "compare":
+            figure, shows = comparison_figure(a.data, a.rig)
         else:
             data = read_json(a.data, "accuracy" if a.command == "costs" else a.command)
             try:

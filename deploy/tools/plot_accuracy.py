@@ -85,7 +85,7 @@ def accuracy_figure(data):
         for r in data["rows"]
         if r.get("median_us") is not None and r.get("direction_mean_deg") is not None
     ]
-    wish, advice, missing = data["wish"], data["advice"], len(data["rows"]) - len(rows)
+    requested, advice, missing = data["request"], data["advice"], len(data["rows"]) - len(rows)
 
     def direction(row):
         return max(row["direction_mean_deg"], LEAST_DIRECTION_DEG)
@@ -114,19 +114,22 @@ def accuracy_figure(data):
     log_axis(
         bottom.xaxis,
         *decade_round(
-            [r["median_us"] for r in rows] + ([wish["within_us"]] if wish["within_us"] else [])
+            [r["median_us"] for r in rows]
+            + ([requested["within_us"]] if requested["within_us"] else [])
         ),
     )
     log_axis(
         top.yaxis,
         *decade_round(
             [direction(r) for r in rows]
-            + ([wish["direction_deg"]] if wish["direction_deg"] else [])
+            + ([requested["direction_deg"]] if requested["direction_deg"] else [])
         ),
     )
     log_axis(
         bottom.yaxis,
-        *decade_round([noise(r) for r in rows] + ([100 * wish["noise"]] if wish["noise"] else [])),
+        *decade_round(
+            [noise(r) for r in rows] + ([100 * requested["noise"]] if requested["noise"] else [])
+        ),
     )
     front = [data["rows"][i] for i in advice["front"]]
     if front:  # from the top edge to the fastest, along the Pareto front, to the right edge
@@ -154,21 +157,21 @@ def accuracy_figure(data):
             zorder=4,
             label=f"{choice_word(advice)}: {row['model']},\n{row['weights']}, {size_word(row)} mm",
         )
-    if wish["direction_deg"]:
+    if requested["direction_deg"]:
         top.axhline(
-            wish["direction_deg"],
+            requested["direction_deg"],
             color=RED,
             ls="--",
-            label=f"wanted: {wish['direction_deg']:.4g} deg",
+            label=f"requested: {requested['direction_deg']:.4g} deg",
         )
-    if wish["noise"]:
-        bottom.axhline(100 * wish["noise"], color=RED, ls="--")
-    if wish["within_us"]:
+    if requested["noise"]:
+        bottom.axhline(100 * requested["noise"], color=RED, ls="--")
+    if requested["within_us"]:
         top.axvline(
-            wish["within_us"],
+            requested["within_us"],
             color=RED,
             ls="--",
-            label=f"wanted: within {wish['within_us']:.4g} µs",
+            label=f"requested: within {requested['within_us']:.4g} µs",
         )
     if not rows:
         top.text(0.5, 0.5, "nothing could be measured", transform=top.transAxes, ha="center")
@@ -183,7 +186,7 @@ def accuracy_figure(data):
     )
     bottom.set_xlabel("CPU time of one frame, median [µs]")
     if top.get_legend_handles_labels()[0]:
-        legend_beside(top, labelspacing=0.8)
+        legend_at_side(top, labelspacing=0.8)
     label_marks(
         top,
         marks,
@@ -238,7 +241,7 @@ def page_title(rows):
         choose(worst, key=lambda m: abs(math.log(max(worst[m]["force_ratio"], 1e-6))))
         for choose in (min, max)
     )
-    title = f"Share of the true force at the worst depth: {said(best)}"
+    title = f"Fraction of the true force at the worst depth: {said(best)}"
     return title if best == last else f"{title}, {said(last)}"
 
 
@@ -318,5 +321,5 @@ def page_figure(data):
     cost.set_ylim(len(rows) - 0.4, -0.7)
     cost.set_xlabel("CPU time of one frame: median, 95 % and worst [µs]")
     if rows:
-        legend_beside(direction)
+        legend_at_side(direction)
     return figure, f"shows what accuracy costs with {len(rows)} models"

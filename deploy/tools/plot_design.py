@@ -31,8 +31,8 @@ def design_figure(data):
     )
     x, law, kind = region["cutoff_hz"], region.get("law"), coupling["kind"]
     undamped, limit = region["critical_undamped_n_per_m"], region["device_limit_n_per_m"]
-    shown = axis_design["shown_stiffness"]
-    lowest = min([shown or 100.0] + [k for k in undamped if k])
+    displayed = axis_design["displayed_stiffness"]
+    lowest = min([displayed or 100.0] + [k for k in undamped if k])
     low = 10.0 ** math.floor(math.log10(min(max(lowest, 0.01), 100.0)))
     high = 2.0 * max(limit or 0.0, axis_design["critical_stiffness"] or 0.0, 100.0)
     window = axis_design["velocity_window"]
@@ -52,7 +52,7 @@ def design_figure(data):
         else "hold, which is too little to be of use"
     )
     figure, axes = new_figure(
-        f"{shown:.4g} N/m at the hand {useful}" if shown else "No coupling holds here",
+        f"{displayed:.4g} N/m at the hand {useful}" if displayed else "No coupling holds here",
         note,
         1,
         2 if law else 1,
@@ -122,16 +122,16 @@ def design_figure(data):
             high,
         )
         place.set_xlabel(f"{law['over']} [{law['unit']}]")
-    if shown and (law["chosen"] > 0 if law else kind == "shaping_filter"):
+    if displayed and (law["chosen"] > 0 if law else kind == "shaping_filter"):
         place.plot(
             [law["chosen"] if law else coupling["cutoff_hz"]],
-            [shown],
+            [displayed],
             "o",
             ms=14,
             color="#111111",
             ls="none",
             zorder=4,
-            label=f"{word},\n{shown:.4g} N/m",
+            label=f"{word},\n{displayed:.4g} N/m",
         )
     for one in axes[0]:
         if limit:

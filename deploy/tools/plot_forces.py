@@ -1,5 +1,5 @@
-"""Forces over time: of a recorded run, of its replay beside it, and of runs side by side, over the
-way of the hand too.
+"""Forces over time: of a recorded run, of its replay next to it, and of runs side by side, over the
+path of the hand too.
 """
 import math
 import pathlib
@@ -7,8 +7,9 @@ import sys
 
 from plot_layout import *  # noqa: F403
 
-FELT_NOTE = (
-    "Contact: what the voxels give at the scene's own stiffness, felt by nobody as it is. Returned:"
+FORCE_NOTE = (
+    "Contact: what the voxels give at the scene's own stiffness, never displayed as it is."
+    " Returned:"
     " what the coupling made of it for the hand; capped to the stiffness that is certified,"
     " filtered, damped, so later and usually smaller"
 )
@@ -63,13 +64,13 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         )
     start, length = contact["t"][0], contact["t"][-1] - contact["t"][0]
 
-    def shown(table):
+    def displayed(table):
         rows = (table["t"] - start >= begin) & (table["t"] - start <= end)
         return {
             name: values[rows] - (start if name == "t" else 0.0) for name, values in table.items()
         }
 
-    contact, returned, gap = shown(contact), shown(returned), shown(gap)
+    contact, returned, gap = displayed(contact), displayed(returned), displayed(gap)
     if not len(contact["t"]):
         sys.exit(
             f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts"
@@ -77,13 +78,13 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         )
     body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
-    felt, deepest, last = (
+    returned, deepest, last = (
         max(returned["force"], default=0.0),
         max(contact["depth"]),
         contact["t"][-1] + 1e-3,
     )
     figure, axes = new_figure(
-        f"{f'At most {felt:.2g} N' if felt > 1e-9 else 'No force'} came back to the hand; "
+        f"{f'At most {returned:.2g} N' if returned > 1e-9 else 'No force'} came back to the hand; "
         + (
             f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep"
             if deepest > 0
@@ -91,7 +92,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         ),
         (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}")
         + "\n"
-        + FELT_NOTE
+        + FORCE_NOTE
         + (BODY_NOTE if body else "")
         + ".",
         3 if body else 2,
@@ -140,12 +141,12 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     ):
         if not mark_beyond(top, table["t"], table[name], top.get_ylim()[1], "N", colour):
             continue
-        break  # one text tells of the place; the others leave the plane with it
+        break  # one text names the place; the others leave the plane with it
     if body:
         draw_over_time(middle, contact, "tool", last, color=BLUE, lw=2.4, label="tool")
         draw_over_time(middle, contact, "body", last, color=ORANGE, lw=1.6, ls="--", label="body")
         middle.set_ylabel("height [mm]")
-        legend_beside(middle)
+        legend_at_side(middle)
     draw_over_time(
         bottom,
         contact,
@@ -171,15 +172,15 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     mark_beyond(bottom, contact["t"], contact["depth"], 2.0 * deep, "mm", PURPLE)
     bottom.set_ylabel("distance [mm]")
     bottom.set_xlabel("time on the device's clock [s]")
-    legend_beside(top, labelspacing=0.8)
-    legend_beside(bottom, labelspacing=0.8)
+    legend_at_side(top, labelspacing=0.8)
+    legend_at_side(bottom, labelspacing=0.8)
     pushing = int((contact["contact"] > 1e-9).sum())
     return (
         figure,
         (
             f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples,"
             f" {pushing} with contact, largest contact force {max(contact['contact']):.3f} N,"
-            f" largest returned force {felt:.3f} N"
+            f" largest returned force {returned:.3f} N"
         ),
     )
 
@@ -193,18 +194,19 @@ REPLAY_NOTE = (
 
 
 def replay_title(data):
-    contact, command, felt = data["contact"], data["command"], data["felt"]["returned"]
+    contact, command, returned = data["contact"], data["command"], data["forces"]["returned"]
     if not contact["differ"] and not command["differ"]:
         return (
-            f"{'Both builds give' if data.get('other_build') else 'The replay gives'} the same bits"
+            f"{'Both builds give' if data.get('other_build') else 'The replay gives'}"
+            f" bit-identical results"
             f" for {contact['compared']} contacts and {command['compared']} commands"
         )
     if data.get("other_build"):
         return (
-            f"This build returns at most {felt['replayed']['largest_n']:.2g} N to the hand, the"
-            f" other one {felt['recorded']['largest_n']:.2g} N"
+            f"This build returns at most {returned['replayed']['largest_n']:.2g} N to the hand, the"
+            f" other one {returned['recorded']['largest_n']:.2g} N"
         )
-    now, then = felt["replayed"]["largest_n"], felt["recorded"]["largest_n"]
+    now, then = returned["replayed"]["largest_n"], returned["recorded"]["largest_n"]
     return (
         f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most"
         f" {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} instead of"
@@ -237,7 +239,7 @@ def replay_figure(data):
         (axes[0][0], "rendered", "rendered [N]"),
         (axes[1][0], "returned", "returned [N]"),
     ):
-        rows, felt = curves[name], data["felt"][name]
+        rows, returned = curves[name], data["forces"][name]
         table = {
             "t": rows["t_s"],
             "then": [math.nan if f is None else f for f in rows["recorded_n"]],
@@ -247,7 +249,7 @@ def replay_figure(data):
             ("then", "recorded", {"color": PALE_GREEN, "lw": 3.2}),
             ("now", "replayed", {"color": CONTACT if name == "rendered" else RETURNED, "lw": 1.4}),
         ):
-            of = felt[label]
+            of = returned[label]
             draw_over_time(
                 axis,
                 table,
@@ -255,13 +257,13 @@ def replay_figure(data):
                 end,
                 label=(
                     f"{names[label]}: at most {of['largest_n']:.3g} N,\nrms {of['rms_n']:.3g} N, in"
-                    f" contact {100 * of['in_contact_share']:.0f} %"
+                    f" contact {100 * of['in_contact_ratio']:.0f} %"
                 ),
                 **more,
             )
         axis.set_ylabel(what)
         axis.set_ylim(0.0, robust_limit(table["then"], table["now"]))
-        legend_beside(axis, labelspacing=0.8)
+        legend_at_side(axis, labelspacing=0.8)
         table["difference"] = [b - a for a, b in zip(table["then"], table["now"])]
         draw_over_time(
             axes[2][0],
@@ -275,7 +277,7 @@ def replay_figure(data):
     axes[2][0].set_ylabel("difference\n[N]")
     axes[2][0].set_xlabel("time on the device's clock [s]")
     axes[2][0].set_xlim(0.0, end)
-    legend_beside(axes[2][0])
+    legend_at_side(axes[2][0])
     return (
         figure,
         (
@@ -287,7 +289,7 @@ def replay_figure(data):
 
 
 # -------------------- runs side by side
-BESIDE_NOTE = (
+COMPARISON_NOTE = (
     "Returned: what the coupling gives to the hand, within what is certified on this device. Depth"
     " of the hand: how far it is beyond the place where the first run begins to push it, along its"
     " way from there to the deepest place; it goes in and out again."
@@ -313,7 +315,7 @@ def read_hand(bag, rig):
     }
 
 
-def beside_figure(bags, rig="haptic"):
+def comparison_figure(bags, rig="haptic"):
     from bag_data import BagError, norm
 
     try:
@@ -338,7 +340,7 @@ def beside_figure(bags, rig="haptic"):
     into = (deepest - touch) / max(norm(deepest - touch), 1e-12)
     figure, axes = new_figure(
         "Returned at most: " + "; ".join(f"{name} {force:.2g} N" for name, force in most.items()),
-        BESIDE_NOTE,
+        COMPARISON_NOTE,
         1,
         2,
         sharey=True,
@@ -353,7 +355,7 @@ def beside_figure(bags, rig="haptic"):
     over_depth.set_xlabel("depth of the hand [mm]")
     over_depth.set_xlim(-0.5, 1e3 * norm(deepest - touch) * 1.05 + 0.1)
     over_time.set_ylim(0.0, 1.08 * max(most.values()))
-    legend_beside(over_depth, labelspacing=0.8)
+    legend_at_side(over_depth, labelspacing=0.8)
     return figure, "shows " + "; ".join(
         f"{name}: at most {force:.3f} N" for name, force in most.items()
     )

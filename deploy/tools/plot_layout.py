@@ -1,5 +1,5 @@
-"""Where things stand on a picture: title and note, legend beside the plane, limits of logarithmic
-axes, names beside their marks.
+"""Where things stand on a picture: title and note, legend next to the plane, limits of logarithmic
+axes, names next to their marks.
 """
 import math
 import textwrap
@@ -25,7 +25,7 @@ def new_figure(title, note, rows=1, columns=1, **more):
     return figure, axes
 
 
-def legend_beside(axis, **more):
+def legend_at_side(axis, **more):
     """Right of the plane, where it covers no data."""
     return axis.legend(loc="upper left", bbox_to_anchor=(1.005, 1.0), borderaxespad=0.0, **more)
 
@@ -37,7 +37,7 @@ def decade_round(values):
     return low / spread, high * spread
 
 
-# Where a text may stand beside its mark, best first: stairs of a front leave a mark to the right
+# Where a text may stand next to its mark, best first: stairs of a front leave a mark to the right
 # and upwards.
 SIDES = ((1, 0.75), (-1, -0.75), (0, 1), (0, -1), (1, 0), (-1, 0), (-1, 0.75), (1, -0.75))
 
@@ -48,7 +48,7 @@ def overlap(a, b):
 
 
 def label_marks(axis, marks, ringed=(), radius=11.0):
-    """Writes the text of each (x, y, text, colour) beside its mark, where it covers least of the
+    """Writes the text of each (x, y, text, colour) next to its mark, where it covers least of the
     marks, of the rings round the marks at `ringed`, and of the other texts. `radius`: of a mark
     [px]; a ring's is twice that."""
     axis.figure.draw_without_rendering()

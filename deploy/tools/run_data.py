@@ -1,5 +1,5 @@
-"""A recorded run in numbers: what was felt and when, on one time axis; its figures, its faults, its
-words. Draws nothing.
+"""A recorded run in numbers: which force was displayed and when, on one time axis; its figures, its
+faults, its words. Draws nothing.
 """
 import functools
 import math
@@ -12,10 +12,10 @@ from bag_data import Bag, BagError, constants, norm, vector
 
 TOUCH_N = 1e-9  # what is less is no force
 APART_S = 0.05  # samples of one fault that are closer than this are one stretch of it
-MOST_STRETCHES = 6  # of one fault that are told one by one
+MOST_STRETCHES = 6  # of one fault that are reported one by one
 
 # What a flag says of a stretch of samples. What belongs to a sound run (capped, held, saturated,
-# ramping) is told among the figures.
+# ramping) is reported among the figures.
 CONTACT_FAULTS = {
     "FLAG_REFUSED_SAMPLE": "the device's sample was not usable; the last good one was kept",
     "FLAG_FAST": "the tool moved more than half a voxel a sample",
@@ -23,16 +23,17 @@ CONTACT_FAULTS = {
         "a wall was crossed in one sample; the tool was pushed back to where it came from (recorded"
         " by a release of before)"
     ),
-    "FLAG_MISSED": "the tool was so fast beside the scene that a contact may have been missed",
-    "FLAG_LAG": "the virtual tool did not reach its place within the frame",
-    "FLAG_UNPLACED": "there was no place for the virtual tool: nothing was felt",
+    "FLAG_TUNNELLING_SUSPECTED": "the tool was so fast next to the scene that a contact may have"
+    " been missed",
+    "FLAG_NOT_CONVERGED": "the virtual tool did not reach its place within the frame",
+    "FLAG_NOT_INITIALISED": "there was no place for the virtual tool: no force was displayed",
 }
 COMMAND_FAULTS = {
-    "STATUS_HELD_INPUT": "the contact was missing or not finite; the last good one was held",
+    "STATUS_LATCHED_INPUT": "the contact was missing or not finite; the last good one was held",
     "STATUS_CLAMPED": "the contact's force was over the device's range and cut",
 }
 STATE_FAULTS = {
-    "FLAG_POSE_HELD": "the device's pose was not to be trusted; the last good one was kept"
+    "FLAG_POSE_LATCHED": "the device's pose was not to be trusted; the last good one was kept"
 }
 # Of the device's own counts, ten times a second.
 DEVICE_FAULTS = {
@@ -57,7 +58,7 @@ class Run:
     at the time at which it was recorded.
     """
 
-    def __init__(self, path, rig="", progress=lambda share: None):
+    def __init__(self, path, rig="", progress=lambda fraction: None):
         self.bag = Bag(path, rig, progress=progress)
         self.name = self.bag.path.resolve().name
         self.state, self.contact, self.command, self.validation = (
@@ -85,8 +86,8 @@ class Run:
 
     # -------------------- time
     def place_sessions(self):
-        """Of each session its first stamp and where on the axis that lies. Of a stranger's samples
-        nothing is known: they are left out.
+        """Of each session its first stamp and where on the axis that lies. Of an unauthorised
+        writer's samples nothing is known: they are left out.
         """
         source, name = (
             (self.state, "device/state") if len(self.state) else (self.contact, "rendering/contact")
@@ -239,7 +240,7 @@ class Run:
 
     def command_line(self):
         """(folder, words) of the `voxtouch up` that made the run, or None where the bag does not
-        tell.
+        state it.
         """
         values = self.node("up").get("values", {})
         line = "".join(values[key] for key in sorted(values) if re.fullmatch(r"command_\d\d", key))
@@ -283,7 +284,7 @@ class Run:
 
     @functools.cached_property
     def figures(self):
-        """What this page counts in the recorded messages; None where they do not tell."""
+        """What this page counts in the recorded messages; None where they do not state it."""
         force, pushed = norm(self.returned), norm(self.rendered)
         peak = (
             int(numpy.argmax(numpy.where(numpy.isfinite(force), force, -1.0)))
@@ -299,13 +300,13 @@ class Run:
             "answered": len(numpy.unique(self.answers[self.answers >= 0])),
             "max_force_n": most,
             "max_force_at_s": None if most is None else float(self.t_command[peak]),
-            "share_of_limit": (
+            "ratio_to_limit": (
                 most / self.limit_n if most is not None and math.isfinite(self.limit_n) else None
             ),
             "max_torque_nm": largest(norm(self.torque)),
             "max_contact_force_n": largest(norm(self.pushed)),
             "contact_samples": int(touching.sum()),
-            "contact_share": float(touching.mean()) if len(pushed) else None,
+            "contact_ratio": float(touching.mean()) if len(pushed) else None,
             "max_depth_mm": largest(self.depth_mm),
             "max_energy_j": largest(self.command["energy_j"]),
             "least_energy_j": (
@@ -315,7 +316,7 @@ class Run:
             ),
             "capped_samples": self.count(self.command["status"], "ForceCommand", "STATUS_CAPPED"),
             "bounded_samples": self.count(self.command["status"], "ForceCommand", "STATUS_BOUNDED"),
-            "held_samples": self.count(self.contact["flags"], "ContactState", "FLAG_HELD"),
+            "latched_samples": self.count(self.contact["flags"], "ContactState", "FLAG_LATCHED"),
             "saturated_samples": self.count(
                 self.contact["flags"], "ContactState", "FLAG_SATURATED"
             ),

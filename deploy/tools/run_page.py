@@ -31,7 +31,7 @@ pre { background: var(--ground); border: 1px solid var(--line); border-radius: 6
 .tiles { display: grid; grid-template-columns: repeat(auto-fit, minmax(max(170px, 22%), 1fr)); gap: 10px; margin: 12px 0 0; }
 .tiles div { border: 1px solid var(--line); border-radius: 6px; padding: 8px 10px; } .tiles dt { font-size: 13px; color: var(--quiet); }
 .tiles dd { margin: 0; font-size: 21px; font-weight: 600; } .tiles dd small { font-size: 13px; font-weight: 400; color: var(--quiet); display: block; }
-.beside { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 18px; }
+.columns { display: grid; grid-template-columns: repeat(auto-fit, minmax(420px, 1fr)); gap: 18px; }
 summary { cursor: pointer; color: var(--link); } a { color: var(--link); }
 """
 
@@ -52,8 +52,12 @@ def number(value, unit="", digits=3):
     return f"{text}\u00a0{unit}" if unit else text
 
 
-def percent(share, digits=3):
-    return "–" if share is None or not math.isfinite(share) else f"{100.0 * share:.{digits}g} %"
+def percent(fraction, digits=3):
+    return (
+        "–"
+        if fraction is None or not math.isfinite(fraction)
+        else f"{100.0 * fraction:.{digits}g} %"
+    )
 
 
 def table(head, rows, numeric=()):
@@ -83,12 +87,12 @@ def section(title, *parts):
     return f"<section><h2>{title}</h2>{''.join(parts)}</section>"
 
 
-def beside(runs, part):
+def columns(runs, part):
     """The same of each run; of two in two columns under their names."""
     if len(runs) == 1:
         return part(runs[0])
     return (
-        '<div class="beside">'
+        '<div class="columns">'
         + "".join(f"<div><h3>{esc(run.name)}</h3>{part(run)}</div>" for run in runs)
         + "</div>"
     )
@@ -112,33 +116,31 @@ def kind_of_run(run):
 
 
 def verdict(run):
-    """Whether `up` called it a good run, and why not."""
-    told, lost = run.bag.summary(), losses(run.bag.path)
+    """Whether the run passed, and why not."""
+    summary, lost = run.bag.summary(), losses(run.bag.path)
     ratios = [
         name
-        for name, one in told.get("limits", {}).items()
+        for name, one in summary.get("limits", {}).items()
         if one.get("unit") == "1" and "at_least" in one and (one["value"] or 0) > 1.05
     ]
     lost += [f"{name} is above 1: its counts do not belong together." for name in ratios]
     if lost:
         return (
-            "<p class=bad><b>Not a good"
-            f" run:</b></p>{listed(lost + told.get('problems', []))}{listed(told.get('notes', []))}"
+            "<p class=bad><b>FAILED:</b></p>"
+            f"{listed(lost + summary.get('problems', []))}{listed(summary.get('notes', []))}"
         )
-    if not told:
+    if not summary:
         return (
             "<p><b>No verdict.</b> No <code>voxtouch up</code> judged this run: it was ended by"
             " force, is of an earlier version, or the nodes were started one by one. What follows"
-            " says what happened, not whether it was within the limits of a good run.</p>"
+            " says what happened, not whether it was within its limits.</p>"
         )
-    if told.get("ok") is True and not told["problems"]:
+    if summary.get("ok") is True and not summary["problems"]:
         return (
-            f'<p class=good><b>A good run: all {len(told["limits"])} limits were'
-            f' met.</b></p>{listed(told["notes"])}'
+            f'<p class=good><b>PASSED: all {len(summary["limits"])} limits were'
+            f' met.</b></p>{listed(summary["notes"])}'
         )
-    return (
-        f'<p class=bad><b>Not a good run:</b></p>{listed(told["problems"])}{listed(told["notes"])}'
-    )
+    return f'<p class=bad><b>FAILED:</b></p>{listed(summary["problems"])}{listed(summary["notes"])}'
 
 
 def limit_rows(run):
@@ -153,7 +155,7 @@ def limit_rows(run):
         )
 
     return table(
-        ["figure", "was", "a good run has", "unit", "verdict"],
+        ["figure", "was", "a run that passes has", "unit", "verdict"],
         [
             [
                 esc(name),
@@ -180,13 +182,13 @@ def tiles(run):
             (
                 "no command was recorded"
                 if f["max_force_n"] is None
-                else (f"{percent(f['share_of_limit'])}{limit}, " if limit else "")
+                else (f"{percent(f['ratio_to_limit'])}{limit}, " if limit else "")
                 + f"at {f['max_force_at_s']:.2f}\u00a0s"
             ),
         ),
         (
             "With a force",
-            percent(f["contact_share"]),
+            percent(f["contact_ratio"]),
             f"{number(f['contact_samples'])} samples, of contact or effects",
         ),
         (
@@ -213,7 +215,7 @@ def tiles(run):
                 else (
                     f"99 %: {number(p99, 'µs')}, by the device"
                     if p99 is not None
-                    else "the device told none"
+                    else "the device reported none"
                 )
             ),
         ),
@@ -239,8 +241,8 @@ def repeat(run):
     known = run.command_line()
     if known is None:
         return (
-            "<p>The bag does not tell by which command it was recorded: <code>voxtouch up</code>"
-            " of an earlier version, or nodes that were started one by one. Its scene is"
+            f"<p>The bag does not state by which command it was recorded: <code>voxtouch up</code>"
+            f" of an earlier version, or nodes that were started one by one. Its scene is"
             f" {esc(run.word('rendering', 'scene_file') or run.scene)}, its device"
             f" {esc(run.device)}.</p>"
         )
@@ -262,7 +264,7 @@ def repeat(run):
         + "</pre>"
     )
     text += "<p>" + (
-        "In lockstep the same program gives the same bits. "
+        "In lockstep the same program gives bit-identical results. "
         if run.lockstep
         else (
             "In real time the motion is the same; times differ from run to run. "
@@ -302,12 +304,13 @@ def design_words(run):
     if d["injected_damping_ns_per_m"] > 0:
         text += f" In contact it adds {d['injected_damping_ns_per_m']:.3g} Ns/m of damping."
     if d["critical_stiffness_n_per_m"] > 0:
-        wanted, shown, critical = (
+        requested, displayed, critical = (
             number(d[f"{word}_stiffness_n_per_m"], "N/m", 4)
-            for word in ("wanted", "shown", "critical")
+            for word in ("requested", "displayed", "critical")
         )
         text += (
-            f" Wanted were {wanted}; {shown} are shown at the hand, certified with a gain margin of"
+            f" Requested were {requested}; {displayed} are shown at the hand, certified with a"
+            f" gain margin of"
             f" {number(d['gain_margin'])}; the worst case ({esc(d['worst_case'])}) becomes unstable"
             f" at {critical}."
         )
@@ -335,8 +338,8 @@ def plan_words(run):
     text += f"<h3>Warnings</h3>{listed(p['warnings'])}" if p["warnings"] else ""
     return text + (
         "<details><summary>Left out"
-        f" ({len(p['left_out'])})</summary>{listed(p['left_out'])}</details>"
-        if p["left_out"]
+        f" ({len(p['skipped'])})</summary>{listed(p['skipped'])}</details>"
+        if p["skipped"]
         else ""
     )
 
@@ -386,7 +389,7 @@ def node_rows(run):
     return (
         table(("node", "on", "last state", "last sentence"), rows)
         if rows
-        else "<p>No node told its status.</p>"
+        else "<p>No node reported its status.</p>"
     )
 
 
@@ -402,7 +405,7 @@ COUNTED = (
         "rendering",
         "contact_samples",
     ),
-    ("samples held: points have gone through", "held_samples", "rendering", "held_samples"),
+    ("samples held: points have gone through", "latched_samples", "rendering", "latched_samples"),
     (
         "samples in which deeper meets no more force",
         "saturated_samples",
@@ -437,13 +440,13 @@ def force_title(run):
     if f["max_force_n"] is None:
         return "no command was recorded"
     if not f["contact_samples"] and not f["max_force_n"] > 1e-9:
-        return "nothing was touched, and no force was felt"
-    share = (
-        f", {percent(f['share_of_limit'], 2)} of what the device can give"
-        if f["share_of_limit"] is not None
+        return "nothing was touched, and no force was displayed"
+    fraction = (
+        f", {percent(f['ratio_to_limit'], 2)} of what the device can give"
+        if f["ratio_to_limit"] is not None
         else ""
     )
-    return f"at most {number(f['max_force_n'], 'N')} came back to the hand{share}"
+    return f"at most {number(f['max_force_n'], 'N')} came back to the hand{fraction}"
 
 
 def peak_title(run):
@@ -467,7 +470,7 @@ def depth_title(run):
 def latency_title(run):
     p50, overruns = run.counted("device", "latency_p50_us"), run.counted("device", "overruns")
     if p50 is None:
-        return "the device told none"
+        return "the device reported none"
     return (
         f"half of the commands came within {number(p50, 'µs')};"
         f" {number(overruns) if overruns else 'no'} periods were skipped"
@@ -488,7 +491,8 @@ def energy_title(run):
 CAPTIONS = {
     "force": (
         "<b>Force of the contact</b> is what the voxels and shell points give at the scene's own"
-        " stiffness, in the world's axes; nobody feels it as it is. <b>Force returned</b> is what"
+        " stiffness, in the world's axes; it is never displayed as it is. <b>Force returned</b>"
+        " is what"
         " the coupling made of it for the hand, in the device's axes: capped to the stiffness that"
         " is certified to be stable, filtered, so that it comes a little later, damped, and with"
         " what effects add. So the two differ, and the first is usually the larger. A gap is a time"
@@ -499,7 +503,7 @@ CAPTIONS = {
         " on it, and the hand feels its grip on the body or the spring between."
     ),
     "peak": "The second before and the second after it; every sample is drawn.",
-    "felt": (
+    "distribution": (
         "Time spent at each size of the force returned; samples without force are left out. The"
         " scale of time is logarithmic, so that short peaks are seen."
     ),
@@ -527,7 +531,7 @@ def picture_sections(runs, progress):
     """Title, picture and caption of each; of what cannot be drawn a sentence."""
     out = []
 
-    def picture(name, title, sentence, share, more=""):
+    def picture(name, title, sentence, fraction, more=""):
         title = f"{title}: {names(runs, sentence)}"
         svg = run_pictures.drawn(getattr(run_pictures, name + "_picture"), runs, name, esc(title))
         out.append(
@@ -536,7 +540,7 @@ def picture_sections(runs, progress):
                 f"<figure>{svg}<figcaption>{CAPTIONS[name]} {more}</figcaption></figure>",
             )
         )
-        progress(share)
+        progress(fraction)
 
     commands, contacts = any(len(r.command) for r in runs), any(len(r.contact) for r in runs)
     if commands or contacts:
@@ -550,7 +554,7 @@ def picture_sections(runs, progress):
     if any(len(run.command) > 2 * STRETCHES for run in runs):
         picture("peak", "Sample by sample around the largest force", peak_title, 0.35)
     if commands:
-        picture("felt", "How long which force was felt", force_title, 0.45)
+        picture("distribution", "How long which force was displayed", force_title, 0.45)
     if any((r.torque != 0).any() for r in runs):
         picture(
             "torque",
@@ -570,7 +574,7 @@ def picture_sections(runs, progress):
             lambda r: "none in lockstep" if r.lockstep else latency_title(r),
             0.8,
             "".join(
-                f"{esc(name)}: the device told no latency, so its lines are missing. "
+                f"{esc(name)}: the device reported no latency, so its lines are missing. "
                 for name in untold
             ),
         )
@@ -590,9 +594,9 @@ def picture_sections(runs, progress):
 
 
 # -------------------- page
-def page(runs, progress=lambda share: None):
+def page(runs, progress=lambda fraction: None):
     """The page's text."""
-    names_of_runs = " beside ".join(run.name for run in runs)
+    names_of_runs = " next to ".join(run.name for run in runs)
     notes = [note for run in runs for note in run.bag.notes]
     span = max(run.length_s for run in runs) / STRETCHES
     drawn_from = max(len(run.command) for run in runs)
@@ -602,7 +606,7 @@ def page(runs, progress=lambda share: None):
         if drawn_from > 2 * STRETCHES
         else "Curves show every sample. "
     )
-    summaries = beside(runs, lambda run: f"<p>{kind_of_run(run)}</p>{verdict(run)}{tiles(run)}")
+    summaries = columns(runs, lambda run: f"<p>{kind_of_run(run)}</p>{verdict(run)}{tiles(run)}")
     parts = [
         f"<header><h1>{esc(names_of_runs)}</h1>{summaries}"
         + (f"<h3>What is to be known of the bag</h3>{listed(notes)}" if notes else "")
@@ -612,7 +616,7 @@ def page(runs, progress=lambda share: None):
     parts.append(
         section(
             "Faults and when they came",
-            beside(runs, fault_rows),
+            columns(runs, fault_rows),
             (
                 "<p class=quiet>Times are of the device's clock since the first sample. Samples of"
                 " one kind that lie closer than 50 ms are one row; the device's own counts come ten"
@@ -620,12 +624,12 @@ def page(runs, progress=lambda share: None):
             ),
         )
     )
-    parts.append(section("Limits of a good run", beside(runs, limit_rows)))
+    parts.append(section("Limits of the run", columns(runs, limit_rows)))
     if any(run.bag.rows["rendering/changed"].times for run in runs):
-        parts.append(section("Changes while it ran", beside(runs, change_rows)))
-    parts.append(section("The coupling", beside(runs, design_words)))
-    parts.append(section("The scene as it was built", beside(runs, plan_words)))
-    parts.append(section("To run it again", beside(runs, repeat)))
+        parts.append(section("Changes while it ran", columns(runs, change_rows)))
+    parts.append(section("The coupling", columns(runs, design_words)))
+    parts.append(section("The scene as it was built", columns(runs, plan_words)))
+    parts.append(section("To run it again", columns(runs, repeat)))
     parts.append(
         section(
             "Counted twice",
@@ -634,10 +638,10 @@ def page(runs, progress=lambda share: None):
                 " also count what no bag holds. Where they differ, something was not recorded, or"
                 " came too late to be used.</p>"
             ),
-            beside(runs, counted_rows),
+            columns(runs, counted_rows),
         )
     )
-    parts.append(section("Nodes", beside(runs, node_rows)))
+    parts.append(section("Nodes", columns(runs, node_rows)))
     parts.append(
         f"<p class=quiet>{decimated}A triangle at an edge marks a spike that would have squashed"
         " the rest, with its size. Written by <code>voxtouch report</code> from"

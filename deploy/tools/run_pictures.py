@@ -90,7 +90,7 @@ def as_svg(figure, name, alt):
     return re.sub(r"font: ([\d.]+)px '[^;\"]*", r"font: \1px var(--font)", text)
 
 
-def columns(runs, heights, share_x=True, legend_lines=1):
+def columns(runs, heights, ratio_x=True, legend_lines=1):
     """A figure with a column for each run and a row for each height; over the first one's legend
     the name of each of two runs.
     """
@@ -99,7 +99,7 @@ def columns(runs, heights, share_x=True, legend_lines=1):
     )
     figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
     axes = figure.subplots(
-        len(heights), len(runs), squeeze=False, sharex=share_x, sharey="row", height_ratios=heights
+        len(heights), len(runs), squeeze=False, sharex=ratio_x, sharey="row", height_ratios=heights
     )
     if len(runs) > 1:
         for run, axis in zip(runs, axes[0]):
@@ -126,14 +126,14 @@ def legends(runs, axes):
         legend_above(axis, 5 if len(runs) == 1 else 3)
 
 
-def share_axis(axis, run, named):
-    """The same force as a share of what the device can give, on the right."""
+def joint_axis(axis, run, named):
+    """The same force as a fraction of what the device can give, on the right."""
     if math.isfinite(run.limit_n):
         right = axis.secondary_yaxis(
             "right",
             functions=(lambda n: 100.0 * n / run.limit_n, lambda p: p * run.limit_n / 100.0),
         )
-        right.set_ylabel("share of the\ndevice's limit [%]" if named else "")
+        right.set_ylabel("fraction of the\ndevice's limit [%]" if named else "")
         right.spines["right"].set_visible(False)
 
 
@@ -211,14 +211,14 @@ def force_picture(runs):
 def limits(runs, axes):
     """What the devices can give, as a second scale and, where it lies within, as a line."""
     for run, axis in zip(runs, axes):
-        share_axis(axis, run, run is runs[-1])
+        joint_axis(axis, run, run is runs[-1])
         if axis.get_ylim()[1] > run.limit_n:
             axis.axhline(run.limit_n, color=RED, lw=1.6, ls=":", label="the device's limit")
 
 
 def peak_picture(runs):
     """A second before and after the largest force returned, every sample."""
-    figure, axes = columns(runs, (3.0,), share_x=False)
+    figure, axes = columns(runs, (3.0,), ratio_x=False)
     values = [{"contact": norm(run.pushed), "returned": norm(run.returned)} for run in runs]
     limit = 1.08 * max(
         [
@@ -263,13 +263,13 @@ def torque_picture(runs):
     return figure
 
 
-def felt_picture(runs):
+def distribution_picture(runs):
     figure, axes = columns(runs, (3.6,), legend_lines=2)
-    felt = [norm(run.returned) for run in runs]
-    felt = [force[force > 1e-9] for force in felt]
-    limit = robust_limit(*felt)
+    returned = [norm(run.returned) for run in runs]
+    returned = [force[force > 1e-9] for force in returned]
+    limit = robust_limit(*returned)
     edges = numpy.linspace(0.0, limit, 61)
-    for run, force, axis in zip(runs, felt, axes[0]):
+    for run, force, axis in zip(runs, returned, axes[0]):
         period = 1.0 / (run.description.get("rate_hz") or 1000.0)
         axis.hist(force, edges, weights=numpy.full(len(force), period), color=RETURNED, rwidth=0.9)
         beyond = int((force > limit).sum())
@@ -299,11 +299,11 @@ def felt_picture(runs):
                     lambda p, of=run.limit_n: p * of / 100.0,
                 ),
             )
-            top.set_xlabel("share of the device's limit [%]")
+            top.set_xlabel("fraction of the device's limit [%]")
             top.spines["top"].set_visible(False)
         axis.set_xlabel("size of the force returned to the hand [N]")
         axis.set_xlim(0.0, limit)
-    if any(len(force) for force in felt):
+    if any(len(force) for force in returned):
         axes[0][0].set_yscale("log")
         axes[0][0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes[0][0].set_ylabel("time at that force [s]")
@@ -409,7 +409,7 @@ def latency_picture(runs):
                 (
                     "no period was skipped"
                     if run.device_figures
-                    else "the bag does not tell of periods skipped"
+                    else "the bag does not list skipped periods"
                 ),
                 (0.5, 0.4),
                 xycoords="axes fraction",
@@ -439,7 +439,7 @@ def energy_picture(runs):
         axis = axes[0][column]
         for key, colour, style, name in (
             ("energy_j", CONTACT, "-", "of motion"),
-            ("energy_rotation_j", RETURNED, "--", "of turning"),
+            ("energy_rotation_j", RETURNED, "--", "of rotation"),
         ):
             if key == "energy_j" or turned:
                 axis.plot(

@@ -118,9 +118,9 @@ def rules(schema):
 
 
 def row(key, schema, required):
-    shown = f"**`{key}`**" if key in required else f"`{key}`"
+    displayed = f"**`{key}`**" if key in required else f"`{key}`"
     standard = f"`{value(schema['default'])}`" if "default" in schema else "-"
-    return f"| {shown} | {kind(schema)} | {schema.get('description', '')} | {standard} |"
+    return f"| {displayed} | {kind(schema)} | {schema.get('description', '')} | {standard} |"
 
 
 TABLE = "| key | value | meaning | left out |\n|---|---|---|---|"
@@ -157,7 +157,7 @@ def effects(schema):
     yield "An entry of `effects` names one kind: " + ", ".join(
         f"[{k}](#{k})" for k in keys if k in kinds
     ) + ".\n"
-    yield "Beside its kind an effect may have:\n"
+    yield "In addition to its kind an effect may have:\n"
     yield TABLE
     for key, inner in keys.items():
         if key not in kinds:

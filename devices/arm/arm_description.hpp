@@ -1,5 +1,5 @@
 #pragma once
-/// An arm as a chain of turning joints, for who draws it: ROS's robot description.
+/// An arm as a chain of rotation joints, for who draws it: ROS's robot description.
 #include <string>
 #include <string_view>
 #include <vector>

@@ -35,9 +35,8 @@ std::string words(int status) {
 
 /// Between fork and exec of a process with threads: async-signal-safe calls only.
 [[noreturn]] void become(char* const* argv, pid_t parent, int hand, int log) {
-  prctl(
-      PR_SET_PDEATHSIG,
-      SIGKILL);  // it must not go on sending to a port that belongs to nobody, or to somebody else
+  prctl(PR_SET_PDEATHSIG,
+        SIGKILL);  // it must not go on sending to a port without an owner, or of another program
   if (getppid() != parent)
     _exit(kExecFailed);
   setpgid(0, 0);  // Ctrl-C is the parent's, which stops the arm before it ends this
@@ -75,7 +74,7 @@ ControllerProcess::ControllerProcess(std::string_view device, const std::string&
   if (access(program.c_str(), X_OK) != 0)
     refuse(
         fmt::format(": the simulated controller {} cannot be run ({}); build the target {}, and "
-                    "keep it beside this program",
+                    "keep it next to this program",
                     program, std::strerror(errno), name));
   start(program, arguments);
   try {

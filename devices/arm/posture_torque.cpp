@@ -7,13 +7,13 @@ namespace voxtouch::arm {
 
 Joints free_motion(const Jacobian& jacobian) noexcept {
   Joints motion;
-  for (int left_out = 0; left_out < 7; ++left_out) {
+  for (int skipped = 0; skipped < 7; ++skipped) {
     Mat6 rest;
     for (int col = 0, to = 0; col < 7; ++col)
-      if (col != left_out)
+      if (col != skipped)
         rest.col(to++) = jacobian.col(col);
-    const double sign = left_out % 2 ? -1.0 : 1.0;
-    motion[left_out] = sign * rest.partialPivLu().determinant();
+    const double sign = skipped % 2 ? -1.0 : 1.0;
+    motion[skipped] = sign * rest.partialPivLu().determinant();
   }
   return motion;
 }
@@ -29,8 +29,8 @@ Joints posture_torque(const PostureRules& rules, const Jacobian& jacobian, const
   const Joints n = motion / manipulability;
   const double along =
       n.dot(rules.stiffness_nm_per_rad * (rules.posture - q) - rules.damping_nms_per_rad * rate);
-  const double share = std::min(1.0, manipulability / rules.min_manipulability);
-  return share * std::clamp(along, -rules.max_torque_nm, rules.max_torque_nm) * n;
+  const double fraction = std::min(1.0, manipulability / rules.min_manipulability);
+  return fraction * std::clamp(along, -rules.max_torque_nm, rules.max_torque_nm) * n;
 }
 
 }  // namespace voxtouch::arm

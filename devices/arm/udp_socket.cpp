@@ -85,8 +85,8 @@ UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
   const int on = 1;
   setsockopt(file_, SOL_SOCKET, SO_TIMESTAMPNS, &on,
              sizeof on);  // without it a packet's age is unknown, and taken as zero
-  const sockaddr_in wanted = to_system({*host, port});
-  if (bind(file_, reinterpret_cast<const sockaddr*>(&wanted), sizeof wanted) != 0) {
+  const sockaddr_in requested = to_system({*host, port});
+  if (bind(file_, reinterpret_cast<const sockaddr*>(&requested), sizeof requested) != 0) {
     const int error = errno;
     close(file_);
     throw devices::DeviceOpenError(fmt::format("cannot receive on UDP {}:{}: {}; {}", address, port,
@@ -108,8 +108,8 @@ bool UdpSocket::wait(std::chrono::nanoseconds timeout) noexcept {
     const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);
     const timespec limit{static_cast<time_t>(seconds.count()),
                          static_cast<long>((left - seconds).count())};
-    pollfd wanted{file_, POLLIN, 0};
-    const int ready = ppoll(&wanted, 1, &limit, nullptr);
+    pollfd requested{file_, POLLIN, 0};
+    const int ready = ppoll(&requested, 1, &limit, nullptr);
     if (ready > 0)
       return true;
     if (ready == 0)

@@ -24,9 +24,9 @@ std::optional<std::uint32_t> parse_ipv4(const std::string& text) noexcept;
 
 class UdpSocket {
  public:
-  /// Binds `address` (dotted; "0.0.0.0" = every interface) and `port` (0: one that is free). Nobody
-  /// else may share the port. Throws DeviceOpenError: the sentence names address and port, what the
-  /// system said, and what to do.
+  /// Binds `address` (dotted; "0.0.0.0" = every interface) and `port` (0: one that is free). No
+  /// other program may use the port. Throws DeviceOpenError: the sentence names address and port,
+  /// what the system said, and what to do.
   UdpSocket(const std::string& address, std::uint16_t port);
   ~UdpSocket();
   UdpSocket(const UdpSocket&) = delete;

@@ -381,10 +381,10 @@ std::optional<Received> StreamReader::next() noexcept {
     broken_ = true;
     return std::nullopt;
   }
-  const std::size_t wanted = std::min(message.size, kHeaderSize + message.body.size());
-  if (filled_ < wanted)
+  const std::size_t requested = std::min(message.size, kHeaderSize + message.body.size());
+  if (filled_ < requested)
     return std::nullopt;
-  std::memcpy(message.body.data(), &buffer_[kHeaderSize], wanted - kHeaderSize);
+  std::memcpy(message.body.data(), &buffer_[kHeaderSize], requested - kHeaderSize);
   const std::size_t here = std::min(message.size, filled_);
   skip_ = message.size - here;
   drop(here);

@@ -170,7 +170,7 @@ struct State {
   std::uint64_t message_id = 0;   ///< counts milliseconds
   Joints q = Joints::Zero();      ///< measured [rad]
   Joints dq = Joints::Zero();     ///< measured [rad/s]
-  Joints tau_d = Joints::Zero();  ///< torque that the robot was told last, without gravity [Nm]
+  Joints tau_d = Joints::Zero();  ///< torque that the robot received last, without gravity [Nm]
   Joints tau = Joints::Zero();    ///< sensed, gravity included [Nm]
   Vec3 ee_in_base = Vec3::Zero(),
        ee_in_flange = Vec3::Zero();  ///< origin of the end effector's frame [m]
@@ -178,7 +178,7 @@ struct State {
   ControllerMode controller = ControllerMode::kOther;
   RobotMode mode = RobotMode::kIdle;
   Errors errors = 0, reflex = 0;  ///< now; of the last motion's end
-  double success_rate = 0.0;      ///< share of the last 100 commands that came in time
+  double success_rate = 0.0;      ///< fraction of the last 100 commands that came in time
 };
 
 enum class PacketFault : std::uint8_t {

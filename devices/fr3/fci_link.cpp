@@ -20,8 +20,8 @@ constexpr int kGlanceMs = 50;
 
 /// True: something is there (or the end); false: the time is over.
 bool wait_for(int file, short what, int milliseconds) noexcept {
-  pollfd wanted{file, what, 0};
-  return ::poll(&wanted, 1, milliseconds) > 0;
+  pollfd requested{file, what, 0};
+  return ::poll(&requested, 1, milliseconds) > 0;
 }
 
 std::string advice(int error, const std::string& address) {
@@ -92,9 +92,10 @@ bool FciLink::send(const fci::Message& message) noexcept {
     return false;
   const std::span<const std::byte> bytes = message.span();
   const ssize_t sent = ::send(file_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
-  closed_ = sent !=
-            static_cast<ssize_t>(
-                bytes.size());  // requests are short: where one does not fit, nobody reads any more
+  closed_ =
+      sent !=
+      static_cast<ssize_t>(
+          bytes.size());  // requests are short: where one does not fit, there is no reader any more
   return !closed_;
 }
 

@@ -4,62 +4,62 @@
 
 namespace voxtouch::fr3::fci {
 
-std::string_view sentence_of(Trouble trouble) noexcept {
-  switch (trouble) {
-    case Trouble::kNone:
+std::string_view sentence_of(Diagnostic diagnostic) noexcept {
+  switch (diagnostic) {
+    case Diagnostic::kNone:
       return "nothing is wrong";
-    case Trouble::kStarting:
+    case Diagnostic::kStarting:
       return "no force yet, waiting for the robot to begin torque control";
-    case Trouble::kRecovering:
+    case Diagnostic::kRecovering:
       return "no force, the robot recovers from an error";
-    case Trouble::kLostPackets:
+    case Diagnostic::kLostPackets:
       return "no force, the robot missed 20 commands in a row: a network card of its own, a "
              "real-time kernel, no power saving; "
              "asked again by itself";
-    case Trouble::kTorqueJump:
+    case Diagnostic::kTorqueJump:
       return "no force, the robot saw torques jump, as lost commands make them: look at the "
              "network; asked again by itself";
-    case Trouble::kReflex:
+    case Diagnostic::kReflex:
       return "no force, a reflex stopped the arm: lead it away from what it met, look at the "
              "robot's web page, and start anew";
-    case Trouble::kUserStop:
+    case Diagnostic::kUserStop:
       return "no force, the user stop is pressed: release it when the arm is free";
-    case Trouble::kGuiding:
+    case Diagnostic::kGuiding:
       return "no force, the arm is being guided by its buttons: let go of them";
-    case Trouble::kNotReady:
+    case Diagnostic::kNotReady:
       return "no force, the robot is not ready: unlock its joints and activate FCI on its web "
              "page, and end other programs there";
-    case Trouble::kRefused:
+    case Diagnostic::kRefused:
       return "no force, the robot refused torque control";
-    case Trouble::kEnded:
+    case Diagnostic::kEnded:
       return "no force, the robot ended torque control by itself: its web page says why; asked "
              "again by itself";
-    case Trouble::kTooOften:
+    case Diagnostic::kTooOften:
       return "no force, torque control ended too often: see to the network and to the robot's web "
              "page, and start anew";
-    case Trouble::kFast:
+    case Diagnostic::kFast:
       return "no force, a joint is too fast: hold the arm";
   }
   return "unknown";
 }
 
-void FciSession::wait(Trouble trouble) noexcept {
+void FciSession::wait(Diagnostic diagnostic) noexcept {
   phase_ = Phase::kWaiting;
-  trouble_ = trouble;
+  diagnostic_ = diagnostic;
   waited_s_ = 0.0;
   due_.reset();
 }
 
-void FciSession::fail(Trouble trouble) noexcept {
+void FciSession::fail(Diagnostic diagnostic) noexcept {
   phase_ = Phase::kFailed;
-  trouble_ = trouble;
+  diagnostic_ = diagnostic;
   due_.reset();
 }
 
-void FciSession::ask(Request request, Phase phase, Trouble trouble) noexcept {
+void FciSession::ask(Request request, Phase phase, Diagnostic diagnostic) noexcept {
   due_ = request;
   phase_ = phase;
-  trouble_ = trouble;
+  diagnostic_ = diagnostic;
   waited_s_ = 0.0;
 }
 
@@ -67,7 +67,7 @@ std::optional<Request> FciSession::due() noexcept { return std::exchange(due_, s
 
 void FciSession::end() noexcept {
   if (phase_ == Phase::kRunning || phase_ == Phase::kStarting)
-    ask(Request::kStopMove, Phase::kEnding, Trouble::kEnded);
+    ask(Request::kStopMove, Phase::kEnding, Diagnostic::kEnded);
   else if (phase_ != Phase::kFailed)
     phase_ = Phase::kEnding;
 }
@@ -77,18 +77,18 @@ void FciSession::answered(Request request, Outcome outcome) noexcept {
     return;
   if (outcome == Outcome::kSuccess && phase_ == Phase::kRecovering &&
       request == Request::kErrorRecovery)
-    return wait(Trouble::kStarting);
+    return wait(Diagnostic::kStarting);
   const bool fine = outcome == Outcome::kSuccess || outcome == Outcome::kStarted;
   if (fine)
     return;
   refusal_ = outcome;
   if (request == Request::kErrorRecovery)
-    return fail(Trouble::kRefused);
+    return fail(Diagnostic::kRefused);
   // The end of a motion that ran is seen in the states as well, with its reason.
   if (request == Request::kMove && phase_ == Phase::kStarting) {
     if (++restarts_ > rules_.most_restarts)
-      return fail(Trouble::kRefused);
-    wait(Trouble::kRefused);
+      return fail(Diagnostic::kRefused);
+    wait(Diagnostic::kRefused);
   }
 }
 
@@ -96,16 +96,16 @@ void FciSession::see_reflex(const State& state) noexcept {
   if (phase_ == Phase::kRecovering)
     return;
   const Errors all = state.errors | state.reflex;
-  if (trouble_ != Trouble::kLostPackets && trouble_ != Trouble::kTorqueJump) {
+  if (diagnostic_ != Diagnostic::kLostPackets && diagnostic_ != Diagnostic::kTorqueJump) {
     errors_ = all;
     if (all == 0 || (all & ~(kLostPacketsError | kTorqueJumpError)) != 0)
-      return fail(Trouble::kReflex);
+      return fail(Diagnostic::kReflex);
     if (++restarts_ > rules_.most_restarts)
-      return fail(Trouble::kTooOften);
-    return wait(all & kLostPacketsError ? Trouble::kLostPackets : Trouble::kTorqueJump);
+      return fail(Diagnostic::kTooOften);
+    return wait(all & kLostPacketsError ? Diagnostic::kLostPackets : Diagnostic::kTorqueJump);
   }
   if (waited_s_ >= rules_.pause_s)
-    ask(Request::kErrorRecovery, Phase::kRecovering, trouble_);
+    ask(Request::kErrorRecovery, Phase::kRecovering, diagnostic_);
 }
 
 void FciSession::see_idle() noexcept {
@@ -113,18 +113,18 @@ void FciSession::see_idle() noexcept {
     case Phase::kWaiting:
       if (waited_s_ >= rules_.pause_s)
         ask(Request::kMove, Phase::kStarting,
-            trouble_ == Trouble::kRefused ? trouble_ : Trouble::kStarting);
+            diagnostic_ == Diagnostic::kRefused ? diagnostic_ : Diagnostic::kStarting);
       return;
     case Phase::kRunning:
       if (++restarts_ > rules_.most_restarts)
-        return fail(Trouble::kTooOften);
-      return wait(Trouble::kEnded);
+        return fail(Diagnostic::kTooOften);
+      return wait(Diagnostic::kEnded);
     case Phase::kStarting:
       if (waited_s_ < rules_.start_timeout_s)
         return;
       if (++restarts_ > rules_.most_restarts)
-        return fail(Trouble::kTooOften);
-      return wait(Trouble::kNotReady);
+        return fail(Diagnostic::kTooOften);
+      return wait(Diagnostic::kNotReady);
     case Phase::kRecovering:
     case Phase::kEnding:
     case Phase::kFailed:
@@ -144,8 +144,8 @@ void FciSession::see(const State& state, double elapsed_s, bool fast) noexcept {
     if (phase_ == Phase::kStarting)
       phase_ = Phase::kRunning;
     if (phase_ != Phase::kRunning)
-      return;  // somebody else's
-    trouble_ = fast ? Trouble::kFast : Trouble::kNone;
+      return;  // another program's
+    diagnostic_ = fast ? Diagnostic::kFast : Diagnostic::kNone;
     return;
   }
   switch (state.mode) {
@@ -154,22 +154,22 @@ void FciSession::see(const State& state, double elapsed_s, bool fast) noexcept {
     case RobotMode::kReflex:
       return see_reflex(state);
     case RobotMode::kUserStopped:
-      wait(Trouble::kUserStop);
+      wait(Diagnostic::kUserStop);
       if (stopped_s_ > rules_.user_stop_timeout_s)
-        fail(Trouble::kUserStop);
+        fail(Diagnostic::kUserStop);
       return;
     case RobotMode::kGuiding:
-      return wait(Trouble::kGuiding);
+      return wait(Diagnostic::kGuiding);
     case RobotMode::kErrorRecovery:
       if (phase_ != Phase::kRecovering)
-        wait(Trouble::kRecovering);
+        wait(Diagnostic::kRecovering);
       return;
     case RobotMode::kMove:  // on the way into it, or another controller's
       if (phase_ == Phase::kRunning)
-        wait(Trouble::kEnded);
+        wait(Diagnostic::kEnded);
       return;
     case RobotMode::kOther:
-      return wait(Trouble::kNotReady);
+      return wait(Diagnostic::kNotReady);
   }
 }
 

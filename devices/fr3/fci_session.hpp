@@ -18,7 +18,7 @@ struct SessionRules {
   int most_restarts = 10;
 };
 
-enum class Trouble : std::uint8_t {
+enum class Diagnostic : std::uint8_t {
   kNone,
   kStarting,  ///< Move was asked for
   kRecovering,
@@ -35,7 +35,7 @@ enum class Trouble : std::uint8_t {
   kFast,  ///< a joint is faster than it may be
 };
 /// What it is and what to do, for people.
-std::string_view sentence_of(Trouble trouble) noexcept;
+std::string_view sentence_of(Diagnostic diagnostic) noexcept;
 
 /// Torque control is asked for while the robot is idle, and again after what lost packets did;
 /// every other reflex is a person's matter. Pure, real-time safe.
@@ -56,7 +56,7 @@ class FciSession {
 
   /// Torque may be commanded.
   bool force_allowed() const noexcept {
-    return phase_ == Phase::kRunning && trouble_ == Trouble::kNone;
+    return phase_ == Phase::kRunning && diagnostic_ == Diagnostic::kNone;
   }
   /// The robot waits for commands, pushing or not.
   bool listens() const noexcept { return in_torque_control_; }
@@ -65,23 +65,23 @@ class FciSession {
     return phase_ == Phase::kFailed ? devices::DeviceError::kFault
                                     : devices::DeviceError::kRecoverable;
   }
-  Trouble trouble() const noexcept { return trouble_; }
-  Errors errors() const noexcept { return errors_; }  ///< of the trouble, if a reflex
+  Diagnostic diagnostic() const noexcept { return diagnostic_; }
+  Errors errors() const noexcept { return errors_; }  ///< of the diagnostic, if a reflex
   Outcome refusal() const noexcept { return refusal_; }
   int restarts() const noexcept { return restarts_; }
 
  private:
   enum class Phase : std::uint8_t { kWaiting, kStarting, kRunning, kRecovering, kEnding, kFailed };
-  void wait(Trouble trouble) noexcept;
-  void fail(Trouble trouble) noexcept;
-  void ask(Request request, Phase phase, Trouble trouble) noexcept;
+  void wait(Diagnostic diagnostic) noexcept;
+  void fail(Diagnostic diagnostic) noexcept;
+  void ask(Request request, Phase phase, Diagnostic diagnostic) noexcept;
   void see_idle() noexcept;
   void see_reflex(const State& state) noexcept;
 
   const Dialect* dialect_;
   SessionRules rules_;
   Phase phase_ = Phase::kWaiting;
-  Trouble trouble_ = Trouble::kStarting;
+  Diagnostic diagnostic_ = Diagnostic::kStarting;
   Errors errors_ = 0;
   Outcome refusal_ = Outcome::kSuccess;
   std::optional<Request> due_;

@@ -15,7 +15,7 @@ constexpr std::uint64_t kStrangeAhead =
 /// state.
 void Fr3Driver::stop() noexcept {
   if (unanswered_)
-    answer_without_push();
+    reply_without_force();
 }
 
 // --- what comes in
@@ -32,7 +32,7 @@ Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram,
     return ++counts_.old, Intake::kNothing;
   if (started_ && id - newest_id_ > kStrangeAhead)
     return ++counts_.strange, Intake::kNothing;
-  heard_.store(Clock::now(), std::memory_order_relaxed);
+  received_.store(Clock::now(), std::memory_order_relaxed);
   if (started_)
     counts_.lost += id - newest_id_ - 1, steps_ms_ += id - newest_id_;
   newest_id_ = id;
@@ -44,8 +44,8 @@ Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram,
   return Intake::kNew;
 }
 
-void Fr3Driver::heard_nothing(bool) noexcept {
-  hear_channel();
+void Fr3Driver::received_nothing(bool) noexcept {
+  receive_channel();
   noted_closed_.store(link_->closed(), std::memory_order_relaxed);
 }
 
@@ -54,13 +54,13 @@ void Fr3Driver::accept() noexcept {
   steps_ms_ = 0;
   unanswered_ = true;
   sample_.time_ns = static_cast<std::int64_t>(state_.message_id - first_id_) * 1'000'000;
-  hear_channel();
+  receive_channel();
   measure();
   const bool fast =
       sample_.pose_valid && (state_.dq.array().abs() > limits_.velocity_rad_s.array()).any();
   session_.see(state_, elapsed_s, fast);
   if (session_.listens())
-    ramp_.told(state_.tau_d);
+    ramp_.acknowledge(state_.tau_d);
   else
     ramp_.forget();  // it has ended the motion, and holds the arm itself
   ask_what_is_due();
@@ -88,12 +88,12 @@ void Fr3Driver::measure() noexcept {
 
 // --- the command channel
 
-void Fr3Driver::hear_channel() noexcept {
+void Fr3Driver::receive_channel() noexcept {
   while (const auto received = link_->poll())
-    hear(*received);
+    receive(*received);
 }
 
-void Fr3Driver::hear(const fci::Received& received) noexcept {
+void Fr3Driver::receive(const fci::Received& received) noexcept {
   const auto request = fci::request_of(*dialect_, received.command);
   if (!request)
     return;
@@ -114,13 +114,13 @@ void Fr3Driver::ask_what_is_due() noexcept {
   } else {
     link_->send(fci::bare_request(*dialect_, *request, id));
   }
-  // Two channels keep no order between them: where runs have to be the same, the one is heard out
-  // before the other goes on.
+  // Two channels keep no order between them: where runs have to be the same, the one is received in
+  // full before the other goes on.
   while (virtual_time_) {
     const auto received = link_->wait(options_.virtual_timeout_s);
     if (!received)
       return;
-    hear(*received);
+    receive(*received);
     if (received->id == id)
       return;
   }
@@ -130,13 +130,14 @@ void Fr3Driver::ask_what_is_due() noexcept {
 
 bool Fr3Driver::push(const Wrench& command) noexcept {
   const Quat rotation_BD = rotation_DB_.conjugate();
-  const Wrench wanted = within_joints({rotation_BD * command.force, rotation_BD * command.torque});
-  posture_share_ = options_.posture.ramp_s > 0.0
-                       ? std::min(1.0, posture_share_ + 1e-3 / options_.posture.ramp_s)
+  const Wrench requested =
+      within_joints({rotation_BD * command.force, rotation_BD * command.torque});
+  posture_ratio_ = options_.posture.ramp_s > 0.0
+                       ? std::min(1.0, posture_ratio_ + 1e-3 / options_.posture.ramp_s)
                        : 1.0;
-  const Joints posture = posture_share_ * arm::posture_torque(options_.posture, posture_.jacobian,
+  const Joints posture = posture_ratio_ * arm::posture_torque(options_.posture, posture_.jacobian,
                                                               state_.q, state_.dq);
-  return send(ramp_.next(posture_.jacobian, wanted, posture));
+  return send(ramp_.next(posture_.jacobian, requested, posture));
 }
 
 /// Smaller, direction kept, where a joint would have to give more than it may.
@@ -150,18 +151,18 @@ Wrench Fr3Driver::within_joints(Wrench command) noexcept {
   return {command.force / need, command.torque / need};
 }
 
-void Fr3Driver::answer_without_push() noexcept {
-  posture_share_ = 0.0;
+void Fr3Driver::reply_without_force() noexcept {
+  posture_ratio_ = 0.0;
   send(ramp_.next(posture_.jacobian, {}, Joints::Zero()));
 }
 
 /// A state without a pose: the next step towards zero, at the last posture that could be trusted.
-void Fr3Driver::answer_untrusted() noexcept {
+void Fr3Driver::reply_to_invalid() noexcept {
   if (!started_)
     return;
   state_.message_id = newest_id_;
-  ramp_.told(incoming_.tau_d);
-  answer_without_push();
+  ramp_.acknowledge(incoming_.tau_d);
+  reply_without_force();
   noted_usable_.store(false, std::memory_order_relaxed);
 }
 

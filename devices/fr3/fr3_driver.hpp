@@ -9,7 +9,7 @@
 #include <memory>
 #include <string>
 
-#include "devices/arm/answering_driver.hpp"
+#include "devices/arm/request_reply_driver.hpp"
 #include "devices/fr3/fci_link.hpp"
 #include "devices/fr3/fci_session.hpp"
 #include "devices/fr3/fr3_arm.hpp"
@@ -31,8 +31,8 @@ DeviceDescription describe_fr3();
 /// closed), kProtocol (a state that cannot be trusted, or only malformed datagrams came), kFault (a
 /// reflex other than lost packets, a user stop that lasts, too many restarts). While there is no
 /// torque control samples come all the same. write: kNotFinite, kLimit (check_command),
-/// kRecoverable (no torque control, a joint too fast, not sent: `trouble` tells), kProtocol (the
-/// sample's pose was not valid), kTimeout (no unanswered state).
+/// kRecoverable (no torque control, a joint too fast, not sent: `last_error` states it), kProtocol
+/// (the sample's pose was not valid), kTimeout (no unanswered state).
 ///
 /// Force is J^T F, geometric Jacobian of the tool, plus the posture torque. The joint torques of a
 /// command that would need more than `max_add_torque_nm` are made smaller in proportion. Twist is
@@ -40,7 +40,7 @@ DeviceDescription describe_fr3();
 ///
 /// Time: the robot's count of milliseconds, from the first state (virtual time: from the first in
 /// torque control).
-class Fr3Driver : public arm::AnsweringDriver {
+class Fr3Driver : public arm::RequestReplyDriver {
  public:
   /// Connects, and waits for the first state. Throws DeviceOpenError: no connection, a version that
   /// it does not speak, a robot that a person has to see to, an arm of another geometry; the
@@ -52,7 +52,7 @@ class Fr3Driver : public arm::AnsweringDriver {
 
   /// The first step towards zero, now; the next states' answers go on with it.
   void stop() noexcept override;
-  std::string trouble() const override;
+  std::string last_error() const override;
   const arm::ArmDescription* arm_description() const noexcept override {
     return &fr3_description();
   }
@@ -86,19 +86,19 @@ class Fr3Driver : public arm::AnsweringDriver {
     if (intake == Intake::kNew)
       state_ = incoming_;
   }
-  void answer_untrusted() noexcept override;
+  void reply_to_invalid() noexcept override;
   void accept() noexcept override;
-  void heard_nothing(bool lost) noexcept override;
+  void received_nothing(bool lost) noexcept override;
   bool closed() const noexcept override { return link_->closed(); }
   bool force_allowed() const noexcept override {
     return session_.force_allowed() && !link_->closed();
   }
   devices::DeviceError error() const noexcept override { return session_.error(); }
   bool push(const Wrench& command) noexcept override;
-  void answer_without_push() noexcept override;
+  void reply_without_force() noexcept override;
   void measure() noexcept;
-  void hear_channel() noexcept;
-  void hear(const fci::Received& received) noexcept;
+  void receive_channel() noexcept;
+  void receive(const fci::Received& received) noexcept;
   void ask_what_is_due() noexcept;
   Wrench within_joints(Wrench command) noexcept;
   bool send(const Joints& torque) noexcept;
@@ -119,11 +119,11 @@ class Fr3Driver : public arm::AnsweringDriver {
   bool started_ = false;  // a state has been taken
   bool ending_ = false;   // commands say that the motion is to end
 
-  /// For trouble(), which other threads ask.
+  /// For last_error(), which other threads ask.
   void note() noexcept;
   // Each by itself: a mixture of two moments, for a person's eye, costs nothing.
   std::atomic<fci::Errors> noted_errors_{0};
-  std::atomic<fci::Trouble> noted_trouble_{fci::Trouble::kNone};
+  std::atomic<fci::Diagnostic> noted_diagnostic_{fci::Diagnostic::kNone};
   std::atomic<fci::Outcome> noted_refusal_{fci::Outcome::kSuccess};
   std::atomic<bool> noted_usable_{true}, noted_closed_{false};
 };

@@ -21,7 +21,7 @@ std::chrono::nanoseconds seconds(double s) {
   throw devices::DeviceOpenError("device 'fr3': " + why);
 }
 
-[[noreturn]] void refuse_stranger(const Fr3Options& options) {
+[[noreturn]] void refuse_other_client(const Fr3Options& options) {
   refuse(
       fmt::format("{}:{} is not an FCI server (invalid reply to Connect): check the options "
                   "'address' and 'port'",
@@ -40,7 +40,7 @@ std::string_view version_remedy(std::uint16_t theirs) {
 Fr3Driver::Fr3Driver(const Fr3Options& options) : Fr3Driver(options, connect(options)) {}
 
 Fr3Driver::Fr3Driver(const Fr3Options& options, Connected connected)
-    : AnsweringDriver(std::move(connected.socket), options.silence_s, options.virtual_timeout_s),
+    : RequestReplyDriver(std::move(connected.socket), options.silence_s, options.virtual_timeout_s),
       options_(options),
       link_(std::move(connected.link)),
       dialect_(connected.dialect),
@@ -52,7 +52,7 @@ Fr3Driver::Fr3Driver(const Fr3Options& options, Connected connected)
   description_ = describe_fr3();
   rotation_DB_ = options.pose_BD.orientation.conjugate();
   virtual_time_ = options.virtual_time;
-  heard_.store(Clock::now(), std::memory_order_relaxed);
+  received_.store(Clock::now(), std::memory_order_relaxed);
   set_up();
   first_state();
   if (virtual_time_)
@@ -69,7 +69,7 @@ Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
     link->send(fci::connect_request(0, version, socket->local().port));
     const auto received = link->wait(options.connect_timeout_s);
     if (!received && link->got_other_bytes())
-      refuse_stranger(options);
+      refuse_other_client(options);
     if (!received && link->closed())
       refuse(
           fmt::format("the robot at {} closed the connection at once: another program has it "
@@ -89,7 +89,7 @@ Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
       continue;
     }
     if (outcome == fci::Outcome::kUnknown)
-      refuse_stranger(options);
+      refuse_other_client(options);
     refuse(
         fmt::format("the robot at {} refused the version: its server speaks {}, this driver {}; {}",
                     options.address, theirs, fci::spoken_versions(), version_remedy(theirs)));
@@ -144,9 +144,9 @@ void Fr3Driver::first_state() {
   if (sample_.pose_valid)
     compare_geometry();
   if (session_.error() != devices::DeviceError::kRecoverable)
-    refuse(trouble());
+    refuse(last_error());
   if (!virtual_time_)
-    answer_without_push();
+    reply_without_force();
 }
 
 /// The robot's own pose of its end effector, against that of this driver's geometry.
@@ -160,13 +160,13 @@ void Fr3Driver::compare_geometry() const {
                     1e3 * apart));
 }
 
-/// Nobody is kept waiting by time that stands still, so all until torque control fits in here.
+/// Virtual time stands still meanwhile, so all until torque control fits in here.
 void Fr3Driver::start_in_virtual_time() {
   const double patience_s = options_.session.start_timeout_s + options_.connect_timeout_s;
   for (double waited_s = 0.0; !(session_.force_allowed() && sample_.pose_valid); waited_s += 1e-3) {
     if (waited_s > patience_s || session_.error() != devices::DeviceError::kRecoverable)
-      refuse(fmt::format("the robot in virtual time did not start: {}", trouble()));
-    answer_without_push();
+      refuse(fmt::format("the robot in virtual time did not start: {}", last_error()));
+    reply_without_force();
     if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
       refuse(fmt::format("the robot in virtual time at {} went silent during the start",
                          options_.address));
@@ -220,19 +220,19 @@ void Fr3Driver::disengage() noexcept {
       session_.end();
       ask_what_is_due();
     }
-    answer_without_push();
+    reply_without_force();
   }
 }
 
 void Fr3Driver::note() noexcept {
   noted_errors_.store(session_.errors(), std::memory_order_relaxed);
-  noted_trouble_.store(session_.trouble(), std::memory_order_relaxed);
+  noted_diagnostic_.store(session_.diagnostic(), std::memory_order_relaxed);
   noted_refusal_.store(session_.refusal(), std::memory_order_relaxed);
   noted_usable_.store(sample_.pose_valid, std::memory_order_relaxed);
   noted_closed_.store(link_->closed(), std::memory_order_relaxed);
 }
 
-std::string Fr3Driver::trouble() const {
+std::string Fr3Driver::last_error() const {
   if (noted_closed_.load(std::memory_order_relaxed))
     return fmt::format(
         "no force, the robot at {} has closed the connection: it was switched off, FCI was "
@@ -240,21 +240,21 @@ std::string Fr3Driver::trouble() const {
         "was given control; start anew",
         options_.address);
   if (silent_.load(std::memory_order_relaxed)) {
-    const auto silence = Clock::now() - heard_.load(std::memory_order_relaxed);
+    const auto silence = Clock::now() - received_.load(std::memory_order_relaxed);
     return fmt::format(
         "nothing has come from the robot at {} for {:.1f} s: is it on, is the cable plugged in?",
         options_.address, std::chrono::duration<double>(silence).count());
   }
-  const fci::Trouble trouble = noted_trouble_.load(std::memory_order_relaxed);
-  if (trouble == fci::Trouble::kNone)
+  const fci::Diagnostic diagnostic = noted_diagnostic_.load(std::memory_order_relaxed);
+  if (diagnostic == fci::Diagnostic::kNone)
     return noted_usable_.load(std::memory_order_relaxed)
                ? std::string()
                : "no force, the robot's state is not to be trusted: it holds numbers that are none "
                  "or cannot be; look at its web page";
-  std::string text(fci::sentence_of(trouble));
-  if (trouble == fci::Trouble::kReflex)
+  std::string text(fci::sentence_of(diagnostic));
+  if (diagnostic == fci::Diagnostic::kReflex)
     text += fmt::format(" [{}]", fci::words_of(noted_errors_.load(std::memory_order_relaxed)));
-  if (trouble == fci::Trouble::kRefused)
+  if (diagnostic == fci::Diagnostic::kRefused)
     text += fmt::format(": {}", fci::sentence_of(noted_refusal_.load(std::memory_order_relaxed)));
   return text;
 }

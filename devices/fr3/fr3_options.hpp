@@ -22,8 +22,8 @@ struct Fr3Options {
   Pose pose_BD;                 ///< frame D in the robot's base B (z up, along axis 1)
   fci::SessionRules session;
   fci::CollisionBehavior collision;
-  fci::Load
-      load;  ///< what the flange carries beside what the robot's web page knows; 0 kg: not sent
+  fci::Load load;  ///< what the flange carries in addition to what the robot's web page lists; 0
+                   ///< kg: not sent
   arm::PostureRules posture{.posture = fr3_rest_posture()};
   double step_nm =
       0.95;  ///< of a joint's torque from one command to the next; the robot bears 1 (1000 Nm/s)

@@ -5,7 +5,7 @@
 
 namespace voxtouch::fr3 {
 
-/// The wrench on its way to the one that is wanted: a straight line, so that a force that begins,
+/// The wrench on its way to the requested one: a straight line, so that a force that begins,
 /// changes or ends keeps to the lengths of both ends, along which every joint's torque moves by at
 /// most `step_nm` a command. Real-time safe.
 class TorqueRamp {
@@ -15,13 +15,13 @@ class TorqueRamp {
       : step_nm_(step_nm),
         most_nm_(most_nm) {}
 
-  /// What the robot says it was told last: a command that was lost on the way is not counted as
-  /// given. What it says outside of the last two commands is not believed, nor that it has heard
+  /// What the robot reports as received last: a command that was lost on the way is not counted as
+  /// given. What it says outside of the last two commands is not believed, nor that it has received
   /// nothing for over 20 commands; without a number the last one counts.
-  void told(const arm::Joints& tau_d) noexcept;
-  /// The joint torques of the next command towards `wanted` (base axes, at the tool of `jacobian`)
-  /// and `posture` [Nm], torques that move the joints without the tool.
-  const arm::Joints& next(const arm::Jacobian& jacobian, const Wrench& wanted,
+  void acknowledge(const arm::Joints& tau_d) noexcept;
+  /// The joint torques of the next command towards `requested` (base axes, at the tool of
+  /// `jacobian`) and `posture` [Nm], torques that move the joints without the tool.
+  const arm::Joints& next(const arm::Jacobian& jacobian, const Wrench& requested,
                           const arm::Joints& posture) noexcept;
   /// Nothing pushes any more: the robot has ended the motion by itself.
   void forget() noexcept;

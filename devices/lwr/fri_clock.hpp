@@ -9,7 +9,7 @@ namespace voxtouch::lwr::fri {
 /// The stamp on the wire is a float: after 2.3 hours its steps are longer than a millisecond. So
 /// time is counted in periods, and the stamp only checks the count. A controller in virtual time is
 /// taken at its word: there the stamp leads where the two differ by more than half a period and
-/// what the float cannot tell. Pure, real-time safe.
+/// what the float cannot resolve. Pure, real-time safe.
 class FriClock {
  public:
   FriClock(std::int64_t period_ns, bool stamps_lead) noexcept

@@ -26,8 +26,8 @@ void FriComposer::place(const MsrPacket& msr, bool in_command, bool trusted) noe
   if (!in_command) {
     commanded_ = from_wire(msr.data.cmd_jnt_pos) + from_wire(msr.data.cmd_jnt_pos_fri_offset);
   } else if (trusted) {
-    const LwrJoints way = from_wire(msr.data.jnt_pos) - commanded_;
-    commanded_ += way.cwiseMax(-rules_.step_limit_rad).cwiseMin(rules_.step_limit_rad);
+    const LwrJoints displacement = from_wire(msr.data.jnt_pos) - commanded_;
+    commanded_ += displacement.cwiseMax(-rules_.step_limit_rad).cwiseMin(rules_.step_limit_rad);
   }
   packet_.command.jnt_pos = to_wire(commanded_);
 }
@@ -44,7 +44,7 @@ const CmdPacket& FriComposer::answer(const MsrPacket& msr, const FriSession& ses
   return packet_;
 }
 
-const CmdPacket& FriComposer::answer_untrusted(const Header& header,
+const CmdPacket& FriComposer::reply_to_invalid(const Header& header,
                                                const FriSession& session) noexcept {
   head(header, session);
   return packet_;

@@ -30,7 +30,7 @@ class FriComposer {
                           const LwrJoints& push) noexcept;
   /// The answer to a packet that cannot be trusted beyond its header: the last position again, no
   /// push.
-  const CmdPacket& answer_untrusted(const Header& header, const FriSession& session) noexcept;
+  const CmdPacket& reply_to_invalid(const Header& header, const FriSession& session) noexcept;
   /// False until one answer was composed: there is no position to repeat yet.
   bool ready() const noexcept { return ready_; }
 

@@ -61,7 +61,7 @@ inline constexpr std::uint32_t kFlagJntPos = 0x0001, kFlagJntTrq = 0x0004, kFlag
                                kFlagCartStiff = 0x1000, kFlagCartDamp = 0x2000;
 
 /// The KRL program's side of the handshake, as wire indices (KRL counts from one).
-inline constexpr std::size_t kFrmIntStrategy = 0;  ///< $FRI_FRM_INT[1]: the Strategy wanted
+inline constexpr std::size_t kFrmIntStrategy = 0;  ///< $FRI_FRM_INT[1]: the requested Strategy
 inline constexpr std::size_t kFrmIntRun = 1;       ///< $FRI_FRM_INT[2]: 1 friStart, 0 friStop
 inline constexpr std::size_t kToIntEcho = 1;  ///< $FRI_TO_INT[2]: echo of it, or kKrlInitialised
 inline constexpr std::size_t kToIntSimulated =

@@ -16,60 +16,60 @@ bool mode_fits(const MsrPacket& msr) noexcept {
 
 }  // namespace
 
-std::string_view sentence_of(Trouble trouble) noexcept {
-  switch (trouble) {
-    case Trouble::kNone:
+std::string_view sentence_of(Diagnostic diagnostic) noexcept {
+  switch (diagnostic) {
+    case Diagnostic::kNone:
       return "in command mode";
-    case Trouble::kQualityTooLowToStart:
+    case Diagnostic::kQualityTooLowToStart:
       return "the connection's quality is too low to start: give it some seconds; if it stays, "
              "free this machine and "
              "the cable of other load, or open the interface with a longer period (friOpen)";
-    case Trouble::kDrivesNotOn:
+    case Diagnostic::kDrivesNotOn:
       return "the drives are off: switch them on, and start the KRL program";
-    case Trouble::kDrivesWentOff:
+    case Diagnostic::kDrivesWentOff:
       return "the drives went off (emergency stop, enabling switch, or a stop by the controller): "
              "acknowledge on the "
              "panel, switch them on, start again";
-    case Trouble::kDriveError:
+    case Diagnostic::kDriveError:
       return "a drive reports an error: read and acknowledge it on the controller's panel";
-    case Trouble::kProgramStillRuns:
+    case Diagnostic::kProgramStillRuns:
       return "the KRL program has not yet followed the request to stop ($FRI_FRM_INT[2] = 0): is "
              "it running?";
-    case Trouble::kStarting:
+    case Diagnostic::kStarting:
       return "waiting for the KRL program to call friStart";
-    case Trouble::kStartTimedOut:
+    case Diagnostic::kStartTimedOut:
       return "the controller did not enter command mode in time: does the KRL program run, in a "
              "mode that moves the "
              "arm, and answer $FRI_FRM_INT[2] = 1 with friStart?";
-    case Trouble::kDroppedOut:
+    case Diagnostic::kDroppedOut:
       return "the controller left command mode by itself (late answers, or a limit): see its "
              "panel; it is asked again "
              "after a pause";
-    case Trouble::kTooManyDrops:
+    case Diagnostic::kTooManyDrops:
       return "the controller left command mode too often: see the messages on its panel, then "
              "start again";
-    case Trouble::kQualityDropped:
+    case Diagnostic::kQualityDropped:
       return "the connection's quality dropped in command mode: force is off until it is back";
-    case Trouble::kWrongControlMode:
+    case Diagnostic::kWrongControlMode:
       return "the controller runs another control mode than the one asked for in $FRI_FRM_INT[1]: "
              "check that the KRL "
              "program sets $stiffness.strategy from it";
-    case Trouble::kTooFast:
+    case Diagnostic::kTooFast:
       return "a joint is over its speed limit: force is off until it is slower";
-    case Trouble::kClosed:
+    case Diagnostic::kClosed:
       return "the controller closed the interface (friClose)";
-    case Trouble::kStopping:
+    case Diagnostic::kStopping:
       return "stopping";
   }
   return "unknown";
 }
 
-devices::DeviceError error_of(Trouble trouble) noexcept {
-  switch (trouble) {
-    case Trouble::kDriveError:
-    case Trouble::kTooManyDrops:
+devices::DeviceError error_of(Diagnostic diagnostic) noexcept {
+  switch (diagnostic) {
+    case Diagnostic::kDriveError:
+    case Diagnostic::kTooManyDrops:
       return devices::DeviceError::kFault;
-    case Trouble::kClosed:
+    case Diagnostic::kClosed:
       return devices::DeviceError::kDisconnected;
     default:
       return devices::DeviceError::kRecoverable;
@@ -78,36 +78,36 @@ devices::DeviceError error_of(Trouble trouble) noexcept {
 
 devices::DeviceError FriSession::error() const noexcept {
   const bool stay_off =
-      trouble_ == Trouble::kDrivesWentOff && drives_off_s_ > rules_.drives_off_grace_s;
-  return stay_off ? devices::DeviceError::kFault : error_of(trouble_);
+      diagnostic_ == Diagnostic::kDrivesWentOff && drives_off_s_ > rules_.drives_off_grace_s;
+  return stay_off ? devices::DeviceError::kFault : error_of(diagnostic_);
 }
 
 void FriSession::request_stop() noexcept {
   stopping_ = true;
-  halt(Trouble::kStopping, 0.0);
-  trouble_ = Trouble::kStopping;
+  halt(Diagnostic::kStopping, 0.0);
+  diagnostic_ = Diagnostic::kStopping;
 }
 
-void FriSession::halt(Trouble why, double pause_s) noexcept {
+void FriSession::halt(Diagnostic why, double pause_s) noexcept {
   phase_ = Phase::kHalting;
   halted_by_ = why;
   pause_left_s_ = pause_s;
 }
 
-/// Errors and drives, told apart: what a person must mend, what may come back, and what has not
+/// Errors and drives, distinguished: what a person must mend, what may come back, and what has not
 /// been there yet.
-Trouble FriSession::drives(const MsrPacket& msr, double elapsed_s) noexcept {
+Diagnostic FriSession::drives(const MsrPacket& msr, double elapsed_s) noexcept {
   if (msr.robot.error != 0)
-    return Trouble::kDriveError;
+    return Diagnostic::kDriveError;
   const bool on = (msr.robot.power & kAllDrives) == kAllDrives;
   drives_off_s_ = on ? 0.0 : drives_off_s_ + elapsed_s;
   if (on)
-    return Trouble::kNone;
-  return starts_ ? Trouble::kDrivesWentOff : Trouble::kDrivesNotOn;
+    return Diagnostic::kNone;
+  return starts_ ? Diagnostic::kDrivesWentOff : Diagnostic::kDrivesNotOn;
 }
 
-void FriSession::see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexcept {
-  const Trouble power = drives(msr, elapsed_s);
+void FriSession::see(const MsrPacket& msr, double elapsed_s, Diagnostic arm) noexcept {
+  const Diagnostic power = drives(msr, elapsed_s);
   const bool was_in_command = in_command_;
   const bool drives_on = (msr.robot.power & kAllDrives) == kAllDrives;
   in_command_ = msr.interface.state == State::kCmd && drives_on;
@@ -115,29 +115,29 @@ void FriSession::see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexce
   pause_left_s_ = std::max(0.0, pause_left_s_ - elapsed_s);
   since_request_s_ += elapsed_s;
   if (stopping_) {
-    trouble_ = Trouble::kStopping;
+    diagnostic_ = Diagnostic::kStopping;
     return;
   }
   if (phase_ == Phase::kRunning && was_in_command && !in_command_) {
     ++drops_;
-    halt(drops_ >= rules_.max_drops ? Trouble::kTooManyDrops : Trouble::kDroppedOut,
+    halt(drops_ >= rules_.max_drops ? Diagnostic::kTooManyDrops : Diagnostic::kDroppedOut,
          rules_.pause_s);
   }
   const bool open = msr.interface.state == State::kMon || msr.interface.state == State::kCmd;
-  if (!open || power != Trouble::kNone) {
+  if (!open || power != Diagnostic::kNone) {
     if (phase_ != Phase::kHalting)
-      halt(open ? power : Trouble::kClosed, rules_.pause_s);
-    trouble_ = open ? power : Trouble::kClosed;
+      halt(open ? power : Diagnostic::kClosed, rules_.pause_s);
+    diagnostic_ = open ? power : Diagnostic::kClosed;
     return;
   }
   advance(msr);
-  trouble_ = judge(msr, arm);
+  diagnostic_ = judge(msr, arm);
 }
 
 void FriSession::advance(const MsrPacket& msr) noexcept {
   const bool mon = msr.interface.state == State::kMon;
   if (phase_ == Phase::kHalting && mon && !echo_runs_ && pause_left_s_ <= 0.0 &&
-      halted_by_ != Trouble::kTooManyDrops)
+      halted_by_ != Diagnostic::kTooManyDrops)
     phase_ = Phase::kWaiting;
   if (phase_ == Phase::kWaiting && mon &&
       rank(msr.interface.quality) >= rank(rules_.start_quality)) {
@@ -149,28 +149,28 @@ void FriSession::advance(const MsrPacket& msr) noexcept {
       phase_ = Phase::kRunning;
       ++starts_;
     } else {
-      halt(Trouble::kWrongControlMode, rules_.pause_s);
+      halt(Diagnostic::kWrongControlMode, rules_.pause_s);
     }
   }
   if (phase_ == Phase::kStarting && since_request_s_ > rules_.start_timeout_s)
-    halt(Trouble::kStartTimedOut, rules_.pause_s);
+    halt(Diagnostic::kStartTimedOut, rules_.pause_s);
 }
 
-Trouble FriSession::judge(const MsrPacket& msr, Trouble arm) const noexcept {
+Diagnostic FriSession::judge(const MsrPacket& msr, Diagnostic arm) const noexcept {
   switch (phase_) {
     case Phase::kHalting:
       return halted_by_;
     case Phase::kWaiting:
-      return Trouble::kQualityTooLowToStart;
+      return Diagnostic::kQualityTooLowToStart;
     case Phase::kStarting:
-      return Trouble::kStarting;
+      return Diagnostic::kStarting;
     case Phase::kRunning:
       break;
   }
   if (!mode_fits(msr))
-    return Trouble::kWrongControlMode;
+    return Diagnostic::kWrongControlMode;
   if (rank(msr.interface.quality) < rank(rules_.keep_quality))
-    return Trouble::kQualityDropped;
+    return Diagnostic::kQualityDropped;
   return arm;
 }
 

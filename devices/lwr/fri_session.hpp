@@ -11,7 +11,7 @@
 namespace voxtouch::lwr::fri {
 
 /// What keeps the force off. Each has a sentence.
-enum class Trouble : std::uint8_t {
+enum class Diagnostic : std::uint8_t {
   kNone,
   kQualityTooLowToStart,
   kDrivesNotOn,       ///< not yet, since the program started
@@ -29,9 +29,9 @@ enum class Trouble : std::uint8_t {
   kStopping,
 };
 /// What happened and what to do, one sentence. Real-time safe.
-std::string_view sentence_of(Trouble trouble) noexcept;
+std::string_view sentence_of(Diagnostic diagnostic) noexcept;
 /// What a caller can do about it; kRecoverable for kNone.
-devices::DeviceError error_of(Trouble trouble) noexcept;
+devices::DeviceError error_of(Diagnostic diagnostic) noexcept;
 
 struct SessionRules {
   Quality start_quality = Quality::kPerfect;  ///< friStart is asked for from here on
@@ -59,19 +59,19 @@ class FriSession {
 
   /// One new measurement, `elapsed_s` after the one before. `arm`: what the arm's geometry says
   /// about it (kNone, kTooFast).
-  void see(const MsrPacket& msr, double elapsed_s, Trouble arm) noexcept;
+  void see(const MsrPacket& msr, double elapsed_s, Diagnostic arm) noexcept;
   /// For good: 0 is asked for, force is off.
   void request_stop() noexcept;
-  /// The stop has been followed: the controller is in no command mode, and the program has heard
+  /// The stop has been followed: the controller is in no command mode, and the program has received
   /// the request.
   bool stopped() const noexcept { return stopping_ && !in_command_ && !echo_runs_; }
 
   /// The controller acts on what the command says (CMD, drives on), so the position must be our
   /// own; otherwise it must mirror.
   bool in_command() const noexcept { return in_command_; }
-  bool force_allowed() const noexcept { return trouble_ == Trouble::kNone; }
-  Trouble trouble() const noexcept { return trouble_; }
-  /// error_of the trouble; drives that stay off for longer than the grace become a fault.
+  bool force_allowed() const noexcept { return diagnostic_ == Diagnostic::kNone; }
+  Diagnostic diagnostic() const noexcept { return diagnostic_; }
+  /// error_of the diagnostic; drives that stay off for longer than the grace become a fault.
   devices::DeviceError error() const noexcept;
   Phase phase() const noexcept { return phase_; }
   /// Fills the program's variables: strategy and request.
@@ -82,14 +82,14 @@ class FriSession {
 
  private:
   void advance(const MsrPacket& msr) noexcept;
-  void halt(Trouble why, double pause_s) noexcept;
-  Trouble drives(const MsrPacket& msr, double elapsed_s) noexcept;
-  Trouble judge(const MsrPacket& msr, Trouble arm) const noexcept;
+  void halt(Diagnostic why, double pause_s) noexcept;
+  Diagnostic drives(const MsrPacket& msr, double elapsed_s) noexcept;
+  Diagnostic judge(const MsrPacket& msr, Diagnostic arm) const noexcept;
 
   SessionRules rules_;
   Phase phase_ = Phase::kHalting;
-  Trouble trouble_ = Trouble::kProgramStillRuns;
-  Trouble halted_by_ = Trouble::kProgramStillRuns;
+  Diagnostic diagnostic_ = Diagnostic::kProgramStillRuns;
+  Diagnostic halted_by_ = Diagnostic::kProgramStillRuns;
   double pause_left_s_, since_request_s_ = 0.0, drives_off_s_ = 0.0;
   bool in_command_ = false, echo_runs_ = false, stopping_ = false;
   std::uint32_t starts_ = 0, drops_ = 0;

@@ -26,7 +26,7 @@ std::span<const std::byte> bytes_of(const fri::CmdPacket& packet) noexcept {
 /// controller acts on the newest.
 void LwrDriver::stop() noexcept {
   if (unanswered_ || (pushing_ && !virtual_time_))
-    answer_without_push();
+    reply_without_force();
 }
 
 // --- what comes in
@@ -37,12 +37,12 @@ void LwrDriver::keep(Intake intake) noexcept {
     msr_ = incoming_;
 }
 
-void LwrDriver::answer_untrusted() noexcept {
+void LwrDriver::reply_to_invalid() noexcept {
   if (!composer_ || !composer_->ready())
     return;
-  send(composer_->answer_untrusted(msr_.header, session_));
+  send(composer_->reply_to_invalid(msr_.header, session_));
   pushing_ = unanswered_ = false;
-  posture_share_ = 0.0;
+  posture_ratio_ = 0.0;
   Noted noted = noted_now();
   noted.usable = false;
   noted_.store(noted, std::memory_order_relaxed);
@@ -59,7 +59,7 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram,
     last_fault_ = fault, last_bad_size_ = datagram.size, last_bad_from_ = datagram.from;
   if (fault != fri::PacketFault::kNone && !untrusted)
     return ++counts_.malformed, Intake::kNothing;
-  heard_.store(Clock::now(), std::memory_order_relaxed);
+  received_.store(Clock::now(), std::memory_order_relaxed);
   if (sequence_.see(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew)
     return Intake::kNothing;
   steps_ += sequence_.steps();
@@ -72,7 +72,7 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram,
   return Intake::kNew;
 }
 
-void LwrDriver::heard_nothing(bool lost) noexcept {
+void LwrDriver::received_nothing(bool lost) noexcept {
   if (!lost)
     return;
   sequence_.forget();
@@ -89,7 +89,7 @@ void LwrDriver::accept() noexcept {
   unanswered_ = true;
   sample_.time_ns = clock_->time_ns();
   measure(elapsed_s);
-  session_.see(msr_, elapsed_s, sample_.pose_valid ? check_arm() : fri::Trouble::kNone);
+  session_.see(msr_, elapsed_s, sample_.pose_valid ? check_arm() : fri::Diagnostic::kNone);
   noted_.store(noted_now(), std::memory_order_relaxed);
   silent_.store(false, std::memory_order_relaxed);
 }
@@ -114,9 +114,9 @@ void LwrDriver::measure(double elapsed_s) noexcept {
   sample_.twist = {rotation_DB_ * twist.head<3>(), rotation_DB_ * twist.tail<3>()};
 }
 
-fri::Trouble LwrDriver::check_arm() const noexcept {
+fri::Diagnostic LwrDriver::check_arm() const noexcept {
   const bool fast = (rates_.rate().array().abs() > limits_.velocity_rad_s.array()).any();
-  return fast ? fri::Trouble::kTooFast : fri::Trouble::kNone;
+  return fast ? fri::Diagnostic::kTooFast : fri::Diagnostic::kNone;
 }
 
 // --- what goes out
@@ -138,14 +138,14 @@ LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
   const double step = options_.posture.ramp_s > 0.0
                           ? 1e-9 * static_cast<double>(period_ns_) / options_.posture.ramp_s
                           : 1.0;
-  posture_share_ = std::min(1.0, posture_share_ + step);
-  torque += posture_share_ * posture_torque(options_.posture, posture_.jacobian, q_, rates_.rate());
+  posture_ratio_ = std::min(1.0, posture_ratio_ + step);
+  torque += posture_ratio_ * posture_torque(options_.posture, posture_.jacobian, q_, rates_.rate());
   return torque.cwiseMax(-options_.max_add_torque_nm).cwiseMin(options_.max_add_torque_nm);
 }
 
-void LwrDriver::answer_without_push() noexcept {
+void LwrDriver::reply_without_force() noexcept {
   pushing_ = false;
-  posture_share_ = 0.0;
+  posture_ratio_ = 0.0;
   if (composer_)
     send(composer_->answer(msr_, session_, sample_.pose_valid, LwrJoints::Zero()));
 }

@@ -22,8 +22,8 @@
 #include <optional>
 #include <string>
 
-#include "devices/arm/answering_driver.hpp"
 #include "devices/arm/joint_rates.hpp"
+#include "devices/arm/request_reply_driver.hpp"
 #include "devices/lwr/fri_capture.hpp"
 #include "devices/lwr/fri_clock.hpp"
 #include "devices/lwr/fri_composer.hpp"
@@ -42,7 +42,7 @@ DeviceDescription describe_lwr(double period_s);
 /// malformed datagrams came), kFault (drive error, drives stay off, left command mode too often).
 /// While the controller is not in command mode samples come all the same, so that the answers keep
 /// coming that the quality is judged by. write: kNotFinite, kLimit (check_command), kRecoverable
-/// (not in command mode, quality dropped, too fast, not sent: `session` tells), kProtocol (the
+/// (not in command mode, quality dropped, too fast, not sent: `session` states it), kProtocol (the
 /// sample's pose was not valid), kTimeout (no unanswered measurement). After a kRecoverable the
 /// driver works its way back into command mode by itself.
 ///
@@ -55,7 +55,7 @@ DeviceDescription describe_lwr(double period_s);
 /// mode). A controller that announces virtual time (fri::kVirtualTime) makes `simulated()` true: it
 /// waits for each answer, so `read` waits for it, up to `virtual_timeout_s` whatever its own
 /// timeout; the constructor then returns in command mode.
-class LwrDriver : public arm::AnsweringDriver {
+class LwrDriver : public arm::RequestReplyDriver {
  public:
   /// Waits for the first measurement. Throws DeviceOpenError: port, capture file, nothing or
   /// nothing readable within `connect_timeout_s`, a drive error; the sentence says what to check.
@@ -65,7 +65,7 @@ class LwrDriver : public arm::AnsweringDriver {
   ~LwrDriver() override;
 
   void stop() noexcept override;
-  std::string trouble() const override;
+  std::string last_error() const override;
   const arm::ArmDescription* arm_description() const noexcept override {
     return &lwr_description();
   }
@@ -96,15 +96,15 @@ class LwrDriver : public arm::AnsweringDriver {
   Intake judge(const UdpSocket::Datagram& datagram,
                std::span<const std::byte> bytes) noexcept override;
   void keep(Intake intake) noexcept override;
-  void answer_untrusted() noexcept override;
+  void reply_to_invalid() noexcept override;
   void accept() noexcept override;
-  void heard_nothing(bool lost) noexcept override;
+  void received_nothing(bool lost) noexcept override;
   bool force_allowed() const noexcept override { return session_.force_allowed(); }
   devices::DeviceError error() const noexcept override { return session_.error(); }
   bool push(const Wrench& command) noexcept override;
-  void answer_without_push() noexcept override;
+  void reply_without_force() noexcept override;
   void measure(double elapsed_s) noexcept;
-  fri::Trouble check_arm() const noexcept;
+  fri::Diagnostic check_arm() const noexcept;
   LwrJoints push_for(const Wrench& command) noexcept;
   bool send(const fri::CmdPacket& packet) noexcept;
 
@@ -128,15 +128,15 @@ class LwrDriver : public arm::AnsweringDriver {
   std::uint64_t steps_ = 0;  // periods since the last measurement that was accepted
   bool pushing_ = false;     // the last answer held a push
 
-  /// For trouble(), which other threads ask.
+  /// For last_error(), which other threads ask.
   struct Noted {
-    fri::Trouble trouble = fri::Trouble::kNone;
+    fri::Diagnostic diagnostic = fri::Diagnostic::kNone;
     bool usable = true;  // the last measurement
     std::uint16_t power = fri::kAllDrives, error = 0, warning = 0;
   };
   static std::string sentence_for(const Noted& noted);
   Noted noted_now() const noexcept {
-    return {session_.trouble(), sample_.pose_valid, msr_.robot.power, msr_.robot.error,
+    return {session_.diagnostic(), sample_.pose_valid, msr_.robot.power, msr_.robot.error,
             msr_.robot.warning};
   }
   std::atomic<Noted> noted_{Noted{}};

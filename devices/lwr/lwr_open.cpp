@@ -45,8 +45,8 @@ std::chrono::nanoseconds seconds(double s) {
 }  // namespace
 
 LwrDriver::LwrDriver(const LwrOptions& options)
-    : AnsweringDriver(std::make_unique<UdpSocket>(options.address, options.port), options.silence_s,
-                      options.virtual_timeout_s),
+    : RequestReplyDriver(std::make_unique<UdpSocket>(options.address, options.port),
+                         options.silence_s, options.virtual_timeout_s),
       options_(checked(options)),
       capture_(options.capture_file.empty() ? 0 : options.capture_packets),
       arm_(options.pose_FT),
@@ -64,7 +64,7 @@ LwrDriver::LwrDriver(const LwrOptions& options)
 
 void LwrDriver::connect() {
   const auto start = Clock::now(), deadline = start + seconds(options_.connect_timeout_s);
-  heard_.store(start, std::memory_order_relaxed);
+  received_.store(start, std::memory_order_relaxed);
   // Without a first position there is nothing to mirror; a measurement of a closed interface ends
   // an earlier session.
   for (bool good = false; !good;) {
@@ -90,11 +90,11 @@ void LwrDriver::connect() {
   clock_.emplace(period_ns_, virtual_time_);
   accept();
   if (session_.error() != devices::DeviceError::kRecoverable) {
-    answer_without_push();
+    reply_without_force();
     throw devices::DeviceOpenError(fmt::format("device 'lwr': {}", status_text()));
   }
   if (!virtual_time_)
-    answer_without_push();
+    reply_without_force();
 }
 
 std::string LwrDriver::nothing_came() const {
@@ -127,7 +127,7 @@ std::string LwrDriver::nothing_came() const {
       where, socket_->local().port);
 }
 
-/// Nobody is kept waiting by time that stands still, so the whole handshake fits in here.
+/// Virtual time stands still meanwhile, so the whole handshake fits in here.
 void LwrDriver::start_in_virtual_time() {
   const double period_s = 1e-9 * static_cast<double>(period_ns_);
   const double patience_s = options_.session.start_timeout_s + options_.connect_timeout_s;
@@ -136,7 +136,7 @@ void LwrDriver::start_in_virtual_time() {
     if (waited_s > patience_s || session_.error() != devices::DeviceError::kRecoverable)
       throw devices::DeviceOpenError(fmt::format(
           "device 'lwr': the controller in virtual time did not start: {}", status_text()));
-    answer_without_push();
+    reply_without_force();
     if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
       throw devices::DeviceOpenError(fmt::format(
           "device 'lwr': the controller in virtual time at {} went silent during the start",
@@ -172,21 +172,22 @@ void LwrDriver::disengage() noexcept {
                      session_.phase() == fri::FriSession::Phase::kRunning;
   session_.request_stop();
   stop();
-  const std::uint64_t heard_enough = counts_.answered + (asked ? 3 : 0);  // a request may be lost
+  const std::uint64_t received_enough =
+      counts_.answered + (asked ? 3 : 0);  // a request may be lost
   const auto deadline = Clock::now() + seconds(options_.stop_timeout_s);
-  while (asked && !(session_.stopped() && counts_.answered >= heard_enough)) {
+  while (asked && !(session_.stopped() && counts_.answered >= received_enough)) {
     const Intake intake = wait_and_take(deadline);
     if (intake == Intake::kNothing)
       return;
     if (intake == Intake::kUntrusted)
       continue;
     accept();
-    answer_without_push();
+    reply_without_force();
   }
 }
 
 std::string LwrDriver::sentence_for(const Noted& noted) {
-  std::string text(sentence_of(noted.trouble));
+  std::string text(sentence_of(noted.diagnostic));
   const unsigned off = ~noted.power & fri::kAllDrives;
   if (noted.error)
     text += fmt::format(" [errors of {}]", joints_of(noted.error));
@@ -199,9 +200,9 @@ std::string LwrDriver::sentence_for(const Noted& noted) {
 
 std::string LwrDriver::status_text() const { return sentence_for(noted_now()); }
 
-std::string LwrDriver::trouble() const {
+std::string LwrDriver::last_error() const {
   if (silent_.load(std::memory_order_relaxed)) {
-    const auto silence = Clock::now() - heard_.load(std::memory_order_relaxed);
+    const auto silence = Clock::now() - received_.load(std::memory_order_relaxed);
     return fmt::format(
         "nothing has come from the controller to UDP {} for {:.1f} s: is it on, is the cable "
         "plugged in, does the KRL "
@@ -209,7 +210,7 @@ std::string LwrDriver::trouble() const {
         text_of(socket_->local()), std::chrono::duration<double>(silence).count());
   }
   const Noted noted = noted_.load(std::memory_order_relaxed);
-  if (noted.trouble != fri::Trouble::kNone)
+  if (noted.diagnostic != fri::Diagnostic::kNone)
     return sentence_for(noted);
   if (noted.usable)
     return {};

@@ -29,8 +29,8 @@ constexpr sim::OperatorConfig holding(double mass_kg, double damping_ns_per_m,
 
 // Only "arm-measured" is one published subject (0.554 kg, 6.45 Ns/m, 135 N/m). The rest are middles
 // and corners of published or remembered ranges: fingertip 3.5..8.7 g, 4..7.4 Ns/m, 255..1255 N/m;
-// pen 0.05..0.2 kg, 2..6 Ns/m, 200..1000 N/m; arm 0.5..2 kg, 10..50 Ns/m, 50..800 N/m. What they do
-// in turning is assumed.
+// pen 0.05..0.2 kg, 2..6 Ns/m, 200..1000 N/m; arm 0.5..2 kg, 10..50 Ns/m, 50..800 N/m. Their
+// rotation is assumed.
 constexpr std::array kGrips{
     NamedGrip{"fingertip", holding(0.006, 5.7, 750.0, 1e-5, 0.002, 0.1)},
     NamedGrip{"pen", holding(0.1, 4.0, 300.0, 1e-4, 0.01, 0.5)},
@@ -139,7 +139,7 @@ HandAction Hand::step() noexcept {
   ++steps_;
   if (!held)
     return action;
-  const double factor = now_s >= config_.grip_harder_at_s ? config_.grip_factor : 1.0;
+  const double factor = now_s >= config_.grip_change_time_s ? config_.grip_factor : 1.0;
   action.mass_kg = config_.mass_kg;
   action.damping_ns_per_m = factor * config_.damping_ns_per_m;
   action.stiffness_n_per_m = factor * config_.stiffness_n_per_m;
@@ -150,21 +150,22 @@ HandAction Hand::step() noexcept {
   if (config_.carries_tool) {
     // Friction is met in full above 1 mm/s and in proportion below: no step of force where the
     // target sets off.
-    const double share = drag_.coulomb_friction_n / std::max(action.target.velocity.norm(), 1e-3);
-    action.steady_force += (drag_.damping_ns_per_m + share) * action.target.velocity;
+    const double fraction =
+        drag_.coulomb_friction_n / std::max(action.target.velocity.norm(), 1e-3);
+    action.steady_force += (drag_.damping_ns_per_m + fraction) * action.target.velocity;
   }
   return action;
 }
 
 /// Moves the lags on by one step; the target in its middle.
-MotionPoint Hand::lead(const MotionPoint& wanted, const Quat& goal) noexcept {
+MotionPoint Hand::lead(const MotionPoint& requested, const Quat& goal) noexcept {
   const double sign = orientation_.dot(goal) < 0.0 ? -1.0 : 1.0;
   orientation_.coeffs() += gain_ * (sign * goal.coeffs() - orientation_.coeffs());
   orientation_.normalize();
   if (rate_ == 0.0)
-    return first_ = second_ = wanted.position, wanted;
+    return first_ = second_ = requested.position, requested;
   const Vec3 first_before = first_, second_before = second_;
-  first_ += gain_ * (wanted.position - first_);
+  first_ += gain_ * (requested.position - first_);
   second_ += gain_ * (0.5 * (first_before + first_) - second_);
   return {0.5 * (second_before + second_), (second_ - second_before) / step_s_};
 }

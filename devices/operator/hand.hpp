@@ -1,6 +1,6 @@
 #pragma once
 /// The operator as what a simulated arm feels at its tip: a force towards where the hand wants to
-/// be, and a mass that moves with the tip. Shared by the simulated counterparts of real devices,
+/// be, and a mass that moves with the tip. Shared by the emulators of real devices,
 /// which have inertia, joints and friction of their own.
 #include <cstdint>
 #include <optional>
@@ -57,8 +57,8 @@ struct HandAction {
 };
 
 /// Follows a Motion through two equal first-order lags in a row, which keep it to what a hand can
-/// follow on purpose. Steps of one fixed length; the same calls give the same bits. Real-time safe
-/// but for the constructor, `follow` and `grip_as`.
+/// follow on purpose. Steps of one fixed length; the same calls give bit-identical results.
+/// Real-time safe but for the constructor, `follow` and `grip_as`.
 class Hand {
  public:
   /// Voluntary movement reaches 2 to 5 Hz; -3 dB of both lags together. Infinity: the target is the
@@ -74,7 +74,7 @@ class Hand {
   HandAction step() noexcept;
 
   double time_s() const noexcept { return static_cast<double>(steps_) * step_s_; }
-  bool holds() const noexcept { return !config_.released && time_s() < config_.let_go_at_s; }
+  bool holds() const noexcept { return !config_.released && time_s() < config_.release_time_s; }
   const sim::OperatorConfig& config() const noexcept { return config_; }
   const Vec3& target() const noexcept {
     return second_;
@@ -88,7 +88,7 @@ class Hand {
   void follow(Motion motion);
 
  private:
-  MotionPoint lead(const MotionPoint& wanted, const Quat& goal) noexcept;
+  MotionPoint lead(const MotionPoint& requested, const Quat& goal) noexcept;
 
   sim::OperatorConfig config_;
   Motion motion_;

@@ -35,8 +35,8 @@ void each_key(File& file, Visit&& visit) {
   visit("turn_from_s", m.turn.from_s);
   visit("turn_to_s", m.turn.to_s);
   visit("released", h.released);
-  visit("let_go_at_s", h.let_go_at_s);
-  visit("grip_harder_at_s", h.grip_harder_at_s);
+  visit("release_time_s", h.release_time_s);
+  visit("grip_change_time_s", h.grip_change_time_s);
   visit("grip_factor", h.grip_factor);
   visit("mass_kg", h.mass_kg);
   visit("damping_ns_per_m", h.damping_ns_per_m);
@@ -104,7 +104,7 @@ class Reader {
   std::string_view file_;
 };
 
-/// A value as YAML: the shortest text that reads back to the same bits; no locale. Empty where
+/// A value as YAML: the shortest text that reads back bit-identically; no locale. Empty where
 /// there is none.
 template <class T>
 std::string yaml_of(const T& value) {

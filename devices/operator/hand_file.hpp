@@ -1,6 +1,6 @@
 #pragma once
-/// An operator as a file: what one process tells a simulated device in another about the hand that
-/// holds it.
+/// An operator as a file: what one process sends to a simulated device in another about the hand
+/// that holds it.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -22,12 +22,12 @@ struct HandFile {
 };
 
 /// YAML, one map; what is left out keeps its default, but there has to be a way point. Numbers do
-/// not depend on the locale and read back to the same bits.
+/// not depend on the locale and read back bit-identically.
 /// ```yaml
 /// path_m: [[0, 0, 0.1], [0, 0, 0.05]]   # way points of Motion; the other keys are its fields and
 /// OperatorConfig's: # speed_m_per_s, hold_s, repeat_from, circle_centre_m, circle_axis,
-/// orientation_wxyz, turn_axis, turn_rad, turn_from_s, turn_to_s; released, let_go_at_s,
-/// grip_harder_at_s, # grip_factor, mass_kg, damping_ns_per_m, stiffness_n_per_m, inertia_kg_m2,
+/// orientation_wxyz, turn_axis, turn_rad, turn_from_s, turn_to_s; released, release_time_s,
+/// grip_change_time_s, # grip_factor, mass_kg, damping_ns_per_m, stiffness_n_per_m, inertia_kg_m2,
 /// damping_nms_per_rad, stiffness_nm_per_rad, # carries_tool, tremor_n, tremor_bandwidth_hz
 /// posture_rad: [0, 0, 0, -1.5, 0, 0, 0]
 /// seed: 1

@@ -33,10 +33,10 @@ void TargetFollower::advance() noexcept {
     return;
   // The oldest step began kSteps intervals ago: it is done, and its place is free.
   Step& step = steps_[oldest_];
-  base_.position += step.way;
+  base_.position += step.displacement;
   base_.orientation = (step.turn * base_.orientation).normalized();
   step = begin_step();
-  goal_.position += step.way;
+  goal_.position += step.displacement;
   goal_.orientation = (step.turn * goal_.orientation).normalized();
   oldest_ = (oldest_ + 1) % kSteps;
 }
@@ -51,7 +51,7 @@ TargetFollower::Step TargetFollower::begin_step() const noexcept {
     const double length = whole.norm();
     return length > most ? Vec3((most / length) * whole) : whole;
   };
-  step.way = cut(target_.position - goal_.position, kMaxSpeedMPerS * interval_s);
+  step.displacement = cut(target_.position - goal_.position, kMaxSpeedMPerS * interval_s);
   if (target_.orientation.coeffs() == goal_.orientation.coeffs())
     return step;
   const Quat whole = target_.orientation * goal_.orientation.conjugate();
@@ -75,25 +75,26 @@ void TargetFollower::for_each_step(double time_s, Use&& use) const noexcept {
 
 MotionPoint TargetFollower::position_at(double time_s) const noexcept {
   MotionPoint at{base_.position, Vec3::Zero()};
-  for_each_step(time_s, [&](const Step& step, double share, double rate) {
-    at.position += share * step.way;
-    at.velocity += rate * step.way;
+  for_each_step(time_s, [&](const Step& step, double fraction, double rate) {
+    at.position += fraction * step.displacement;
+    at.velocity += rate * step.displacement;
   });
   return at;
 }
 
 /// A part of a turn is the chord between rest and the whole of it, brought back to length 1. With
-/// (w, v) the whole turn and x the share, the half angle has the tangent x |v| / (1 - x + x w), so
+/// (w, v) the whole turn and x the fraction, the half angle has the tangent x |v| / (1 - x + x w),
+/// so
 ///
 ///   angle' = 2 |v| x' / ((1 - x + x w)^2 + (x |v|)^2).
 MotionTurnPoint TargetFollower::turn_at(double time_s) const noexcept {
   MotionTurnPoint at{base_.orientation, Vec3::Zero()};
-  for_each_step(time_s, [&](const Step& step, double share, double rate) {
+  for_each_step(time_s, [&](const Step& step, double fraction, double rate) {
     const Vec3 v = step.turn.vec();
     if (v.isZero(0.0))
       return;
-    const double scalar = 1.0 - share + share * step.turn.w();
-    const Vec3 vector = share * v;
+    const double scalar = 1.0 - fraction + fraction * step.turn.w();
+    const Vec3 vector = fraction * v;
     const double norm2 = scalar * scalar + vector.squaredNorm();
     const Quat part = Quat(scalar, vector.x(), vector.y(), vector.z()).normalized();
     at.orientation = part * at.orientation;

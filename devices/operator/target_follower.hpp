@@ -14,8 +14,8 @@ namespace voxtouch::hand {
 /// acceleration are continuous, whatever the targets are. Its bandwidth (-3 dB) is 7 Hz, below the
 /// 10 Hz that a hand's voluntary motion is taken for.
 ///
-/// Time is counted in calls of `advance`, never by a clock: the same calls give the same bits. All
-/// in the frame of the poses given. Real-time safe.
+/// Time is counted in calls of `advance`, never by a clock: the same calls give bit-identical
+/// results. All in the frame of the poses given. Real-time safe.
 class TargetFollower {
  public:
   static constexpr std::size_t kSteps = 8;
@@ -40,7 +40,7 @@ class TargetFollower {
 
  private:
   struct Step {
-    Vec3 way = Vec3::Zero();
+    Vec3 displacement = Vec3::Zero();
     Quat turn = Quat::Identity();  ///< its scalar part is not below 0
     double start_s = 0.0;
   };

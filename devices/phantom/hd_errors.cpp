@@ -42,7 +42,7 @@ std::string error_text(const hd::Api& api, hd::HDerror code) {
   return fmt::format("{:#06x} ({})", code, text != nullptr ? text : "no text");
 }
 
-void HdTrouble::note(hd::HDerror code) noexcept {
+void HdErrorLog::note(hd::HDerror code) noexcept {
   const HdSeverity severity = classify(code).severity;
   if (severity == HdSeverity::kNone)
     return;
@@ -57,7 +57,7 @@ void HdTrouble::note(hd::HDerror code) noexcept {
   count_.fetch_add(1, std::memory_order_acq_rel);
 }
 
-void HdTrouble::drain(const hd::Api& api) noexcept {
+void HdErrorLog::drain(const hd::Api& api) noexcept {
   for (int i = 0; i < kMaxAtOnce; ++i) {
     const hd::HDerror code = api.hdGetError().error_code;
     if (code == hd::kSuccess)

@@ -28,7 +28,7 @@ HdVerdict classify(hd::HDerror code) noexcept;
 std::string error_text(const hd::Api& api, hd::HDerror code);
 
 /// Errors since the device was opened. Any thread may note and ask; real-time safe.
-class HdTrouble {
+class HdErrorLog {
  public:
   void note(hd::HDerror code) noexcept;
   /// Pops the library's stack until it is empty.

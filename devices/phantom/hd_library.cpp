@@ -64,10 +64,10 @@ const HdLibrary& HdLibrary::load(const std::string& path) {
   }
   std::vector<std::string> reasons;
   for (const std::string& file : path.empty() ? usual_names() : std::vector<std::string>{path}) {
-    HdLibrary trial;
-    const std::string reason = trial.open(file);
+    HdLibrary candidate;
+    const std::string reason = candidate.open(file);
     if (reason.empty())
-      return *(loaded = new HdLibrary(std::move(trial)));
+      return *(loaded = new HdLibrary(std::move(candidate)));
     reasons.push_back(reason);
   }
   throw devices::DeviceOpenError(fmt::format(

@@ -1,7 +1,7 @@
 #pragma once
 /// What the driver uses of the vendor's device library (libHD.so, OpenHaptics HDAPI 3.x) on x86-64
 /// Linux: our own declarations of types, numbers and functions. Nothing is linked: the driver
-/// resolves the functions by name from whatever library it was told to load, the vendor's or the
+/// resolves the functions by name from whatever library it is set to load, the vendor's or the
 /// simulated one.
 ///
 /// Units at this border are the library's: mm, mm/s, N, mNm, rad, rad/s. Arrays of transforms are
@@ -94,7 +94,7 @@ inline constexpr HDenum kSoftwareForceImpulseLimit =
     0x2607;  // get, set: double, N/ms; also a capability
 inline constexpr HDenum kNominalMaxTorqueForce = 0x2622;  // double
 
-// --- capabilities: for hdEnable, hdDisable, hdIsEnabled, beside the two limits above
+// --- capabilities: for hdEnable, hdDisable, hdIsEnabled, in addition to the two limits above
 inline constexpr HDenum kForceOutput = 0x4000;
 inline constexpr HDenum kMaxForceClamping = 0x4001;
 inline constexpr HDenum kForceRamping = 0x4002;

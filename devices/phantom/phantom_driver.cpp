@@ -47,14 +47,14 @@ void PhantomDriver::wait_for_first_tick() {
         "device 'phantom': its servo loop started and does not tick; end other programs that use "
         "the device, and look "
         "at the cable and at the vendor's diagnostic tool");
-  if (const hd::HDerror fatal = servo_->trouble().fatal(); fatal != hd::kSuccess)
+  if (const hd::HDerror fatal = servo_->errors().fatal(); fatal != hd::kSuccess)
     throw devices::DeviceOpenError(fmt::format(
         "device 'phantom': it failed in its first tick with error {}; look at cable and power",
         error_text(library_.api(), fatal)));
 }
 
 std::optional<devices::DeviceError> PhantomDriver::ended() const noexcept {
-  const hd::HDerror fatal = servo_->trouble().fatal();
+  const hd::HDerror fatal = servo_->errors().fatal();
   if (fatal == hd::kSuccess)
     return {};
   return classify(fatal).error;
@@ -84,15 +84,15 @@ devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
   return sample_.sample;
 }
 
-/// A tick that is overdue may never come: then the library's errors say why, and nobody else takes
-/// them.
+/// A tick that is overdue may never come: then the library's errors say why, and no other thread
+/// takes them.
 bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {
     const Clock::time_point look = std::min(deadline, Clock::now() + kLookPeriods * period_);
     if (servo_->take(sample_, look))
       return true;
-    servo_->trouble().drain(library_.api());
+    servo_->errors().drain(library_.api());
     if (ended() || Clock::now() >= deadline)
       return false;
   }
@@ -105,9 +105,9 @@ bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
     const int result = library_.hooks().step();
     if (servo_->take(sample_, Clock::time_point{}))
       return true;
-    servo_->trouble().drain(library_.api());
+    servo_->errors().drain(library_.api());
     if (result < 0)
-      servo_->trouble().note(hd::kTimerError);  // there is no servo loop any more
+      servo_->errors().note(hd::kTimerError);  // there is no servo loop any more
     if (ended())
       return false;
   }
@@ -128,10 +128,10 @@ devices::DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept
     return servo_->drop(), std::unexpected(*error);
   if (const auto good = devices::check_command(command, description_); !good)
     return servo_->drop(), good;
-  const std::uint64_t errors = servo_->trouble().count();
+  const std::uint64_t errors = servo_->errors().count();
   if (known_errors_.exchange(errors, std::memory_order_relaxed) != errors) {
     servo_->drop();
-    return std::unexpected(classify(servo_->trouble().newest()).error);
+    return std::unexpected(classify(servo_->errors().newest()).error);
   }
   if (!sample_.sample.pose_valid)
     return servo_->drop(), std::unexpected(devices::DeviceError::kProtocol);
@@ -148,9 +148,9 @@ void PhantomDriver::stop() noexcept {
 }
 
 /// From what any thread may read.
-std::string PhantomDriver::trouble() const {
-  const HdTrouble& trouble = servo_->trouble();
-  if (const hd::HDerror fatal = trouble.fatal(); fatal != hd::kSuccess) {
+std::string PhantomDriver::last_error() const {
+  const HdErrorLog& last_error = servo_->errors();
+  if (const hd::HDerror fatal = last_error.fatal(); fatal != hd::kSuccess) {
     const bool gone = classify(fatal).error == devices::DeviceError::kDisconnected;
     return fmt::format("error {} ended it; {}, and open it again",
                        error_text(library_.api(), fatal),
@@ -163,9 +163,9 @@ std::string PhantomDriver::trouble() const {
         "diagnostic tool, and open it "
         "again",
         std::chrono::duration<double>(silence).count());
-  if (trouble.count() != known_errors_.load(std::memory_order_relaxed))
+  if (last_error.count() != known_errors_.load(std::memory_order_relaxed))
     return fmt::format("force dropped by error {}; it comes back with the next commands",
-                       error_text(library_.api(), trouble.newest()));
+                       error_text(library_.api(), last_error.newest()));
   if (pose_lost_.load(std::memory_order_relaxed))
     return "no force, its pose is not to be trusted; look at encoders and cable";
   return {};

@@ -25,8 +25,8 @@ namespace voxtouch::phantom {
 /// open the device anew. Errors that only cost force come from `write`, so that samples keep
 /// coming. write: kNotFinite, kLimit (check_command), kRecoverable (the device dropped its force:
 /// motors too warm, moved too fast, force or its change too large), kProtocol (the library refused
-/// something, or the sample's pose was not valid; before the first sample as well). Once an error
-/// has been met no command pushes until a `write` has told it; the one after that is taken.
+/// something, or the sample's pose was not valid; before the first sample as well). After an error
+/// no command pushes until a `write` has reported it; the one after that is taken.
 ///
 /// A tick that meets an error, or a pose that is not valid, sets no force, and the library makes
 /// zero of that: the motors are at zero within one period. Where the servo loop itself has died
@@ -38,7 +38,7 @@ namespace voxtouch::phantom {
 ///
 /// Time: from the first sample, by the monotonic clock. In virtual time, which only the simulated
 /// library has, `read` makes its ticks and `simulated()` is true: the first command acts in the
-/// second tick, as it would in reality, and the same calls give the same bits.
+/// second tick, as it would in reality, and the same calls give bit-identical results.
 class PhantomDriver : public devices::Driver {
  public:
   /// Throws DeviceOpenError: library, device, calibration, servo loop; the sentence says what to
@@ -54,9 +54,9 @@ class PhantomDriver : public devices::Driver {
   devices::DeviceResult<void> write(const Wrench& command) noexcept override;
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
-  std::string trouble() const override;
-  /// Of a Premium 1.5 with a gimbal that tells its angles. Its joints are computed from tip and
-  /// stylus: the library would be asked once more in each tick, and what it refuses to tell would
+  std::string last_error() const override;
+  /// Of a Premium 1.5 with a gimbal that reports its angles. Its joints are computed from tip and
+  /// stylus: the library would be asked once more in each tick, and what it refuses to report would
   /// cost force.
   const arm::ArmDescription* arm_description() const noexcept override {
     return is_known_arm_ ? &phantom_description() : nullptr;
@@ -64,7 +64,7 @@ class PhantomDriver : public devices::Driver {
   std::span<const double> joints() const noexcept override { return joints_; }
 
   /// For the thread that owns it: what ticks and errors there were, the last sample with what heat
-  /// leaves of the force, and what the device told of itself. Real-time safe.
+  /// leaves of the force, and what the device reported of itself. Real-time safe.
   const PhantomServo& servo() const noexcept { return *servo_; }
   const ServoSample& sample() const noexcept { return sample_; }
   const PhantomFacts& facts() const noexcept { return session_->facts(); }
@@ -89,7 +89,7 @@ class PhantomDriver : public devices::Driver {
   std::atomic<bool> pose_lost_{false};          // of the last sample
   bool first_ = true, virtual_time_ = false, is_known_arm_ = false;
   std::array<double, kChainJoints>
-      joints_{};  // where the arm does not reach what the library told, the last ones
+      joints_{};  // where the arm does not reach what the library reported, the last ones
 };
 
 }  // namespace voxtouch::phantom

@@ -1,5 +1,5 @@
 #pragma once
-/// What a Phantom does not tell about itself, by its model's name, and the description made of
+/// What a Phantom does not report about itself, by its model's name, and the description made of
 /// both.
 #include <string>
 #include <string_view>
@@ -8,7 +8,7 @@
 
 namespace voxtouch::phantom {
 
-/// What an opened device told. Our units; zero where it told nothing.
+/// What an opened device reported. Our units; zero where it reported nothing.
 struct PhantomFacts {
   std::string model;  ///< as the library calls it
   double rate_hz = 0.0;

@@ -45,17 +45,17 @@ hd::HDCallbackCode PhantomServo::run(void* self) noexcept {
 }
 
 void PhantomServo::tick() noexcept {
-  trouble_.drain(api_);  // heat and speed are judged before the tick
-  const std::uint64_t known = trouble_.count();
+  errors_.drain(api_);  // heat and speed are judged before the tick
+  const std::uint64_t known = errors_.count();
   const std::int64_t now = now_ns();
   api_.hdBeginFrame(device_);
   read_frame();
-  trouble_.drain(api_);
-  see(now, trouble_.count() == known && trouble_.fatal() == hd::kSuccess);
+  errors_.drain(api_);
+  see(now, errors_.count() == known && errors_.fatal() == hd::kSuccess);
   answer();
   api_.hdEndFrame(device_);
-  trouble_.drain(api_);
-  if (trouble_.fatal() != hd::kSuccess && !std::exchange(ended_, true))
+  errors_.drain(api_);
+  if (errors_.fatal() != hd::kSuccess && !std::exchange(ended_, true))
     api_.hdDisable(hd::kForceOutput);
   publish();
 }
@@ -135,7 +135,7 @@ void PhantomServo::answer() noexcept {
   Command command;
   if (!commands_.take(command) || !command.push)
     return;
-  const bool same = command.trouble == trouble_.count() && trouble_.fatal() == hd::kSuccess;
+  const bool same = command.errors == errors_.count() && errors_.fatal() == hd::kSuccess;
   if (!same || !seen_.sample.pose_valid)
     return count(counts_.withheld);
   if (force_off_.exchange(false, std::memory_order_acq_rel))
@@ -152,7 +152,7 @@ void PhantomServo::set(const Wrench& wrench) noexcept {
   set_n_ = length_of(force);
   if (max_torque_nm_ > 0.0) {
     Vec3 torque = wrench.torque;
-    clamp_length(torque, max_torque_nm_ * clamp_.share());
+    clamp_length(torque, max_torque_nm_ * clamp_.fraction());
     torque /= kMilli;
     api_.hdSetDoublev(hd::kCurrentTorque, torque.data());
   }

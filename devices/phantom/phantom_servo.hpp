@@ -55,9 +55,9 @@ class PhantomServo {
   /// Waits until `deadline` at most, not at all where it has passed. False: no sample that has not
   /// been taken.
   bool take(ServoSample& out, Clock::time_point deadline) noexcept;
-  /// For the next tick; `trouble` is the count of errors that the writer knows of.
-  void push(const Wrench& command, std::uint64_t trouble) noexcept {
-    commands_.put({command, trouble, true});
+  /// For the next tick; `errors` is the count of errors that the writer knows of.
+  void push(const Wrench& command, std::uint64_t errors) noexcept {
+    commands_.put({command, errors, true});
   }
   /// The next tick sets nothing.
   void drop() noexcept { commands_.put({}); }
@@ -67,8 +67,8 @@ class PhantomServo {
   /// Since the last tick, or the construction.
   Clock::duration silence() const noexcept;
 
-  HdTrouble& trouble() noexcept { return trouble_; }
-  const HdTrouble& trouble() const noexcept { return trouble_; }
+  HdErrorLog& errors() noexcept { return errors_; }
+  const HdErrorLog& errors() const noexcept { return errors_; }
   const ServoCounts& counts() const noexcept { return counts_; }
   /// What the ticks are to be judged by: how late they are, and what a gap is.
   void set_rate(double rate_hz) noexcept;
@@ -76,7 +76,7 @@ class PhantomServo {
  private:
   struct Command {
     Wrench wrench;
-    std::uint64_t trouble = 0;
+    std::uint64_t errors = 0;
     bool push = false;
   };
   /// A frame in the library's units.
@@ -104,7 +104,7 @@ class PhantomServo {
   double max_torque_nm_;
   std::atomic<std::int64_t> period_ns_;
 
-  HdTrouble trouble_;
+  HdErrorLog errors_;
   ThermalClamp clamp_;
   TwistEstimate twist_;
   Raw raw_;

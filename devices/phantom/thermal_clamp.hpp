@@ -37,7 +37,7 @@ class ThermalClamp {
   }
   double limit_n() const noexcept { return limit_n_; }
   /// What is left of the maximum, (0, 1].
-  double share() const noexcept { return limit_n_ / max_n_; }
+  double fraction() const noexcept { return limit_n_ / max_n_; }
 
  private:
   double max_n_, floor_n_, limit_n_;

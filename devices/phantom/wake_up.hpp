@@ -9,7 +9,7 @@
 
 namespace voxtouch::phantom {
 
-/// A POSIX semaphore: posting is one atomic operation, and a system call only where somebody waits.
+/// A POSIX semaphore: posting is one atomic operation, and a system call only where a thread waits.
 /// Look for what you wait for first, and wait then; a wait may end for nothing.
 class WakeUp {
  public:

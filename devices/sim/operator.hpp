@@ -8,9 +8,9 @@ namespace voxtouch::sim {
 /// Means of grips and arms stand in parameters.cpp. All zero is a hand that does nothing.
 struct OperatorConfig {
   bool released = false;  ///< no hand at all; the rest is not used
-  double let_go_at_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the
-                                                                 ///< hand opens, for good
-  double grip_harder_at_s =
+  double release_time_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the
+                                                                    ///< hand opens, for good
+  double grip_change_time_s =
       std::numeric_limits<double>::infinity();  ///< simulated time at which the grip changes, for
                                                 ///< good:
   double grip_factor = 1.0;  ///< stiffness and damping times this, which grow together with the
@@ -18,7 +18,7 @@ struct OperatorConfig {
   double mass_kg = 0.0;      ///< moves with the tool
   double damping_ns_per_m = 0.0;   ///< against the target's velocity
   double stiffness_n_per_m = 0.0;  ///< towards the target
-  double inertia_kg_m2 = 0.0;      ///< the same three for turning
+  double inertia_kg_m2 = 0.0;      ///< the same three for rotation
   double damping_nms_per_rad = 0.0;
   double stiffness_nm_per_rad = 0.0;
   /// The hand knows its tool: while its target moves it adds what the device's own damping and dry

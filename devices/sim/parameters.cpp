@@ -97,8 +97,9 @@ SimParameters sim_lwr() {
 }
 
 void OperatorConfig::validate() const {
-  require(let_go_at_s >= 0.0, "let_go_at_s", let_go_at_s, "0 or more (infinity for never)");
-  require(grip_harder_at_s >= 0.0, "grip_harder_at_s", grip_harder_at_s,
+  require(release_time_s >= 0.0, "release_time_s", release_time_s,
+          "0 or more (infinity for never)");
+  require(grip_change_time_s >= 0.0, "grip_change_time_s", grip_change_time_s,
           "0 or more (infinity for never)");
   require_in(grip_factor, 1e-3, 1e3, "grip_factor");
   require_in(mass_kg, 0.0, 1e3, "hand mass_kg");
@@ -113,7 +114,7 @@ void OperatorConfig::validate() const {
 
 SimParameters simulated(const DeviceDescription& d) {
   SimParameters p = d.grip == "pen" ? sim_phantom() : sim_lwr();  // for what follows from the class
-  const double turning_step_rad = p.description.orientation_resolution_rad;
+  const double rotation_step_rad = p.description.orientation_resolution_rad;
   p.description = d;
   p.mass_kg = Vec3(d.mass_max_kg, 0.5 * (d.mass_min_kg + d.mass_max_kg), d.mass_min_kg);
   if (d.max_torque_nm > 0.0) {
@@ -121,7 +122,7 @@ SimParameters simulated(const DeviceDescription& d) {
     p.damping_nms_per_rad = d.damping_nms_per_rad;
     p.coulomb_friction_nm = d.coulomb_friction_nm;
   } else {
-    p.description.orientation_resolution_rad = turning_step_rad;
+    p.description.orientation_resolution_rad = rotation_step_rad;
   }
   return p;
 }

@@ -5,7 +5,7 @@
 
 namespace voxtouch::sim {
 
-/// A plant whose mass is the same in every pose and diagonal in D. What the device tells about
+/// A plant whose mass is the same in every pose and diagonal in D. What the device reports about
 /// itself (limits, damping, friction, resolution, delay, force lag) is what it is simulated with.
 struct SimParameters {
   DeviceDescription description;

@@ -96,12 +96,12 @@ Vec3 SimPlant::carrying_force(const Vec3& target_velocity) const noexcept {
     return Vec3::Zero();
   // Friction is met in full above 1 mm/s and in proportion below, so that the force has no step
   // where the target sets off.
-  const double share = free_move_.friction / std::max(target_velocity.norm(), 1e-3);
-  return (free_move_.damping + share) * target_velocity;
+  const double fraction = free_move_.friction / std::max(target_velocity.norm(), 1e-3);
+  return (free_move_.damping + fraction) * target_velocity;
 }
 
 Mobility SimPlant::gripped(Mobility held, double time_s) const noexcept {
-  if (time_s < hand_.grip_harder_at_s)
+  if (time_s < hand_.grip_change_time_s)
     return held;
   held.hand_damping *= hand_.grip_factor;
   held.hand_stiffness *= hand_.grip_factor;

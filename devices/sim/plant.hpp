@@ -1,5 +1,5 @@
 #pragma once
-/// The mechanics of a simulated device in somebody's hand, in continuous quantities: nothing is
+/// The mechanics of a simulated device in a hand, in continuous quantities: nothing is
 /// quantised here.
 #include <optional>
 
@@ -26,7 +26,7 @@ struct Mobility {
 ///
 /// Friction takes at most what brings the end velocity to zero, against that velocity, so it never
 /// drives: a body at rest under less than the friction limit stays exactly where it is. One that
-/// comes to a stop within the step loses the last bit of its way, and one that is turned round
+/// comes to a stop within the step loses the last bit of its path, and one that is turned round
 /// passes through rest; both only take energy.
 Vec3 step_mobility(const Mobility& mobility, const Vec3& pull, const Vec3& target_velocity,
                    const Vec3& force, double dt_s, Vec3& velocity) noexcept;
@@ -58,7 +58,7 @@ class SimPlant {
   const Pose& pose() const noexcept { return pose_; }
   const Twist& twist() const noexcept { return twist_; }
   bool held_at(double time_s) const noexcept {
-    return !hand_.released && time_s < hand_.let_go_at_s;
+    return !hand_.released && time_s < hand_.release_time_s;
   }
   /// What the hand presses, while there is one.
   std::uint32_t buttons_at(double time_s) const noexcept {

@@ -15,7 +15,7 @@ namespace voxtouch::sim {
 /// Time moves by one period (eight substeps) with each `write`; the first sample is at time 0. A
 /// `read` that follows a `read` first lets one period pass without force, as a device does that is
 /// not answered. A refused command costs its period too, at zero force. No clock: the same calls
-/// give the same bits.
+/// give bit-identical results.
 class SimulatedDevice final : public devices::Driver {
  public:
   /// `motion`: where the hand wants the tool to be, in D; the tool starts there, at rest. `hand`
@@ -33,7 +33,7 @@ class SimulatedDevice final : public devices::Driver {
   bool simulated() const noexcept override { return true; }
   void lead_hand(const Pose& target) noexcept override { plant_.lead(target); }
 
-  /// What no real device tells: the state before the encoder, and the wrench that the motors gave
+  /// What no real device reports: the state before the encoder, and the wrench that the motors gave
   /// in the last substep.
   const SimPlant& plant() const noexcept { return plant_; }
   const Wrench& applied() const noexcept { return applied_; }

@@ -20,7 +20,7 @@ YAML::Node topic_node(const TopicInfo& topic) {
   return node;
 }
 
-/// What is told of the bag and of each of its files alike.
+/// What metadata states of the bag and of each of its files alike.
 void add_extent(YAML::Node node, const Extent& extent) {
   node["duration"]["nanoseconds"] = extent.duration_ns;
   node["starting_time"]["nanoseconds_since_epoch"] = extent.starting_time_ns;

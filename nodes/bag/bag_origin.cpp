@@ -19,16 +19,16 @@ std::string text_in(const nlohmann::json& map, const char* key) {
 
 }  // namespace
 
-std::string why_other_layout(const std::filesystem::path& bag, const HashOf& hash_of) {
+std::string other_layout_error(const std::filesystem::path& bag, const HashOf& hash_of) {
   std::error_code error;
   const std::filesystem::path folder =
       std::filesystem::is_directory(bag, error) ? bag : bag.parent_path();
   std::ifstream file(folder / "voxtouch_recording.json");
-  const auto told = nlohmann::json::parse(file, nullptr, false);
-  if (!told.is_object() || !told.contains("topics") || !told["topics"].is_array())
+  const auto recording = nlohmann::json::parse(file, nullptr, false);
+  if (!recording.is_object() || !recording.contains("topics") || !recording["topics"].is_array())
     return {};
   std::set<std::string> changed;
-  for (const auto& topic : told["topics"]) {
+  for (const auto& topic : recording["topics"]) {
     const std::string type = text_in(topic, "type"), then = text_in(topic, "type_hash"),
                       now(hash_of(type));
     if (!then.empty() && !now.empty() && then != now)
@@ -36,7 +36,7 @@ std::string why_other_layout(const std::filesystem::path& bag, const HashOf& has
   }
   if (changed.empty())
     return {};
-  const std::string by = text_in(told, "voxtouch");
+  const std::string by = text_in(recording, "voxtouch");
   return fmt::format(
       "'{}' was recorded by voxtouch {}, whose {} {} laid out otherwise than in this version {}: "
       "read it with the version that recorded "

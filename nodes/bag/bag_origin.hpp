@@ -1,6 +1,6 @@
 #pragma once
-/// Which version recorded a bag, and whether this one can read its messages: what the logger tells
-/// of itself beside the bag.
+/// Which version recorded a bag, and whether this one can read its messages: what the logger
+/// reports of itself next to the bag.
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -13,8 +13,8 @@ namespace voxtouch::bag {
 using HashOf = std::function<std::string_view(std::string_view type)>;
 
 /// Empty where the bag's messages are laid out as here. Else a sentence that names the version that
-/// recorded it and the types that have changed since. A bag that tells no hashes, an older one or
+/// recorded it and the types that have changed since. A bag that states no hashes, an older one or
 /// one of `ros2 bag record`, may be tried. Never throws for a faulty file.
-std::string why_other_layout(const std::filesystem::path& bag, const HashOf& hash_of);
+std::string other_layout_error(const std::filesystem::path& bag, const HashOf& hash_of);
 
 }  // namespace voxtouch::bag

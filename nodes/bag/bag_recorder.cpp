@@ -106,7 +106,7 @@ void BagRecorder::add_new_topics() {
       topic = topics_[sink_topics_.size()];
     }
     sink_topics_.push_back(place(topic));
-    unplaced_.push_back(0);
+    unassigned_.push_back(0);
   }
 }
 
@@ -143,16 +143,16 @@ std::size_t BagRecorder::drain() {
       if (auto appended = sink_->append(*topic, message->time_ns, message->bytes); !appended)
         note(appended.error());
     } else {
-      ++unplaced_[message->topic];
+      ++unassigned_[message->topic];
     }
     pop();
     if (std::chrono::steady_clock::now() - last_tick_ >= kTickPeriod)
-      housekeeping(false);
+      maintenance(false);
   }
   return written;
 }
 
-void BagRecorder::housekeeping(bool closing) {
+void BagRecorder::maintenance(bool closing) {
   const auto now = last_tick_ = std::chrono::steady_clock::now();
   auto ticked = closing ? sink_->close() : sink_->tick();
   if (!ticked)
@@ -165,7 +165,7 @@ void BagRecorder::housekeeping(bool closing) {
     for (std::size_t i = 0; i < sink_topics_.size(); ++i) {
       const TopicReport counted = sink_topics_[i] ? in_sink[*sink_topics_[i]] : TopicReport{};
       disk_counts_[i].written = counted.written;
-      disk_counts_[i].lost = counted.lost + unplaced_[i];
+      disk_counts_[i].lost = counted.lost + unassigned_[i];
     }
     closed_ = closed_ || closing;
   }
@@ -186,11 +186,11 @@ void BagRecorder::run() {
     const std::size_t written = drain();
     if (last && written == 0)
       break;
-    housekeeping(false);
+    maintenance(false);
     if (written == 0)
       std::this_thread::sleep_for(options_.poll_period);
   }
-  housekeeping(true);
+  maintenance(true);
 }
 
 RecordingReport BagRecorder::report() const {

@@ -1,5 +1,5 @@
 #pragma once
-/// Records without making anybody wait: reception threads push into a bounded queue, a thread of
+/// Records without blocking any thread: reception threads push into a bounded queue, a thread of
 /// its own feeds the disk.
 #include <atomic>
 #include <chrono>
@@ -81,7 +81,7 @@ class BagRecorder {
   void add_new_topics();
   void place_refused_topics();  // a disk that was full may have room again
   std::optional<TopicId> place(const TopicInfo& topic);
-  void housekeeping(bool closing);
+  void maintenance(bool closing);
   void note(const BagError& error);
 
   const RecorderOptions options_;
@@ -105,7 +105,7 @@ class BagRecorder {
 
   // The disk thread's own.
   std::vector<std::optional<TopicId>> sink_topics_;
-  std::vector<std::uint64_t> unplaced_;  // messages of topics that the sink refused
+  std::vector<std::uint64_t> unassigned_;  // messages of topics that the sink refused
   std::chrono::steady_clock::time_point last_report_, last_tick_;
   std::thread thread_;
 };

@@ -50,7 +50,7 @@ class BagSink {
   virtual Result<void> tick() = 0;
   /// Sets `written` and `lost` of each topic, in the order of add_topic.
   virtual void fill_counts(std::vector<TopicReport>& topics) const = 0;
-  /// Puts the report beside the bag.
+  /// Puts the report next to the bag.
   virtual Result<void> report(const RecordingReport& report) = 0;
   /// Commits what is open and ends the bag.
   virtual Result<void> close() = 0;

@@ -14,7 +14,8 @@
 namespace voxtouch::bag {
 namespace {
 
-constexpr std::uint64_t kMessageOverhead = 64;  // of a message in a file, beside its bytes: about
+constexpr std::uint64_t kMessageOverhead =
+    64;  // of a message in a file, in addition to its bytes: about
 
 // One call decides who owns the folder: of two recorders that race for it one makes it and the
 // other is refused.
@@ -79,7 +80,7 @@ Result<void> BagWriter::open_file() {
       fmt::format("{}_{}{}", folder_.filename().string(), metadata_.files.size(),
                   names_of(options_.storage).extension);
   std::error_code ignored;
-  if (std::filesystem::exists(folder_ / name, ignored))  // somebody else's
+  if (std::filesystem::exists(folder_ / name, ignored))  // another program's
     return refuse(
         "'{}' exists already and is left as it is; the bag goes on in the file that it has.",
         (folder_ / name).string());
@@ -258,7 +259,7 @@ Result<void> BagWriter::refresh() {
   last_refresh_ = Clock::now();
   if (!file_)
     return {};
-  // Each step is tried whatever became of the one before: metadata.yaml tells the truth also when
+  // Each step is tried whatever became of the one before: metadata.yaml is correct also when
   // the file is full.
   const auto committed = commit();
   const auto refreshed = file_->refresh(metadata_);

@@ -31,7 +31,7 @@ class FileReader {
   virtual ~FileReader() = default;
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
   /// Messages recorded from `from_ns` on and before `to_ns`, by time and then by id; false where f
-  /// wanted no more. Errors: a damaged file.
+  /// requested no more. Errors: a damaged file.
   virtual Result<bool> for_each_between(std::int64_t from_ns, std::int64_t to_ns,
                                         const TakeMessage& f) const = 0;
   /// Of the first and of the last message; nothing where there is none.

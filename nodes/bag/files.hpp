@@ -11,7 +11,7 @@ namespace voxtouch::bag {
 /// (seconds, where it is busy).
 enum class Flush { kNo, kYes };
 
-/// Replaces `path` by `text`: written beside it, then put in its place in one step, so that a
+/// Replaces `path` by `text`: written next to it, then put in its place in one step, so that a
 /// reader sees the old text or the new one and a kill leaves one of the two. Error: the disk
 /// refuses it.
 Result<void> write_atomically(const std::filesystem::path& path, std::string_view text,

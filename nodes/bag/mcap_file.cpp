@@ -72,10 +72,10 @@ void put_channel(Bytes& out, std::uint16_t id, std::uint16_t schema, const Topic
   out.number(schema);
   out.text(topic.name);
   out.text(topic.serialization_format);
-  std::map<std::string, std::string> told{{"offered_qos_profiles", topic.offered_qos}};
+  std::map<std::string, std::string> fields{{"offered_qos_profiles", topic.offered_qos}};
   if (!topic.type_hash.empty())
-    told.emplace("topic_type_hash", topic.type_hash);
-  put_map(out, told);
+    fields.emplace("topic_type_hash", topic.type_hash);
+  put_map(out, fields);
   out.end(at);
 }
 

@@ -38,8 +38,8 @@ inline constexpr std::size_t kMessageHead =
 inline constexpr std::size_t kFooterSize = kRecordHead + 8 + 8 + 4;  ///< a footer record
 
 /// Readers of others take the time 0 for "none" (rosbags leaves out a chunk that begins with it),
-/// and lockstep begins at 0. So a message of time 0 has this log time, beside the publish time 0
-/// that it really has.
+/// and lockstep begins at 0. So a message of time 0 has this log time, in addition to the publish
+/// time 0 that it really has.
 inline constexpr std::uint64_t kLogTimeOfZero = 1;
 
 /// Puts values one behind the other.

@@ -51,9 +51,9 @@ class Descriptor {
 struct Buffer {
   std::unique_ptr<std::byte[]> data;
   std::size_t size = 0;
-  explicit Buffer(std::uint64_t wanted)
-      : data(std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(wanted))),
-        size(static_cast<std::size_t>(wanted)) {}
+  explicit Buffer(std::uint64_t requested)
+      : data(std::make_unique_for_overwrite<std::byte[]>(static_cast<std::size_t>(requested))),
+        size(static_cast<std::size_t>(requested)) {}
   std::span<const std::byte> view() const noexcept { return {data.get(), size}; }
 };
 

@@ -4,7 +4,7 @@
 /// rosbag2 opens bags read-only, and a read-only connection cannot undo the rollback journal that a
 /// kill in the middle of a transaction leaves behind (of 25 killed writers each, journal mode
 /// DELETE left 4 that opened, TRUNCATE 2, WAL 25), but it reads a write-ahead log. So after a kill
-/// the folder holds <name>_0.db3-wal (and -shm) besides the .db3: keep them together; the .db3
+/// the folder holds <name>_0.db3-wal (and -shm) next to the .db3: keep them together; the .db3
 /// alone lacks what was committed since the last checkpoint (refresh). Closing folds the log in and
 /// turns the journal back, so that a closed bag is one file that opens on read-only media too.
 #include <fmt/format.h>

@@ -80,7 +80,8 @@ EndpointEntities make_reader(const Participant& participant, const qos::Topic& r
   if (following) {
     const dds_topic_filter filter = following->filter();
     if (dds_set_topic_filter_extended(topic.get(), &filter) != DDS_RETCODE_OK)
-      throw Error("the reader on " + qos::dds_name(row, rig) + " could not be told whom to follow");
+      throw Error("the reader on " + qos::dds_name(row, rig) +
+                  " could not be set to follow one writer");
   }
   const qos::Qos qos = qos_of(row, profile, qos::Endpoint::kReader, type);
   Entity reader(dds_create_reader(participant.get(), topic.get(), qos.get(), nullptr),

@@ -15,7 +15,7 @@ class FollowedReader {
   FollowedReader() = default;
   FollowedReader(const Participant& participant, const qos::Topic& row, std::string_view rig,
                  const qos::Profile& profile)
-      : following_(std::make_unique<Following>(Following::WhileNobody::kTakeNothing)),
+      : following_(std::make_unique<Following>(Following::WhileUnbound::kTakeNothing)),
         reader_(participant, row, rig, profile, following_.get()) {}
 
   /// The oldest waiting sample of the writer that is followed. Real-time safe apart from what DDS

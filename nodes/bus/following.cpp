@@ -24,7 +24,7 @@ void Following::attach(dds_entity_t reader) {
       dds_create_listener(this), dds_delete_listener);
   dds_lset_subscription_matched(listener.get(), on_matched);
   if (dds_set_listener(reader, listener.get()) != DDS_RETCODE_OK)
-    throw Error("a reader could not be told to watch who goes");
+    throw Error("a reader could not be set to watch departing writers");
 }
 
 void Following::see_go(dds_instance_handle_t writer) noexcept {
@@ -44,11 +44,11 @@ bool Following::admits(dds_instance_handle_t writer) noexcept {
   const dds_instance_handle_t followed = writer_.load(std::memory_order_acquire);
   // What is latched comes once. Of a participant that is found anew, after a cut of the network, it
   // may come before `follow` knows its new writer.
-  const bool nobody =
-      followed == 0 || (rule_ == WhileNobody::kTakeAll &&
+  const bool unbound =
+      followed == 0 || (rule_ == WhileUnbound::kTakeAll &&
                         has_gone_.load(std::memory_order_acquire) && followed != writer);
-  if (nobody)
-    return rule_ == WhileNobody::kTakeAll &&
+  if (unbound)
+    return rule_ == WhileUnbound::kTakeAll &&
            std::none_of(unwanted_.begin(), unwanted_.end(),
                         [&](const auto& one) { return one.load() == writer; });
   if (followed == writer)

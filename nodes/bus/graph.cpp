@@ -151,7 +151,7 @@ void Graph::read_names() {
   filter.mode = DDS_TOPIC_FILTER_SAMPLE;
   filter.f.sample = humble ? fits<HumbleInfo> : fits<IronInfo>;
   if (dds_set_topic_filter_extended(names_topic_.get(), &filter) != DDS_RETCODE_OK)
-    throw Error("the reader of the ROS graph could not be told what to refuse");
+    throw Error("the reader of the ROS graph could not be set to refuse requests");
   const qos::Qos qos =
       qos::make_qos(qos::profile(qos::ProfileId::kStatus), qos::Endpoint::kReader, 0.0);
   if (!humble)

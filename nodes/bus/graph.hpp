@@ -34,7 +34,7 @@ class Graph {
  public:
   /// Throws Error.
   Graph(dds_entity_t participant, RosNode node);
-  /// Writers and readers of the node, as `ros_discovery_info` tells them. Any thread.
+  /// Writers and readers of the node, as `ros_discovery_info` lists them. Any thread.
   void add(const Guid& endpoint, qos::Endpoint kind);
   void remove(const Guid& endpoint, qos::Endpoint kind);
   /// From now on names of other participants are read too. Throws Error. Not with DDS Security,

@@ -17,7 +17,7 @@ class LatchedReader {
  public:
   LatchedReader() = default;
   LatchedReader(const Participant& participant, const qos::Topic& row, std::string_view rig)
-      : following_(std::make_unique<Following>(Following::WhileNobody::kTakeAll)),
+      : following_(std::make_unique<Following>(Following::WhileUnbound::kTakeAll)),
         // As latched, but the history, which all writers share, has room for many.
         reader_(participant, row, rig, qos::profile(qos::ProfileId::kStatus), following_.get()) {}
 

@@ -147,10 +147,10 @@ Network network_of(std::string_view interface_name, const std::vector<std::strin
                    std::string_view added) {
   const bool own_cards = !names_cards(added), is_closed = own_cards && interface_name == kThisHost;
   if (is_closed && !peers.empty())
-    throw Error(
-        fmt::format("--discovery-peer {} is another host, and --interface {} hears none: name the "
-                    "network card that leads there",
-                    peers.front(), kThisHost));
+    throw Error(fmt::format(
+        "--discovery-peer {} is another host, and --interface {} receives none: name the "
+        "network card that leads there",
+        peers.front(), kThisHost));
   if (any_part(added, enables_shared_memory))
     throw Error(
         "CYCLONEDDS_URI enables SharedMemory, which voxtouch does not use: without its server DDS "

@@ -1,6 +1,6 @@
 #pragma once
-/// Where a DDS domain lives: on which network cards, which other hosts it asks, and who may be
-/// heard.
+/// Where a DDS domain lives: on which network cards, which other hosts it asks, and which hosts can
+/// be received.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -50,10 +50,10 @@ bool names_cards(std::string_view configuration);
 /// UDP sockets of this process, also those that it inherited.
 std::vector<int> udp_sockets();
 
-/// Whether nobody else of this machine takes part in the domain, and nobody of another one can be
-/// heard: by the kernel's list of sockets, for each participant has a port of its domain from
-/// before it says anything until it has gone. `own` sockets do not count. False as well where the
-/// list does not tell: a network card or hosts to ask lead to other machines, CYCLONEDDS_URI
+/// Whether no other participant of this machine is in the domain, and no host can be received: by
+/// the kernel's list of sockets, for each participant has a port of its domain from before it says
+/// anything until it has gone. `own` sockets do not count. False as well where the list does not
+/// state it: a network card or hosts to ask lead to other machines, CYCLONEDDS_URI
 /// (`added`) may have moved the ports, no list can be read.
 bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name,
                         const std::vector<std::string>& peers, std::string_view added,

@@ -21,8 +21,8 @@
 
 #include "nodes/bus/exchange.hpp"
 #include "nodes/bus/network.hpp"
-#include "nodes/log/few_a_second.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
+#include "nodes/console/rate_limiter.hpp"
 #include "qos/profiles.hpp"
 
 namespace voxtouch::bus {
@@ -64,20 +64,20 @@ StartLines& start_lines() {
 }
 
 /// What DDS has to say, with its time and thread in front: its own way to stderr would hold up the
-/// thread that receives. It has a line for every malformed datagram, so anybody who sends such
-/// could fill a disk with them. Our configuration sets up no tracing, for DDS writes what it traces
-/// by itself.
+/// thread that receives. It has a line for every malformed datagram, so any sender of such could
+/// fill a disk with them. Our configuration sets up no tracing, for DDS writes what it traces by
+/// itself.
 void say(void*, const dds_log_data_t* data) {
   if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING | DDS_LC_CONFIG)) != 0)
     start_lines().add({data->message, data->size});
-  static log::FewASecond few(4);
-  const auto [is_said, left_out] =
+  static console::RateLimiter few(4);
+  const auto [is_said, skipped] =
       few.take(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
-  if (left_out > 0)
-    log::tell("({} more lines of DDS are left out here)\n", left_out);
+  if (skipped > 0)
+    console::log("({} more lines of DDS are left out here)\n", skipped);
   if (!is_said && (data->priority & DDS_LC_FATAL) == 0)
     return;
-  log::tell("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
+  console::log("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
 }
 
 /// DDS opens sockets, wait sets and files as it starts, and dies where it gets none; it waits by
@@ -188,7 +188,7 @@ void configure_domain(const ParticipantOptions& options) {
     return std::tie(o.network_interface, o.discovery_peers, o.security);
   };
   if (const auto known = configured.find(options.domain); known != configured.end()) {
-    // One with DDS Security beside one without crashes in Cyclone DDS 0.10.2, and of two
+    // One with DDS Security together with one without crashes in Cyclone DDS 0.10.2, and of two
     // certificates the second has the first one's rights.
     if (settings(known->second) != settings(options))
       throw Error("domain " + std::to_string(options.domain) +

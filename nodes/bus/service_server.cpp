@@ -26,7 +26,7 @@ Entity make_topic(const Participant& participant, const std::string& name,
       "topic " + name + " could not be made");
 }
 
-/// What a client tells of itself: its participant, and the name that its two endpoints share.
+/// What a client reports of itself: its participant, and the name that its two endpoints share.
 struct Client {
   Guid participant{};
   std::string id;
@@ -68,7 +68,7 @@ ServiceEndpoints::ServiceEndpoints(const Participant& participant, const qos::Se
   filter.mode = DDS_TOPIC_FILTER_SAMPLE;
   filter.f.sample = fits;
   if (dds_set_topic_filter_extended(requests_.topic.get(), &filter) != DDS_RETCODE_OK)
-    throw Error("the reader on " + asked + " could not be told what to refuse");
+    throw Error("the reader on " + asked + " could not be set to refuse requests");
   requests_.endpoint =
       Entity(dds_create_reader(participant.get(), requests_.topic.get(),
                                service_qos(qos::Endpoint::kReader, server, request).get(), nullptr),

@@ -29,7 +29,7 @@ class ServiceEndpoints {
                    std::string_view node, const msg::AnyType& request, const msg::AnyType& response,
                    bool (*fits)(const void*));
 
-  /// Sends by `send`, as soon as the client's reader of replies is known here: DDS may tell of it a
+  /// Sends by `send`, as soon as the client's reader of replies is known here: DDS may report it a
   /// moment after the request. One that is not known within 100 ms gets none, and of more than
   /// kMaxWaiting the oldest.
   void reply(const Caller& caller, std::function<void(dds_entity_t writer)> send);

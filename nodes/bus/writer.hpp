@@ -37,7 +37,7 @@ class Writer {
   /// How many readers have come since it was made, also those that have gone.
   std::uint32_t ever_matched() const noexcept { return matches().total_count; }
   explicit operator bool() const noexcept { return static_cast<bool>(entities_.endpoint); }
-  /// By which readers of this process tell its samples from others'.
+  /// By which readers of this process distinguish its samples from others'.
   dds_instance_handle_t handle() const noexcept {
     dds_instance_handle_t handle = 0;
     dds_get_instance_handle(entities_.endpoint.get(), &handle);

@@ -10,7 +10,7 @@
 #include "core/voxmap/voxelise.hpp"
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/parallel_for.hpp"
@@ -56,7 +56,7 @@ Files write_files(const BuildOptions& o, const voxmap::Voxmap& voxmap,
 }
 
 int build(const BuildOptions& o) {
-  const auto say = [](const std::string& text) { log::tell("{}\n", text); };
+  const auto say = [](const std::string& text) { console::log("{}\n", text); };
   say("reading " + o.mesh.string());
   mesh::ImportOptions options;
   options.scale = o.scale;
@@ -93,9 +93,9 @@ int build(const BuildOptions& o) {
     j["largest_gap_m"] = pointshell::largest_gap_m(points);
     j["files"] = {files.surface.string(), files.interior.string(), files.shell.string()};
     j["warnings"] = warnings;
-    log::print_result("{}\n", j.dump(2));
+    console::print_result("{}\n", j.dump(2));
   } else {
-    log::print_result(
+    console::print_result(
         "{} surface and {} interior voxels, {} kB; grid origin {} {} {} m\n  {}\n  {}\n  {}\n",
         voxmap.surface_count(), voxmap.interior_count(), voxmap.bytes() / 1024, grid.origin.x(),
         grid.origin.y(), grid.origin.z(), files.surface.string(), files.interior.string(),

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/change_asker.hpp"
 
 namespace voxtouch::cli {
@@ -17,14 +17,14 @@ int change(const ChangeOptions& o) {
   (void)runtime::read_changes(o);  // before anything of DDS begins
   const bus::Participant participant(o.node.participant("change"));
   nlohmann::ordered_json answers = nlohmann::ordered_json::array();
-  const auto heard = [&](const runtime::ChangeAnswer& answer) {
+  const auto answered = [&](const runtime::ChangeAnswer& answer) {
     answers.push_back({{"done", answer.sentence}, {"from_sample", answer.from_sample}});
     if (!o.json)
-      log::print_result("{}\n", answer.sentence);
+      console::print_result("{}\n", answer.sentence);
   };
   const std::string problem =
-      runtime::ChangeAsker(participant, o.node).ask(o, heard, [](const std::string& sentence) {
-        log::tell("{}\n", sentence);
+      runtime::ChangeAsker(participant, o.node).ask(o, answered, [](const std::string& sentence) {
+        console::log("{}\n", sentence);
       });
   if (o.json) {
     nlohmann::ordered_json j{{"ok", problem.empty()},
@@ -32,9 +32,9 @@ int change(const ChangeOptions& o) {
                              {"problems", nlohmann::ordered_json::array()}};
     if (!problem.empty())
       j["problems"].push_back(problem);
-    log::print_result("{}\n", j.dump(2));
+    console::print_result("{}\n", j.dump(2));
   } else if (!problem.empty()) {
-    log::tell("error: {}\n", problem);
+    console::log("error: {}\n", problem);
   }
   return problem.empty() ? 0 : 1;
 }
@@ -48,7 +48,7 @@ void add_change(CLI::App& app, Action& action) {
                    "EFFECT on|off, EFFECT gain X, or EFFECT PARAMETER=VALUE[,V,V] ...")
       ->option_text("EFFECT ...");
   verb->add_flag("--reload", o->reload,
-                 "Reads the scene file again, builds it beside the loop and swaps it in");
+                 "Reads the scene file again, builds it next to the loop and swaps it in");
   verb->add_option("--voxel-size", o->voxel_size_m,
                    "With --reload: voxel edge [m] instead of the file's")
       ->check(runtime::require_positive);
@@ -56,8 +56,8 @@ void add_change(CLI::App& app, Action& action) {
       ->check(CLI::IsMember({"original", "adapted", "field"}));
   verb->add_option("--from-sample", o->from_sample,
                    "Sequence number of the first device sample that the change holds for; a run in "
-                   "lockstep then gives the same "
-                   "bits\neach time. Refused where it has passed. Default: the next one")
+                   "lockstep then gives bit-identical results\neach time. Refused where it has "
+                   "passed. Default: the next one")
       ->check(runtime::require_whole);
   runtime::add_rig_options(*verb, o->node);
   verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");

@@ -67,7 +67,7 @@ pid_t start(std::vector<std::string> words, int input, int output, bool by_itsel
   return child;
 }
 
-void tell_listener(const ChildProgram& program, int output) {
+void notify_listener(const ChildProgram& program, int output) {
   if (!program.listen)
     return;
   std::array<char, 8192> part{};
@@ -92,7 +92,7 @@ std::optional<Ended> run_program(const ChildProgram& program) {
           fmt::format("{} was lost: {}", program.words.front(), std::strerror(errno)));
     if (program.patience && std::chrono::steady_clock::now() - begun > *program.patience)
       return std::nullopt;
-    tell_listener(program, ::fileno(out.get()));
+    notify_listener(program, ::fileno(out.get()));
   }
 }
 

@@ -16,7 +16,7 @@ struct ChildProgram {
   /// Nothing: it is waited for. Else it runs in a session of its own, where no Ctrl-C of this
   /// program's terminal reaches it, and goes on where it takes longer.
   std::optional<std::chrono::milliseconds> patience{};
-  /// Called every 20 ms with the end of what it has said so far; none: nobody listens.
+  /// Called every 20 ms with the end of what it has said so far; none: nothing listens.
   std::function<void(std::string_view said)> listen{};
 };
 

@@ -8,8 +8,8 @@ namespace {
 /// Less than this part of the certified stiffness is said to be less.
 constexpr double kAlmost = 0.99;
 
-const char* words_for(fitting::StiffnessLimit limit) {
-  using enum fitting::StiffnessLimit;
+const char* words_for(device_fit::StiffnessLimit limit) {
+  using enum device_fit::StiffnessLimit;
   switch (limit) {
     case kDevice:
       return "the largest stiffness that the device displays stably";
@@ -27,7 +27,7 @@ const char* words_for(fitting::StiffnessLimit limit) {
 
 }  // namespace
 
-std::string contact_line(const fitting::ForcePreview& p, const std::string& device) {
+std::string contact_line(const device_fit::ForcePreview& p, const std::string& device) {
   std::string text;
   if (const double across = p.across_n_per_m();
       p.reach_m > 0.0 && across < kAlmost * p.stiffness_n_per_m)
@@ -41,7 +41,7 @@ std::string contact_line(const fitting::ForcePreview& p, const std::string& devi
   return text;
 }
 
-std::string force_line(const fitting::ForcePreview& p, const std::string& device) {
+std::string force_line(const device_fit::ForcePreview& p, const std::string& device) {
   std::string text = fmt::format(
       "Certified: {:.4g} N/m with a gain margin of {:.3g}. {} saturates at {:.3g} N, {:.3g} mm "
       "deep. Limit: {}.",

@@ -3,22 +3,22 @@
 #include <string>
 #include <string_view>
 
-#include "core/fitting/force_preview.hpp"
+#include "core/device_fit/force_preview.hpp"
 
 namespace voxtouch::cli {
 
 /// For a device that returns no torque: what a turn of the tool does
-/// (core/rendering/held_turn.hpp).
+/// (core/rendering/latched_rotation.hpp).
 inline constexpr std::string_view kTurnsAreHeld =
     "The device returns no torque: a contact holds the tool against being turned into it; moving "
     "the hand presses on.";
 
 /// Where the tool rotates under the contact's lever: what is displayed at its reach; and where a
 /// body's grip is limited, by how much. Empty where neither is so.
-std::string contact_line(const fitting::ForcePreview& preview, const std::string& device);
+std::string contact_line(const device_fit::ForcePreview& preview, const std::string& device);
 
 /// Both: "Certified: 371 N/m with a gain margin of 2. sim-phantom saturates at 8.5 N, 22.9 mm deep.
 /// Limit: ..."
-std::string force_line(const fitting::ForcePreview& preview, const std::string& device);
+std::string force_line(const device_fit::ForcePreview& preview, const std::string& device);
 
 }  // namespace voxtouch::cli

@@ -160,7 +160,7 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "\n"
       "Examples:\n"
       "  voxtouch report RECORDING\n"
-      "  voxtouch report RECORDING --beside OTHER    two runs on one scale"}},
+      "  voxtouch report RECORDING --compare-with OTHER    two runs on one scale"}},
     {"replay",
      {"Replay a recording and compare it bit by bit",
       "The recorded hand passes through rendering and coupling once more, offline. Exit status 0 "
@@ -225,8 +225,8 @@ const std::map<std::string_view, const char*> kGroups = {
     {"--no-record", "Recording"},
     {"--no-report", "Recording"},
     {"--fault-records", "Recording"},
-    {"--let-go-at", "Simulated hand"},
-    {"--grip-harder-at", "Simulated hand"},
+    {"--release-time", "Simulated hand"},
+    {"--grip-change-time", "Simulated hand"},
     {"--grip-factor", "Simulated hand"},
     {"--seed", "Advanced"},
     {"--realtime", "Advanced"},

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/security/documents.hpp"
 #include "nodes/security/make_keys.hpp"
@@ -20,7 +20,7 @@ struct KeysOptions {
   int days = 365;
 };
 
-std::string told_of_new(const KeysOptions& o) {
+std::string new_keys_text(const KeysOptions& o) {
   const std::string folder = o.folder.string();
   return fmt::format(
       "Keys of rig {} are in {} and hold for {} days.\n"
@@ -36,14 +36,14 @@ std::string told_of_new(const KeysOptions& o) {
 int keys(const KeysOptions& o) {
   if (!o.revoked.empty()) {
     security::revoke_keys(o.folder, o.revoked);
-    log::print_result(
+    console::print_result(
         "The certificate of {} is revoked. Copy {} to the folder of every host and start the ring "
         "again there: it is read at the start.\n",
         o.revoked, (o.folder / "crl.pem").string());
   }
   if (!o.renewed.empty()) {
     const std::string rig = security::renew_keys(o.folder, o.renewed, o.days);
-    log::print_result(
+    console::print_result(
         "New keys of {} of rig {} hold for {} days. Copy governance.p7s and the folder of the role "
         "from {} to its host, and start what runs there "
         "again. The certificate of before holds until its end where it was not revoked.\n",
@@ -51,7 +51,7 @@ int keys(const KeysOptions& o) {
   }
   if (o.revoked.empty() && o.renewed.empty()) {
     security::make_keys(o.folder, o.rig, o.days);
-    log::print_result("{}", told_of_new(o));
+    console::print_result("{}", new_keys_text(o));
   }
   return 0;
 }

@@ -2,8 +2,8 @@
 
 #include "core/scene/device_file.hpp"
 #include "devices/registry.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/device/described_device.hpp"
-#include "nodes/log/tell.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -24,7 +24,7 @@ coupling::design::DeviceModel find_device(const std::string& device) {
   if (!file)
     return coupling::design::model_of(devices::describe_device(device));
   if (const std::string assumed = scene::assumed_sentence(*file); !assumed.empty())
-    log::tell("note: {}\n", assumed);
+    console::log("note: {}\n", assumed);
   return coupling::design::model_of(file->description);
 }
 

@@ -7,7 +7,7 @@
 namespace voxtouch::cli {
 
 /// `sim:FILE`, a file alone, and `sim:NAME` of one that is shipped are the same here; what the file
-/// leaves out is told. Throws with the known names for one that is not there, and with the place in
+/// omits is reported. Throws with the known names for one that is not there, and with the place in
 /// the file for a file that will not do.
 coupling::design::DeviceModel find_device(const std::string& device);
 

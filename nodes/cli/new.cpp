@@ -4,18 +4,18 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
-#include "core/first_scene/measure_part.hpp"
-#include "core/first_scene/scene_text.hpp"
-#include "core/first_scene/try_scene.hpp"
-#include "core/fitting/force_preview.hpp"
+#include "core/device_fit/force_preview.hpp"
 #include "core/mesh/import.hpp"
 #include "core/scene/scene_file.hpp"
+#include "core/scene_proposal/measure_part.hpp"
+#include "core/scene_proposal/scene_text.hpp"
+#include "core/scene_proposal/try_scene.hpp"
 #include "core/types/program_folder.hpp"
 #include "nodes/cli/force_line.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/new.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/scene_build/build_here.hpp"
 
@@ -35,17 +35,18 @@ struct ReadMesh {
   std::string unit;  ///< a sentence
 };
 
-/// In the file's own numbers first, since they tell the unit where the format declares none.
+/// In the file's own numbers first, since they state the unit where the format declares none.
 ReadMesh read_mesh(const fs::path& file, const std::string& unit) {
   const mesh::TriangleReader reader = mesh_import::mesh_process();
   ReadMesh read{.mesh = mesh::import_mesh(file, {}, reader), .scale = 1.0, .unit = {}};
   const double extent = (read.mesh.report.max - read.mesh.report.min).maxCoeff();
   const bool declared = mesh::has_own_unit(file);
-  first_scene::Unit guess = declared ? first_scene::kMetre : first_scene::likely_unit(extent);
-  if (unit == first_scene::kMillimetre.name)
-    guess = first_scene::kMillimetre;
-  if (unit == first_scene::kMetre.name)
-    guess = first_scene::kMetre;
+  scene_proposal::Unit guess =
+      declared ? scene_proposal::kMetre : scene_proposal::likely_unit(extent);
+  if (unit == scene_proposal::kMillimetre.name)
+    guess = scene_proposal::kMillimetre;
+  if (unit == scene_proposal::kMetre.name)
+    guess = scene_proposal::kMetre;
   read.scale = guess.metres;
   read.unit = fmt::format(
       "{} is {:.4g} {} at its largest{}.", file.filename().string(), extent, guess.name,
@@ -77,15 +78,15 @@ void write_new(const fs::path& file, const std::string& text) {
 
 struct Meshes {
   ReadMesh part;
-  first_scene::Tool tool;
-  first_scene::SceneNames names;
+  scene_proposal::Tool tool;
+  scene_proposal::SceneNames names;
   std::vector<std::string> units;  ///< sentences
 };
 
 Meshes read_meshes(const NewOptions& o, const fs::path& out) {
   Meshes m{.part = read_mesh(o.part, o.part_unit), .tool = {}, .names = {}, .units = {}};
   m.units.push_back(m.part.unit);
-  m.names = {.scene = first_scene::scene_name(o.part.stem().string()),
+  m.names = {.scene = scene_proposal::scene_name(o.part.stem().string()),
              .part_file = named_from(out.parent_path(), o.part),
              .tool_file = (fs::canonical(shared_folder() / "meshes") / "sphere.obj").string(),
              .part_scale = m.part.scale};
@@ -93,14 +94,14 @@ Meshes read_meshes(const NewOptions& o, const fs::path& out) {
     return m;
   const ReadMesh tool = read_mesh(o.tool, o.tool_unit);
   m.units.push_back(tool.unit);
-  m.tool = first_scene::tool_of(tool.mesh.mesh);
+  m.tool = scene_proposal::tool_of(tool.mesh.mesh);
   m.names.tool_file = named_from(out.parent_path(), o.tool), m.names.tool_scale = tool.scale;
   return m;
 }
 
-first_scene::ProposedScene propose(Meshes& m) {
-  first_scene::ProposedScene proposed =
-      first_scene::propose_scene(m.part.mesh.mesh, m.part.mesh.report, m.tool);
+scene_proposal::ProposedScene propose(Meshes& m) {
+  scene_proposal::ProposedScene proposed =
+      scene_proposal::propose_scene(m.part.mesh.mesh, m.part.mesh.report, m.tool);
   if (m.tool.sphere)
     m.names.tool_scale = proposed.tool.reach_m;  // the shipped sphere has radius 1
   proposed.reasons.insert(proposed.reasons.begin(), m.units.begin(), m.units.end());
@@ -112,16 +113,16 @@ std::vector<std::string> tried(const scene::Scene& scene,
                                const coupling::design::DeviceModel& device) {
   std::vector<std::string> said;
   const auto built = scene_build::build_here(scene, {.who = "new"});
-  if (const std::string wrong = first_scene::what_is_wrong(scene, *built); !wrong.empty())
+  if (const std::string wrong = scene_proposal::validate(scene, *built); !wrong.empty())
     said.push_back("To be mended by hand: " + wrong + ".");
   const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m,
                                           built->plan().contact_nm_per_rad};
-  const fitting::FittedCoupling fitted =
-      fitting::fit_coupling(scene, device, bounds.translation, bounds.rotation);
+  const device_fit::FittedCoupling fitted =
+      device_fit::fit_coupling(scene, device, bounds.translation, bounds.rotation);
   if (!fitted.refusal.empty())
     said.push_back("To be mended by hand: " + fitted.refusal);
   if (const auto preview =
-          fitting::force_preview(fitted, scene, device, bounds, built->plan().tool_reach_m))
+          device_fit::force_preview(fitted, scene, device, bounds, built->plan().tool_reach_m))
     said.push_back(force_line(*preview, device.name));
   return said;
 }
@@ -135,12 +136,12 @@ std::vector<std::string> write_scene(const NewOptions& o, const fs::path& out) {
   Meshes meshes = read_meshes(o, out);
   const mesh::MeshReport& report = meshes.part.mesh.report;
   for (const std::string& sentence : meshes.part.mesh.warnings)
-    log::tell("warning: {}\n", sentence);
+    console::log("warning: {}\n", sentence);
   for (const std::string& sentence : report.sentences())
-    log::tell("warning: {}\n", sentence);
+    console::log("warning: {}\n", sentence);
 
-  first_scene::ProposedScene proposed = propose(meshes);
-  write_new(out, first_scene::scene_text(proposed, meshes.names));
+  scene_proposal::ProposedScene proposed = propose(meshes);
+  write_new(out, scene_proposal::scene_text(proposed, meshes.names));
   try {
     for (std::string& sentence : tried(scene::load_scene(out), device))
       proposed.reasons.push_back(std::move(sentence));
@@ -153,10 +154,11 @@ std::vector<std::string> write_scene(const NewOptions& o, const fs::path& out) {
 
 int make_new(const NewOptions& o) {
   const fs::path out = fs::absolute(
-      o.out.empty() ? fs::path(first_scene::scene_name(o.part.stem().string()) + ".yaml") : o.out);
+      o.out.empty() ? fs::path(scene_proposal::scene_name(o.part.stem().string()) + ".yaml")
+                    : o.out);
   for (const std::string& reason : write_scene(o, out))
-    log::print_result("{}\n", reason);
-  log::print_result(
+    console::print_result("{}\n", reason);
+  console::print_result(
       "\n{} is written. Feel it, and see it:\n  voxtouch up {} --device {} --motion press --view\n",
       out.string(), o.out.empty() ? out.filename().string() : out.string(),
       device_argument(o.device));
@@ -169,7 +171,7 @@ void write_first_scene(const fs::path& part, const std::string& device, const fs
   NewOptions o;
   o.part = part, o.device = device;
   for (const std::string& reason : write_scene(o, out))
-    log::tell("  {}\n", reason);
+    console::log("  {}\n", reason);
 }
 
 void add_new(CLI::App& app, Action& action) {
@@ -182,7 +184,7 @@ void add_new(CLI::App& app, Action& action) {
       ->check(CLI::ExistingFile);
   verb->add_option("--device", o->device, "A device by name, or a file that describes one")
       ->capture_default_str();
-  const CLI::IsMember units({first_scene::kMillimetre.name, first_scene::kMetre.name});
+  const CLI::IsMember units({scene_proposal::kMillimetre.name, scene_proposal::kMetre.name});
   verb->add_option("--unit", o->part_unit,
                    "Unit of the part's file; default: the file's own, else guessed from its size")
       ->check(units);

@@ -7,7 +7,7 @@
 namespace voxtouch::cli {
 
 /// Finds out at once whether `<file>.part` can be written, so that a folder that is not there is
-/// told before the run and not after it, and leaves nothing there: a run that is broken off
+/// reported before the run and not after it, and leaves nothing there: a run that is broken off
 /// (Ctrl-C, a kill) leaves no file behind. keep() writes the text under that name and then gives it
 /// its real one, so that a full disk leaves no half file under that.
 class OutputFile {

@@ -12,7 +12,7 @@
 
 #include "core/types/program_folder.hpp"
 #include "nodes/cli/child_program.hpp"
-#include "nodes/log/progress.hpp"
+#include "nodes/console/progress.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -56,14 +56,14 @@ std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
   if (!std::filesystem::exists(tool))
     throw std::runtime_error(
         fmt::format("{} is not there, which draws pictures: build or install anew", tool.string()));
-  const auto tell = log::tell_each_second("report");
+  const auto log_line = console::log_each_second("report");
   ChildProgram program{
       {::access(kDebianPython, X_OK) == 0 ? kDebianPython : "python3", "-I", tool.string()},
       input,
       patience,
       [&](std::string_view said) {
-        if (const std::string share = last_progress(said); !share.empty())
-          tell(share + " %");
+        if (const std::string fraction = last_progress(said); !fraction.empty())
+          log_line(fraction + " %");
       }};
   program.words.insert(program.words.end(), arguments.begin(), arguments.end());
   std::optional<Ended> ended;
@@ -99,8 +99,8 @@ std::string draw_picture(const std::string& kind, const std::string& json,
 
 std::optional<std::string> write_report(const Report& report, Patience patience) {
   std::vector<std::string> words{"report", "--progress", "--rig=" + report.rig};
-  if (!report.beside.empty())
-    words.push_back("--beside=" + report.beside.string());
+  if (!report.compared.empty())
+    words.push_back("--compare-with=" + report.compared.string());
   words.insert(words.end(), {"--", report.bag.string(), report.page.string()});
   return run_tool(words, "", patience);
 }

@@ -9,8 +9,8 @@
 #include "core/types/number.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/faults/force_lock.hpp"
-#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -36,8 +36,8 @@ class Recovery {
         registry_(participant_, o.node.rig),
         words_(participant_, qos::kRecover, o.node.rig, qos::profile(qos::ProfileId::kEvent)) {}
 
-  /// Whether a node of the rig has been heard; waits a second at most.
-  bool hears_somebody() {
+  /// Whether a node of the rig has been received; waits a second at most.
+  bool receives_from_any() {
     return wait([this] { return !registry_.reports().empty() && !locks().empty(); },
                 std::chrono::seconds(1)) ||
            !registry_.reports().empty();
@@ -88,9 +88,9 @@ int recover(const RecoverOptions& o) {
   Recovery recovery(o);
   std::vector<std::string> problems;
   nlohmann::ordered_json opened = nlohmann::ordered_json::array();
-  if (!recovery.hears_somebody())
+  if (!recovery.receives_from_any())
     problems.push_back(
-        fmt::format("no node of rig '{}' is heard on domain {}", o.node.rig, o.node.domain));
+        fmt::format("no node of rig '{}' is received on domain {}", o.node.rig, o.node.domain));
   const std::vector<Lock> locks = recovery.locks();
   if (problems.empty() && locks.empty())
     problems.push_back("nothing is locked: the nodes of rig '" + o.node.rig +
@@ -103,17 +103,17 @@ int recover(const RecoverOptions& o) {
     }
     opened.push_back({{"node", lock.node}, {"reason", lock.reason}});
     if (!o.json)
-      log::print_result("the {} was locked because {}; force ramps in again\n", lock.node,
-                        lock.reason);
+      console::print_result("the {} was locked because {}; force ramps in again\n", lock.node,
+                            lock.reason);
   }
   if (o.json)
-    log::print_result(
+    console::print_result(
         "{}\n",
         nlohmann::ordered_json{{"ok", problems.empty()}, {"opened", opened}, {"problems", problems}}
             .dump(2));
   else
     for (const std::string& problem : problems)
-      log::tell("error: {}\n", problem);
+      console::log("error: {}\n", problem);
   return problems.empty() ? 0 : 1;
 }
 

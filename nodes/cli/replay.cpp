@@ -14,8 +14,8 @@
 #include "nodes/cli/child_program.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/progress.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
+#include "nodes/console/progress.hpp"
 #include "nodes/replay/replay_report.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 
@@ -71,15 +71,15 @@ void replay_by_other(const ReplayVerb& o, const std::filesystem::path& made) {
     child.words.insert(child.words.end(), {"--scene", o.options.scene.string()});
   if (!o.options.rig.empty())
     child.words.insert(child.words.end(), {"--rig", o.options.rig});
-  child.listen = [tell = log::tell_each_second("replay"), &program](std::string_view) mutable {
-    tell(program + " replays");
+  child.listen = [report = console::log_each_second("replay"), &program](std::string_view) mutable {
+    report(program + " replays");
   };
   const Ended ended = *run_program(child);
   if (WIFSIGNALED(ended.status))
     throw std::runtime_error(fmt::format("{} was ended by signal {} while it replayed. {}", program,
                                          WTERMSIG(ended.status), last_line(ended.said)));
   if (!std::filesystem::exists(
-          made / "metadata.yaml"))  // its exit status tells what it thinks of the recording
+          made / "metadata.yaml"))  // its exit status states the verdict on the recording
     throw std::runtime_error(fmt::format(
         "{} made nothing of the recording (a build from before `replay --write` cannot): {}",
         program, last_line(ended.said)));
@@ -105,16 +105,17 @@ int replay_bag(ReplayVerb o) {
   const replay::Replayed replayed = replay_once(o);
   const double took_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
-  log::tell("replayed {:.1f} s in {:.1f} s\n", replayed.duration_s, took_s);
+  console::log("replayed {:.1f} s in {:.1f} s\n", replayed.duration_s, took_s);
   if (!o.answers.empty())
     replay::write_replayed(o.options.bag, replayed.rig, replayed.answers, o.answers);
   if (!o.picture.empty())
-    log::tell("{}\n", draw_picture("replay", replay::to_plot(replayed).dump(), o.picture));
+    console::log("{}\n", draw_picture("replay", replay::to_plot(replayed).dump(), o.picture));
   if (o.json)
-    log::print_result("{}\n", replay::to_json(replayed).dump(
-                                  2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    console::print_result(
+        "{}\n", replay::to_json(replayed).dump(2, ' ', false,
+                                               nlohmann::ordered_json::error_handler_t::replace));
   else
-    log::print_result("{}", replay::to_text(replayed));
+    console::print_result("{}", replay::to_text(replayed));
   return replayed.equal() && replayed.contact.compared + replayed.command.compared > 0 ? 0 : 1;
 }
 
@@ -150,7 +151,7 @@ void add_replay(CLI::App& app, Action& action) {
         return replay_bag(*o);
       } catch (const std::exception& error) {
         if (o->json)
-          log::print_result(
+          console::print_result(
               "{}\n", nlohmann::ordered_json{{"ok", false}, {"problems", {error.what()}}}.dump(
                           2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
         throw;

@@ -4,7 +4,7 @@
 
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -13,10 +13,11 @@ int report(Report o) {
   if (o.page.empty()) {
     const std::filesystem::path folder =
         std::filesystem::is_directory(o.bag) ? o.bag : o.bag.parent_path();
-    const auto name = std::filesystem::weakly_canonical(o.beside).filename().stem().string();
-    o.page = folder / (o.beside.empty() ? "report.html" : "report_beside_" + name + ".html");
+    const auto name = std::filesystem::weakly_canonical(o.compared).filename().stem().string();
+    o.page =
+        folder / (o.compared.empty() ? "report.html" : "report_compared_with_" + name + ".html");
   }
-  log::print_result("{}\n", *write_report(o));
+  console::print_result("{}\n", *write_report(o));
   return 0;
 }
 
@@ -26,7 +27,7 @@ void add_report(CLI::App& app, Action& action) {
   auto o = std::make_shared<Report>();
   CLI::App* verb = app.add_subcommand("report");
   verb->add_option("BAG", o->bag, "A bag's folder")->required()->check(CLI::ExistingPath);
-  verb->add_option("--beside", o->beside, "A second recording, drawn next to the first")
+  verb->add_option("--compare-with", o->compared, "A second recording, drawn next to the first")
       ->check(CLI::ExistingPath);
   verb->add_option("--out", o->page,
                    "Page to write, .html; default: report.html in the bag's folder");

@@ -6,8 +6,8 @@
 #include "core/types/version.hpp"
 #include "nodes/cli/help.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/reason.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
+#include "nodes/console/reason.hpp"
 #include "nodes/runtime/main.hpp"
 
 namespace voxtouch::cli {
@@ -15,20 +15,20 @@ namespace {
 
 /// With --json the reason is a result too, unless there is one already: stdout holds one object.
 int fail(const CLI::App& app, const std::exception& error) {
-  const std::string reason = log::reason_of(error);
-  log::tell("error: {}\n", reason);
+  const std::string reason = console::reason_of(error);
+  console::log("error: {}\n", reason);
   const CLI::App* const verb =
       app.get_subcommands().empty() ? nullptr : app.get_subcommands().front();
   const CLI::Option* const json = verb ? verb->get_option_no_throw("--json") : nullptr;
-  if (!json || json->count() == 0 || log::has_results())
+  if (!json || json->count() == 0 || console::has_results())
     return 1;
   try {
     const nlohmann::ordered_json result{{"ok", false}, {"problems", {reason}}};
-    log::print_result("{}\n",
-                      result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-    log::finish_results();
+    console::print_result(
+        "{}\n", result.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    console::finish_results();
   } catch (const std::exception& unprinted) {
-    log::tell("error: {}\n", unprinted.what());
+    console::log("error: {}\n", unprinted.what());
   }
   return 1;
 }
@@ -36,7 +36,7 @@ int fail(const CLI::App& app, const std::exception& error) {
 }  // namespace
 
 int run(int argc, char** argv, std::span<AddVerb* const> verbs) {
-  log::guard_standard_streams();
+  console::guard_standard_streams();
   CLI::App app(
       "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of "
       "DDS processes.\n"
@@ -50,7 +50,7 @@ int run(int argc, char** argv, std::span<AddVerb* const> verbs) {
     describe_verbs(app);
     runtime::parse(app, argc, argv);
     const int status = action();
-    log::finish_results();
+    console::finish_results();
     return status;
   } catch (const CLI::ParseError& error) {
     return runtime::explain(app, error);

@@ -2,7 +2,7 @@
 
 #include "core/scene/schema.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 
 namespace voxtouch::cli {
 
@@ -10,7 +10,7 @@ void add_schema(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand("schema");
   verb->callback([&action] {
     action = [] {
-      log::print_result("{}", scene::scene_schema());
+      console::print_result("{}", scene::scene_schema());
       return 0;
     };
   });

@@ -9,7 +9,7 @@
 
 #include "nodes/bus/writer_discovery.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/signals.hpp"
@@ -64,7 +64,7 @@ class Rigs {
     view::NodeTable nodes;
   };
   void add(const std::string& name) {
-    constexpr std::size_t kMaxRigs = 64;  // names are anybody's to choose
+    constexpr std::size_t kMaxRigs = 64;  // any participant can choose its name
     if (rigs_.size() < kMaxRigs && !rigs_.contains(name))
       rigs_[name].registry = std::make_unique<runtime::NodeRegistry>(participant_, name);
   }
@@ -87,7 +87,7 @@ bool is_well(const Rows& rigs) {
 
 std::string to_text(const Rows& rigs, std::uint32_t domain) {
   if (rigs.empty())
-    return fmt::format("no node is heard on domain {}\n", domain);
+    return fmt::format("no node is received on domain {}\n", domain);
   std::string text;
   for (const auto& [name, rows] : rigs) {
     text += fmt::format("rig {}, domain {}\n  {:<10} {:<9} {:>16} {:>9}  {}\n", name, domain,
@@ -96,7 +96,7 @@ std::string to_text(const Rows& rigs, std::uint32_t domain) {
       text += fmt::format(
           "  {:<10} {:<9} {:>16} {:>9}  {}\n", row.report.node, row.state,
           row.rate_hz ? fmt::format("{:.0f} {}/s", *row.rate_hz, row.counted) : "-",
-          row.answered_share ? fmt::format("{:.1f} %", 100.0 * *row.answered_share) : "-",
+          row.answered_ratio ? fmt::format("{:.1f} %", 100.0 * *row.answered_ratio) : "-",
           row.report.message);
   }
   return text;
@@ -116,16 +116,16 @@ int status(const StatusOptions& o) {
   runtime::catch_signals();
   Rigs rigs(o);
   const std::int64_t begin_ns = runtime::monotonic_ns();
-  std::int64_t told_ns = begin_ns;
+  std::int64_t reported_ns = begin_ns;
   while (!runtime::stop_requested().load()) {
     rigs.update();
     const std::int64_t now_ns = runtime::monotonic_ns();
-    if (now_ns - told_ns >= (o.watch ? kEachNs : kOnceNs)) {
-      told_ns = now_ns;
+    if (now_ns - reported_ns >= (o.watch ? kEachNs : kOnceNs)) {
+      reported_ns = now_ns;
       const Rows rows = rigs.rows();
-      log::print_result("{}\n",
-                        o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
-      log::finish_results();  // each second, so that a reader that has gone ends the watch
+      console::print_result("{}\n",
+                            o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
+      console::finish_results();  // each second, so that a reader that has gone ends the watch
       if (!o.watch)
         return !rows.empty() && is_well(rows) ? 0 : 1;
     }
@@ -140,7 +140,7 @@ void add_status(CLI::App& app, Action& action) {
   auto o = std::make_shared<StatusOptions>();
   CLI::App* verb = app.add_subcommand("status");
   runtime::add_rig_options(*verb, o->node);
-  verb->add_flag("--watch", o->watch, "Tells it once a second until Ctrl-C");
+  verb->add_flag("--watch", o->watch, "Prints it once a second until Ctrl-C");
   verb->add_flag("--json", o->json, "One JSON object on stdout, with --watch one each second");
   verb->callback([o, verb, &action] {
     o->one_rig = verb->get_option("--rig")->count() > 0;

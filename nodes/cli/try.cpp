@@ -15,7 +15,7 @@
 #include "nodes/cli/new.hpp"
 #include "nodes/cli/up/run_files.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -74,7 +74,7 @@ int become_up(const TryOptions& o) {
   for (std::string& word : words)
     argv.push_back(word.data());
   argv.push_back(nullptr);
-  log::finish_telling();
+  console::flush_log();
   const fs::path program = program_folder() / "voxtouch";
   ::execv(program.c_str(), argv.data());
   throw std::runtime_error(

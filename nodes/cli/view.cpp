@@ -50,11 +50,11 @@ void add_view(CLI::App& app, Action& action) {
                  "Pages move the hand of the ring's device, which runs with --hand-from page "
                  "(voxtouch up sets this)");
   verb->add_flag("--browser", o->opens_browser, "Opens the page in the browser, if there is one");
-  verb->add_option(
-      "--with-parent", o->parent,
-      "Stop when this parent process dies, and tell the address on stderr (voxtouch up sets this)");
+  verb->add_option("--with-parent", o->parent,
+                   "Stop when this parent process dies, and print the address on stderr (voxtouch "
+                   "up sets this)");
   verb->callback([o, port, &action] {
-    o->server.port_is_wished = port->count() > 0;
+    o->server.port_is_requested = port->count() > 0;
     o->to_stderr = o->parent != 0;
     action = [o] { return view(*o); };
   });

@@ -1,14 +1,14 @@
 #include "nodes/coupling/contact_coupling.hpp"
 
-#include "core/fitting/design_problem.hpp"
+#include "core/device_fit/design_problem.hpp"
 #include "nodes/coupling/ring_messages.hpp"
 
 namespace voxtouch::coupling_node {
 
-AdoptedCoupling adopted(const fitting::FittedCoupling& fitted,
+AdoptedCoupling adopted(const device_fit::FittedCoupling& fitted,
                         const scene::WorkspaceMapping& mapping,
                         const coupling::design::DeviceModel& device) {
-  return {fitted.spec, fitting::limits_W(mapping, device), fitted.refusal.empty()};
+  return {fitted.spec, device_fit::limits_W(mapping, device), fitted.refusal.empty()};
 }
 
 void ContactCoupling::begin_session(const coupling::design::LoopTiming& timing) noexcept {

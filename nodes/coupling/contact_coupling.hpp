@@ -5,7 +5,7 @@
 
 #include "core/coupling/clutch_fade.hpp"
 #include "core/coupling/running_coupling.hpp"
-#include "core/fitting/fit_coupling.hpp"
+#include "core/device_fit/fit_coupling.hpp"
 #include "core/rendering/device_mapping.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
@@ -17,7 +17,7 @@ struct AdoptedCoupling {
   coupling::CouplingLimits limits;  ///< in W
   bool runs = false;                ///< false: no force may be commanded
 };
-AdoptedCoupling adopted(const fitting::FittedCoupling& fitted,
+AdoptedCoupling adopted(const device_fit::FittedCoupling& fitted,
                         const scene::WorkspaceMapping& mapping,
                         const coupling::design::DeviceModel& device);
 
@@ -44,7 +44,7 @@ class ContactCoupling {
   coupling::ToolSpeedLimits speed_limits() const noexcept;
   void follow_clutch(bool pressed, double dt_s) noexcept;
 
-  /// Two periods for the way round the ring, three that a device holds a command for.
+  /// Two periods for one pass of the ring, three that a device holds a command for.
   static constexpr double kValidPeriods = 5.0;
   scene::WorkspaceMapping mapping_;
   rendering::WrenchToDevice wrench_to_device_;

@@ -4,8 +4,8 @@
 
 #include "core/scene/scene_file.hpp"
 #include "nodes/coupling/contact_coupling.hpp"
+#include "nodes/coupling/coupling_fit.hpp"
 #include "nodes/coupling/coupling_watch.hpp"
-#include "nodes/coupling/fitting.hpp"
 #include "nodes/coupling/running_design.hpp"
 #include "nodes/runtime/device_input.hpp"
 
@@ -14,10 +14,10 @@ namespace {
 
 using runtime::StatusPriority;
 
-/// What bounds the loop beside NodeHost::run: descriptions and plans in a cycle, kMaxTakes of those
-/// who are bound, or of anybody while none is and no force can come of it. A fit, some tenths of a
-/// second, where a session begins and, in lockstep, where it changes; in real time a change is
-/// fitted in another thread.
+/// What bounds the loop in addition to NodeHost::run: descriptions and plans in a cycle, kMaxTakes
+/// of the bound participants, or of any while none is and no force can come of it. A fit, some
+/// tenths of a second, where a session begins and, in lockstep, where it changes; in real time a
+/// change is fitted in another thread.
 class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCommand> {
  public:
   CouplingNode(const Options& options, const scene::Scene& scene)
@@ -58,13 +58,14 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
       restart();
   }
 
-  /// A new session starts with its own fit. A change within one is fitted beside the loop, but for
+  /// A new session starts with its own fit. A change within one is fitted next to the loop, but for
   /// lockstep, where the sample from which it holds must not depend on how fast the fit is.
   /// Meanwhile the coupling that runs is judged by what has come: one that does not fit any more
   /// commands nothing from here on.
   void follow_change() {
     // A rendering that took another's place may run another scene: no force before the fit.
-    if (fitting_.session() != host_.session_in_loop() || rendering_.tenure() != plan_tenure_)
+    if (fitting_.session() != host_.session_in_loop() ||
+        rendering_.binding_epoch() != plan_binding_epoch_)
       return begin_session();
     if (host_.options().lockstep && fitting_.outdated())
       return adopt(fit());
@@ -74,19 +75,19 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   }
 
   void judge_running() {
-    const fitting::FittedCoupling& running = design_.fitted();
+    const device_fit::FittedCoupling& running = design_.fitted();
     std::string refusal = fitting_.judge(running);
     // One that would fit again for another device or contact waits for its own fit.
     if (refusal.empty() == running.refusal.empty() || (refusal.empty() && fitting_.outdated()))
       return;
-    fitting::FittedCoupling judged = running;
+    device_fit::FittedCoupling judged = running;
     judged.refusal = std::move(refusal);
     adopt(std::move(judged));
   }
 
   void begin_session() {
     host_.begin_session(*fitting_.session());
-    plan_tenure_ = rendering_.tenure();
+    plan_binding_epoch_ = rendering_.binding_epoch();
     coupling_.begin_session(fitting_.device().timing);
     watch_.reserve(1.0 / fitting_.device().timing.period_s);
     counters_.take(CouplingCounter::kStiffness);
@@ -95,7 +96,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
       host_.session().begin(host_.session_in_loop());
   }
 
-  fitting::FittedCoupling fit() {
+  device_fit::FittedCoupling fit() {
     // some tenths of a second on a machine that has time
     constexpr std::int64_t kMaxFitNs = 30'000'000'000;
     const runtime::Heartbeat::Busy busy(host_.heartbeat(), kMaxFitNs);
@@ -104,14 +105,14 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
 
   /// From here on this coupling runs. One that must not run leaves the device without commands,
   /// which fades its force. `anew`: it does not go on from the one before.
-  void adopt(fitting::FittedCoupling fitted, bool anew = false) {
+  void adopt(device_fit::FittedCoupling fitted, bool anew = false) {
     if (coupling_.runs() && !fitted.refusal.empty())
       watch_.keep("what came did not fit the device any more");
     TakenUp use{host_.session_in_loop(), host_.next_sample(), anew,
                 adopted(fitted, scene_.device, fitting_.device()), coupling_.period_s()};
     coupling_.adopt(use.coupling);
     use.coupling.runs = coupling_.runs();
-    const std::optional<fitting::ForcePreview> preview = fitting_.preview(fitted);
+    const std::optional<device_fit::ForcePreview> preview = fitting_.preview(fitted);
     design_.adopt(std::move(fitted), std::move(use), preview,
                   fitting_.device().translation.max_stiffness, fitting_.external());
   }
@@ -155,7 +156,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
                       of_rendering = rendering_.refused_writers();
     report.values["foreign_writers"] =
         of_device + (of_device.empty() || of_rendering.empty() ? "" : " and ") + of_rendering;
-    status.say(StatusPriority::kFault, rendering_.trouble(registry));
+    status.say(StatusPriority::kFault, rendering_.diagnostic(registry));
     constexpr char kBoth[] = "a device and its scene's plan";
     std::string missing =
         host_.report_session(registry, report, kBoth, counters_[CouplingCounter::kSamples] > 0);
@@ -174,7 +175,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
     if (!stopped && rendering_.lost_session() != 0 &&
         rendering_.lost_session() == host_.session().id()) {
       report.session_id = 0, report.state = runtime::NodeState::kFailed;
-      return status.say(StatusPriority::kEnded, rendering_.trouble(registry));
+      return status.say(StatusPriority::kEnded, rendering_.diagnostic(registry));
     }
     design_.report_to(counters_[CouplingCounter::kStiffness], report, status);
   }
@@ -192,7 +193,8 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   CouplingWatch watch_;
   CouplingCounters counters_;
   std::atomic<bool> both_known_{false};  ///< description and plan are there of those who are bound
-  std::uint64_t plan_tenure_ = 0;        ///< of the rendering whose plan the session was begun with
+  std::uint64_t plan_binding_epoch_ =
+      0;  ///< of the rendering whose plan the session was begun with
 };
 
 }  // namespace

@@ -31,11 +31,11 @@ constexpr SpecNumber kSpecNumbers[] = {VOXTOUCH_NUMBER(cutoff_hz),
                                        VOXTOUCH_NUMBER(velocity_filter_hz),
                                        VOXTOUCH_NUMBER(slow_velocity_hz),
                                        VOXTOUCH_NUMBER(velocity_band_m_per_s),
-                                       VOXTOUCH_NUMBER(damper_share),
+                                       VOXTOUCH_NUMBER(damping_force_ratio),
                                        VOXTOUCH_NUMBER(damper_free_n)};
 #undef VOXTOUCH_NUMBER
 
-std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double sample_time_s,
+std::vector<std::string> notes_on(const device_fit::FittedCoupling& fitted, double sample_time_s,
                                   const std::string& external) {
   std::vector<std::string> notes;
   if (!external.empty())
@@ -62,7 +62,7 @@ std::vector<std::string> notes_on(const fitting::FittedCoupling& fitted, double 
 
 }  // namespace
 
-std::string status_word(const fitting::FittedCoupling& fitted) {
+std::string status_word(const device_fit::FittedCoupling& fitted) {
   return fitted.designed ? std::string(coupling::design::name_of(fitted.design.status))
                          : "configured";
 }
@@ -130,28 +130,29 @@ std::vector<std::string> differences(const AdoptedCoupling& recorded, const Adop
   return out;
 }
 
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted,
-                    const TakenUp& use, const std::string& external) {
+void publish_design(bus::Writer<msg::CouplingDesign>& writer,
+                    const device_fit::FittedCoupling& fitted, const TakenUp& use,
+                    const std::string& external) {
   const coupling::design::Design& design = fitted.design;
   const std::string status = status_word(fitted);
   const std::vector<std::string> notes = notes_on(fitted, use.sample_time_s, external);
-  runtime::LentStrings lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
+  runtime::StringViews lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
   msg::CouplingDesign m{};
   write_coupling(use, m);
   m.status = runtime::lend(status);
   m.lag_s = coupling::lag_s(use.coupling.spec);
-  m.wanted_stiffness_n_per_m = design.translation.wanted_stiffness;
-  m.shown_stiffness_n_per_m = design.translation.shown_stiffness;
+  m.requested_stiffness_n_per_m = design.translation.requested_stiffness;
+  m.displayed_stiffness_n_per_m = design.translation.displayed_stiffness;
   m.critical_stiffness_n_per_m = design.translation.critical_stiffness;
   m.gain_margin = design.translation.gain_margin;
   m.limit_cycle_m = design.translation.limit_cycle_bound;
-  m.shown_stiffness_nm_per_rad = design.rotation.shown_stiffness;
+  m.displayed_stiffness_nm_per_rad = design.rotation.displayed_stiffness;
   m.critical_stiffness_nm_per_rad = design.rotation.critical_stiffness;
   m.max_approach_m_per_s = design.max_approach_m_per_s;
   m.released_damping_ratio = design.swing.released;
-  m.held_damping_ratio = design.swing.held;
+  m.gripped_damping_ratio = design.swing.held;
   m.released_damping_floor = design.floors.released;
-  m.held_damping_floor = design.floors.held;
+  m.gripped_damping_floor = design.floors.held;
   m.damping_floor_cost_n_per_m = design.floors.cost_n_per_m;
   m.passive = design.translation.passive;
   m.worst_case = runtime::lend(design.translation.worst_case_text);

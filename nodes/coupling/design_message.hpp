@@ -3,14 +3,14 @@
 #include <string>
 #include <vector>
 
-#include "core/fitting/fit_coupling.hpp"
+#include "core/device_fit/fit_coupling.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/coupling/contact_coupling.hpp"
 
 namespace voxtouch::coupling_node {
 
 /// "configured" for a coupling that is set by hand, else the designer's word.
-std::string status_word(const fitting::FittedCoupling& fitted);
+std::string status_word(const device_fit::FittedCoupling& fitted);
 
 /// Where and how a coupling was taken up.
 struct TakenUp {
@@ -29,7 +29,8 @@ TakenUp taken_up(const msg::CouplingDesign& message);
 std::vector<std::string> differences(const AdoptedCoupling& recorded, const AdoptedCoupling& made);
 
 /// `external`: name of the effect that no certificate covers; empty: there is none.
-void publish_design(bus::Writer<msg::CouplingDesign>& writer, const fitting::FittedCoupling& fitted,
-                    const TakenUp& use, const std::string& external);
+void publish_design(bus::Writer<msg::CouplingDesign>& writer,
+                    const device_fit::FittedCoupling& fitted, const TakenUp& use,
+                    const std::string& external);
 
 }  // namespace voxtouch::coupling_node

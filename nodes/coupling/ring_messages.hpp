@@ -25,7 +25,7 @@ inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) 
 /// STATUS_* of ForceCommand.
 inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
   using namespace msg::force_command;
-  return (out.ramping ? kStatusRamping : 0U) | (out.repeated_input ? kStatusHeldInput : 0U) |
+  return (out.ramping ? kStatusRamping : 0U) | (out.repeated_input ? kStatusLatchedInput : 0U) |
          (out.clamped ? kStatusClamped : 0U) | (out.capped ? kStatusCapped : 0U) |
          (out.growing ? kStatusGrowing : 0U) | (out.bounded ? kStatusBounded : 0U);
 }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "core/fitting/design_problem.hpp"
+#include "core/device_fit/design_problem.hpp"
 
 namespace voxtouch::coupling_node {
 
-void RunningDesign::adopt(fitting::FittedCoupling fitted, TakenUp use,
-                          const std::optional<fitting::ForcePreview>& preview,
+void RunningDesign::adopt(device_fit::FittedCoupling fitted, TakenUp use,
+                          const std::optional<device_fit::ForcePreview>& preview,
                           double device_max_n_per_m, const std::string& external) {
   use_ = std::move(use);
   publish_design(designs_, fitted, use_, external);
@@ -24,7 +24,7 @@ void RunningDesign::report_to(double contact_n_per_m, runtime::NodeReport& repor
   const std::lock_guard lock(mutex_);
   // The device's limit is compared with the total stiffness of the contact, not with one point's.
   const double displayed_n_per_m =
-      fitting::stiffness_at_hand_n_per_m(fitted_.spec, mapping_, contact_n_per_m);
+      device_fit::stiffness_at_hand_n_per_m(fitted_.spec, mapping_, contact_n_per_m);
   report.figures["stiffness_at_hand_n_per_m"] = {displayed_n_per_m, "N/m"};
   report.figures["device_max_stiffness_n_per_m"] = {device_max_n_per_m_, "N/m"};
   if (count_ == 0)
@@ -51,12 +51,12 @@ void RunningDesign::describe(runtime::NodeReport& report) const {
   report.figures["design_cutoff_hz"] = {spec.kind == "shaping_filter" ? spec.cutoff_hz : 0.0, "Hz"};
   report.figures["design_gain"] = {spec.gain, "1"};
   report.figures["design_injected_damping_ns_per_m"] = {spec.injected_damping_ns_per_m, "Ns/m"};
-  report.figures["design_shown_n_per_m"] = {design.translation.shown_stiffness, "N/m"};
+  report.figures["design_displayed_n_per_m"] = {design.translation.displayed_stiffness, "N/m"};
   report.figures["design_critical_n_per_m"] = {design.translation.critical_stiffness, "N/m"};
   report.figures["design_gain_margin"] = {design.translation.gain_margin, "1"};
   if (!preview_)
     return;
-  report.values["stiffness_limit"] = fitting::name_of(preview_->limit);
+  report.values["stiffness_limit"] = device_fit::name_of(preview_->limit);
   report.figures["certified_stiffness_n_per_m"] = {preview_->stiffness_n_per_m, "N/m"};
   report.figures["saturation_force_n"] = {preview_->force_n, "N"};
   report.values["returns_torque"] = preview_->returns_torque ? "yes" : "no";

@@ -3,7 +3,7 @@
 #include <mutex>
 #include <optional>
 
-#include "core/fitting/force_preview.hpp"
+#include "core/device_fit/force_preview.hpp"
 #include "nodes/coupling/design_message.hpp"
 #include "nodes/runtime/node_host.hpp"
 
@@ -19,10 +19,10 @@ class RunningDesign {
 
   /// Publishes and keeps it. `preview`: what the hand is displayed under it; `external`: see
   /// publish_design.
-  void adopt(fitting::FittedCoupling fitted, TakenUp use,
-             const std::optional<fitting::ForcePreview>& preview, double device_max_n_per_m,
+  void adopt(device_fit::FittedCoupling fitted, TakenUp use,
+             const std::optional<device_fit::ForcePreview>& preview, double device_max_n_per_m,
              const std::string& external);
-  const fitting::FittedCoupling& fitted() const noexcept { return fitted_; }
+  const device_fit::FittedCoupling& fitted() const noexcept { return fitted_; }
   const TakenUp& use() const noexcept { return use_; }
 
   /// `contact_n_per_m`: largest stiffness of a contact so far, in W.
@@ -35,8 +35,8 @@ class RunningDesign {
   const scene::WorkspaceMapping& mapping_;
   TakenUp use_;
   std::mutex mutex_;
-  fitting::FittedCoupling fitted_;
-  std::optional<fitting::ForcePreview> preview_;
+  device_fit::FittedCoupling fitted_;
+  std::optional<device_fit::ForcePreview> preview_;
   double device_max_n_per_m_ = 0.0;
   std::uint64_t count_ = 0;  ///< of designs adopted
 };

@@ -133,7 +133,7 @@ End DeviceLoop::give(const std::optional<devices::GuardInput>& command,
   record(force, before);
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
-  progress_.in_trouble.store(!written, kRelaxed);
+  progress_.has_error.store(!written, kRelaxed);
   if (written)
     accepts_force_ = true;
   return written ? End::kNone : on_device_error(written.error());
@@ -153,7 +153,7 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
     progress_.lock.engage("the driver refused a command that the force guard had let through");
   let_go();
-  progress_.in_trouble.store(true, kRelaxed);
+  progress_.has_error.store(true, kRelaxed);
   gaps_.restart();  // at zero force, a gap means nothing
   return End::kNone;
 }
@@ -196,7 +196,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample,
   if (trusted)
     last_pose_ = sample.pose;
   else
-    progress_.counters.note(DeviceCounter::kHeldPoses);
+    progress_.counters.note(DeviceCounter::kLatchedPoses);
   state.pose = runtime::to_msg(last_pose_);
   state.twist = runtime::to_msg(sample.twist);
   state.buttons = sample.buttons;
@@ -204,7 +204,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample,
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
                 (progress_.lock.engaged() ? msg::device_state::kFlagLocked : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
-                (trusted ? 0U : msg::device_state::kFlagPoseHeld);
+                (trusted ? 0U : msg::device_state::kFlagPoseLatched);
   seen_.state = state, seen_.answered = false;
   published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
   if (!settings_.lockstep)

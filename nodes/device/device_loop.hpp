@@ -48,7 +48,7 @@ enum class DeviceCounter : std::uint8_t {
   kFaded,
   kInterruptions,
   kZeroForce,
-  kHeldPoses,
+  kLatchedPoses,
   kDeadlineMisses,
   kMaxForce,
   kForce,
@@ -75,7 +75,7 @@ inline constexpr auto kDeviceTable = [] {
       {kInterruptions, "interruptions", "times"},
       // Reads and writes that failed, of interruptions and of waiting: zero force each.
       {kZeroForce, "zero_force_samples", "samples"},
-      {kHeldPoses, "held_poses", "samples"},
+      {kLatchedPoses, "latched_poses", "samples"},
       {kDeadlineMisses, "deadline_misses", "deadlines", kLast},  // at the end
       {kMaxForce, "max_force_n", "N", kMaximum},
       {kForce, "force_n", "N", kLast},
@@ -93,7 +93,7 @@ struct Progress {
   runtime::Counters<kDeviceTable> counters;
   std::atomic<devices::DeviceError> last_error{
       devices::DeviceError::kTimeout};  ///< of the last failure that kZeroForce counts
-  std::atomic<bool> in_trouble{
+  std::atomic<bool> has_error{
       false};  ///< the last read or write failed: the device is at zero force
   runtime::Heartbeat heartbeat;
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic

@@ -51,7 +51,7 @@ DeviceMonitor::DeviceMonitor(runtime::NodeHost& host, const devices::Driver& dri
       late_(network_delay_ms, host.options().lockstep) {}
 
 std::string DeviceMonitor::sentence(End end) const {
-  const std::string trouble = driver_.trouble(), model = driver_.description().model;
+  const std::string last_error = driver_.last_error(), model = driver_.description().model;
   switch (end) {
     case End::kNone:
       return "running";
@@ -68,11 +68,11 @@ std::string DeviceMonitor::sentence(End end) const {
       return peers_.lost() + "; the device is at zero force";
     case End::kDeviceGone:
       return fmt::format("{} does not answer any more, zero force was its last command: {}", model,
-                         trouble.empty() ? "check its cable and power" : trouble);
+                         last_error.empty() ? "check its cable and power" : last_error);
     case End::kDeviceFault:
       return fmt::format(
-          "{} reported a fault and needs a person; it was told to give zero force{}{}", model,
-          trouble.empty() ? "" : ": ", trouble);
+          "{} reported a fault and needs a person; it was commanded to zero force{}{}", model,
+          last_error.empty() ? "" : ": ", last_error);
     case End::kRigClaimed:
       return "another device runs in this rig and stays; this one is at zero force. Choose another "
              "--rig or --domain";
@@ -122,19 +122,19 @@ std::string DeviceMonitor::find_late_peer(const runtime::NodeRegistry& registry)
   return behind.empty() ? "" : fmt::format("{} has not answered sample {:.0f}", behind, samples);
 }
 
-/// What the driver says of its trouble, or else the kind of it; or how long the process was kept
+/// The driver's last error, or else its kind; or how long the process was kept
 /// from running.
-void DeviceMonitor::note_trouble(End end) {
-  if (end == End::kNone && progress_.in_trouble.load()) {
-    const std::string text = driver_.trouble();
-    trouble_ = !text.empty() ? text
-                             : fmt::format("the last call of its driver ended as '{}'",
-                                           devices::name_of(progress_.last_error.load()));
+void DeviceMonitor::note_error(End end) {
+  if (end == End::kNone && progress_.has_error.load()) {
+    const std::string text = driver_.last_error();
+    diagnostic_ = !text.empty() ? text
+                                : fmt::format("the last call of its driver ended as '{}'",
+                                              devices::name_of(progress_.last_error.load()));
   }
   const double gap_ms = progress_.counters[DeviceCounter::kLongestGap];
   if (gap_ms > reported_gap_ms_) {
     reported_gap_ms_ = gap_ms;
-    trouble_ = fmt::format("its process was kept from running for {:.0f} ms", gap_ms);
+    diagnostic_ = fmt::format("its process was kept from running for {:.0f} ms", gap_ms);
   }
 }
 
@@ -142,7 +142,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
                               runtime::NodeReport& report, runtime::StatusText& status) {
   const End end = progress_.end.load(std::memory_order_acquire);
   watch(session, registry);
-  note_trouble(end);
+  note_error(end);
   late_.look(progress_, driver_.description().rate_hz);
   if (host_.options().lockstep && end == End::kNone)
     late_peer_ = find_late_peer(registry);
@@ -154,14 +154,14 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
                                                                          : NodeState::kFailed);
   status.say(StatusPriority::kProgress,
              running ? "running" + late_.network() : "waiting for " + peers_.missing());
-  status.say(StatusPriority::kForeign, coupling_.trouble(registry));
-  if (!rig_.rival().empty())
+  status.say(StatusPriority::kForeign, coupling_.diagnostic(registry));
+  if (!rig_.conflicting().empty())
     status.say(StatusPriority::kConflict,
-               "another device runs in this rig, one of the two goes: " + rig_.rival());
+               "another device runs in this rig, one of the two goes: " + rig_.conflicting());
   status.say(StatusPriority::kNetwork, late_.reason());
-  if (progress_.in_trouble.load())
+  if (progress_.has_error.load())
     status.say(StatusPriority::kFault,
-               fmt::format("{} is at zero force: {}", driver_.description().model, trouble_));
+               fmt::format("{} is at zero force: {}", driver_.description().model, diagnostic_));
   if (ended)
     status.say(StatusPriority::kEnded, sentence(end));
   fill(report);
@@ -171,7 +171,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
 
 void DeviceMonitor::fill(runtime::NodeReport& report) {
   report.values["device"] = driver_.description().model;
-  report.values["trouble"] = trouble_;
+  report.values["last_error"] = diagnostic_;
   report.values["foreign_writers"] = coupling_.refused_writers();
   // lockstep runs must not differ by what a clock says
   const bool timed = !host_.options().lockstep;
@@ -188,7 +188,7 @@ void DeviceMonitor::fill(runtime::NodeReport& report) {
                     progress_.counters.take(DeviceCounter::kRecentForce));
   report.figures = {{"nominal_rate_hz", {own_rate_hz, "Hz"}},
                     {"last_second_max_force_n", {last_second_.largest_force_n(), "N"}},
-                    {"last_second_answered_share", {last_second_.answered_share(), "1"}},
+                    {"last_second_answered_ratio", {last_second_.answered_ratio(), "1"}},
                     {"rate_hz", {timed && elapsed_s > 0 ? samples / elapsed_s : own_rate_hz, "Hz"}},
                     {"latency_p50_us", latency_us(progress_.latency.quantile_us(0.5))},
                     {"latency_p99_us", latency_us(progress_.latency.quantile_us(0.99))},

@@ -8,7 +8,7 @@
 
 namespace voxtouch::device_node {
 
-/// Which share of the last second's commands came too late.
+/// Which fraction of the last second's commands came too late.
 class LateCommands {
  public:
   /// `designed_ms`: network delay that the coupling is designed for.
@@ -44,7 +44,7 @@ class DeviceMonitor {
 
  private:
   void watch(std::uint64_t session, runtime::NodeRegistry& registry);
-  void note_trouble(End end);
+  void note_error(End end);
   std::string find_late_peer(const runtime::NodeRegistry& registry) const;
   void fill(runtime::NodeReport& report);
 
@@ -61,8 +61,8 @@ class DeviceMonitor {
   RigClaim rig_;
   LateCommands late_;
   LastSecond last_second_;
-  std::string late_peer_;  ///< lockstep: which node the device waits for, and why
-  std::string trouble_;    ///< what last kept the device from giving force
+  std::string late_peer_;   ///< lockstep: which node the device waits for, and why
+  std::string diagnostic_;  ///< what last kept the device from giving force
   double reported_gap_ms_ = 0.0;
 };
 

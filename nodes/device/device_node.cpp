@@ -15,11 +15,11 @@
 #include "core/types/number.hpp"
 #include "devices/registry.hpp"
 #include "devices/settings.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/device/described_device.hpp"
 #include "nodes/device/device_monitor.hpp"
 #include "nodes/device/joint_outputs.hpp"
 #include "nodes/device/led_driver.hpp"
-#include "nodes/log/tell.hpp"
 #include "nodes/runtime/device_message.hpp"
 
 namespace voxtouch::device_node {
@@ -155,7 +155,7 @@ class DeviceNode {
                     {{"its loop", [this] { return progress_.heartbeat.sign(); }}});
     const bool good = end == End::kFinished || (end == End::kStopped && options_.duration_s == 0.0);
     if (!good && end != End::kStopped)
-      log::tell("error: device: {}\n", monitor_->sentence(end));
+      console::log("error: device: {}\n", monitor_->sentence(end));
     return good ? 0 : 1;
   }
 

@@ -20,10 +20,10 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
          "--view`, by mouse, touch, keys or gamepad")
       ->check(CLI::IsMember({"motion", "page"}))
       ->default_str("motion");
-  app.add_option("--let-go-at", choice.let_go_at_s,
+  app.add_option("--release-time", choice.release_time_s,
                  "Device time at which the simulated hand releases the device [s]")
       ->check(runtime::require_positive);
-  app.add_option("--grip-harder-at", choice.grip_harder_at_s,
+  app.add_option("--grip-change-time", choice.grip_change_time_s,
                  "Device time at which it grips harder [s]")
       ->check(runtime::require_positive);
   app.add_option("--grip-factor", choice.grip_factor, "Stiffness of that grip over the first")
@@ -35,7 +35,7 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
 std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const HandChoice& choice,
                                                const devices::DeviceOptions& options) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  if (choice.grip.empty() && choice.let_go_at_s == kNever && choice.grip_harder_at_s == kNever)
+  if (choice.grip.empty() && choice.release_time_s == kNever && choice.grip_change_time_s == kNever)
     return std::nullopt;
   sim::OperatorConfig hand = devices::usual_hand(device, options);
   if (!choice.grip.empty()) {
@@ -47,9 +47,9 @@ std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const 
     hand = *named;
     hand.carries_tool = carries;
   }
-  hand.let_go_at_s = choice.let_go_at_s;
-  hand.grip_harder_at_s = choice.grip_harder_at_s;
-  hand.grip_factor = choice.grip_harder_at_s < kNever ? choice.grip_factor : 1.0;
+  hand.release_time_s = choice.release_time_s;
+  hand.grip_change_time_s = choice.grip_change_time_s;
+  hand.grip_factor = choice.grip_change_time_s < kNever ? choice.grip_factor : 1.0;
   return hand;
 }
 
@@ -63,8 +63,8 @@ void append_arguments(const HandChoice& choice, std::vector<std::string>& argume
     arguments.insert(arguments.end(), {"--hand", choice.grip});
   if (choice.from_page)
     arguments.insert(arguments.end(), {"--hand-from", "page"});
-  number("--let-go-at", choice.let_go_at_s, usual.let_go_at_s);
-  number("--grip-harder-at", choice.grip_harder_at_s, usual.grip_harder_at_s);
+  number("--release-time", choice.release_time_s, usual.release_time_s);
+  number("--grip-change-time", choice.grip_change_time_s, usual.grip_change_time_s);
   number("--grip-factor", choice.grip_factor, usual.grip_factor);
 }
 
@@ -79,7 +79,7 @@ void check_hand_from(const std::string& device, const HandChoice& choice, bool l
 }
 
 std::string to_text(const HandChoice& choice) {
-  return fmt::format("{}/{}/{}/{}", choice.grip, choice.let_go_at_s, choice.grip_harder_at_s,
+  return fmt::format("{}/{}/{}/{}", choice.grip, choice.release_time_s, choice.grip_change_time_s,
                      choice.grip_factor);
 }
 

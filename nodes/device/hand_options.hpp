@@ -15,13 +15,13 @@ namespace voxtouch::device_node {
 
 struct HandChoice {
   std::string grip;  ///< a name of grip_names(); empty: as the device is usually held
-  double let_go_at_s = std::numeric_limits<double>::infinity();
-  double grip_harder_at_s = std::numeric_limits<double>::infinity();
+  double release_time_s = std::numeric_limits<double>::infinity();
+  double grip_change_time_s = std::numeric_limits<double>::infinity();
   double grip_factor = 3.0;
   bool from_page = false;  ///< a page leads it, and no motion
 };
 
-/// --hand, --hand-from, --let-go-at, --grip-harder-at, --grip-factor.
+/// --hand, --hand-from, --release-time, --grip-change-time, --grip-factor.
 void add_hand_options(CLI::App& app, HandChoice& choice);
 
 /// The arguments that give the same choice to another process.

@@ -55,7 +55,7 @@ void JointOutputs::run() {
 
 void JointOutputs::write(const Moment& moment) {
   static char none[] = "";
-  runtime::LentStrings names(names_);
+  runtime::StringViews names(names_);
   msg::sensor_msgs_JointState state{};
   state.header = {runtime::to_time(moment.stamp_ns), none};
   names.into(state.name);

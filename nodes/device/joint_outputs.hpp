@@ -68,7 +68,7 @@ class ShownDriver final : public devices::Driver {
   }
   void stop() noexcept override { driver_->stop(); }
   bool simulated() const noexcept override { return driver_->simulated(); }
-  std::string trouble() const override { return driver_->trouble(); }
+  std::string last_error() const override { return driver_->last_error(); }
   const arm::ArmDescription* arm_description() const noexcept override {
     return driver_->arm_description();
   }

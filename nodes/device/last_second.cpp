@@ -18,7 +18,7 @@ double LastSecond::largest_force_n() const {
   return largest_n;
 }
 
-double LastSecond::answered_share() const {
+double LastSecond::answered_ratio() const {
   if (looks_.empty() || looks_.back().samples == looks_.front().samples)
     return 1.0;
   // An answer may come after the second that its sample was in.

@@ -14,7 +14,7 @@ class LastSecond {
   /// Of the last second [N].
   double largest_force_n() const;
   /// Of the samples of the last second; 1 where there were none.
-  double answered_share() const;
+  double answered_ratio() const;
 
  private:
   struct Look {

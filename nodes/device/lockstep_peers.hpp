@@ -27,7 +27,7 @@ class LockstepPeers {
   const std::set<bus::Guid>& participants() const noexcept { return partners_.participants(); }
 
  private:
-  runtime::Partners partners_{{"rendering", "coupling", "logger", "validator"}};
+  runtime::PeerSet partners_{{"rendering", "coupling", "logger", "validator"}};
   std::atomic<bool> ready_{false};
   std::string missing_, lost_;
 };

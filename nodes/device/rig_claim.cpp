@@ -3,18 +3,18 @@
 namespace voxtouch::device_node {
 namespace {
 
-constexpr char kClaim[] = "answered_before_rival";
+constexpr char kClaim[] = "answered_before_conflict";
 
 }  // namespace
 
 bool RigClaim::update(const runtime::NodeRegistry& registry, const bus::Guid& own,
                       std::uint64_t answered) {
   bool lost = false;
-  rival_.clear();
+  conflicting_.clear();
   for (const runtime::NodeReport& other : registry.reports()) {
     if (other.node != "device" || other.participant == own || other.final())
       continue;
-    rival_ = registry.name_of(other.participant);
+    conflicting_ = registry.name_of(other.participant);
     if (!claim_)
       claim_ = answered;
     const auto theirs = other.figures.find(kClaim);
@@ -23,7 +23,7 @@ bool RigClaim::update(const runtime::NodeRegistry& registry, const bus::Guid& ow
     const std::uint64_t count = runtime::as_count(theirs->second.value);
     lost |= count != *claim_ ? count > *claim_ : other.participant < own;
   }
-  if (rival_.empty())
+  if (conflicting_.empty())
     claim_.reset();
   return lost;
 }

@@ -17,12 +17,12 @@ class RigClaim {
   /// keeps the rig.
   bool update(const runtime::NodeRegistry& registry, const bus::Guid& own, std::uint64_t answered);
   /// Name of the other device; empty: there is none.
-  const std::string& rival() const noexcept { return rival_; }
+  const std::string& conflicting() const noexcept { return conflicting_; }
   void report_to(runtime::NodeReport& report) const;
 
  private:
   std::optional<std::uint64_t> claim_;
-  std::string rival_;
+  std::string conflicting_;
 };
 
 }  // namespace voxtouch::device_node

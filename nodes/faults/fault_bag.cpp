@@ -63,7 +63,7 @@ std::filesystem::path write_fault_bag(const std::filesystem::path& folder,
   return path;
 }
 
-std::vector<std::string> told_in(const std::filesystem::path& folder) {
+std::vector<std::string> fault_records_in(const std::filesystem::path& folder) {
   std::vector<std::string> sentences;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {

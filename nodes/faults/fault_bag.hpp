@@ -50,6 +50,6 @@ std::filesystem::path write_fault_bag(const std::filesystem::path& folder,
                                       const std::vector<FaultMessage>& messages);
 
 /// A sentence for each record in FOLDER, by name; nothing where it is not there.
-std::vector<std::string> told_in(const std::filesystem::path& folder);
+std::vector<std::string> fault_records_in(const std::filesystem::path& folder);
 
 }  // namespace voxtouch::faults

@@ -9,9 +9,9 @@
 
 #include <fmt/format.h>
 
+#include "nodes/console/log.hpp"
 #include "nodes/faults/fault_bag.hpp"
 #include "nodes/faults/recent_rows.hpp"
-#include "nodes/log/tell.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/realtime.hpp"
 
@@ -74,8 +74,8 @@ class FaultRecorder {
     if (rows_.keep(reason))
       faults_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// For a fault that another node has told of: likewise, and not told on. Not where this node has
-  /// just kept its own.
+  /// For a fault that another node has reported: likewise, and not passed on. Not where this node
+  /// has just kept its own.
   void keep_too(const char* reason) noexcept {
     if (rows_.share_new() > 0.25)
       rows_.keep(reason);
@@ -87,8 +87,8 @@ class FaultRecorder {
     const std::lock_guard lock(mutex_);
     if (!last_.empty())
       report.values["fault_record"] = last_;
-    if (!trouble_.empty())
-      report.values["fault_record_trouble"] = trouble_;
+    if (!diagnostic_.empty())
+      report.values["fault_record_error"] = diagnostic_;
   }
 
  private:
@@ -106,18 +106,19 @@ class FaultRecorder {
     if (++written_ > kMaxRecords)
       return;
     context_.reason = reason;
-    std::string where, trouble;
+    std::string where, diagnostic;
     try {
       where = write_fault_bag(folder_, context_, topics_, messages_(rows)).string();
-      log::tell("{}: what it saw before {} is in {}\n", context_.node, reason, where);
+      console::log("{}: what it saw before {} is in {}\n", context_.node, reason, where);
     } catch (const std::exception& error) {
-      trouble = fmt::format("what it saw before {} is not on the disk: {}", reason, error.what());
-      log::tell("warning: {}: {}\n", context_.node, trouble);
+      diagnostic =
+          fmt::format("what it saw before {} is not on the disk: {}", reason, error.what());
+      console::log("warning: {}: {}\n", context_.node, diagnostic);
     }
     const std::lock_guard lock(mutex_);
     if (!where.empty())
       last_ = std::move(where);
-    trouble_ = std::move(trouble);
+    diagnostic_ = std::move(diagnostic);
   }
 
   std::filesystem::path folder_;
@@ -128,7 +129,7 @@ class FaultRecorder {
   std::atomic<std::uint64_t> faults_{0};
   std::uint64_t written_ = 0;  ///< of the thread
   mutable std::mutex mutex_;
-  std::string last_, trouble_;
+  std::string last_, diagnostic_;
   std::jthread thread_;  ///< last: it uses all of the above
 };
 

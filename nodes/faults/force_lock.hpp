@@ -9,9 +9,9 @@
 
 namespace voxtouch::faults {
 
-/// The loop engages it and asks whether it is open again; the housekeeping tells of it and hands on
-/// the person's word. Each time that it is engaged it has another number, so that a word for one
-/// lock opens no other, and one that was recorded opens none.
+/// The loop engages it and asks whether it is open again; the monitor reports it and passes on the
+/// reset. Each time that it is engaged it has another number, so that a word for one lock opens no
+/// other, and one that was recorded opens none.
 class ForceLock {
  public:
   ForceLock();

@@ -8,7 +8,7 @@
 
 #include "nodes/bag/bag_recorder.hpp"
 #include "nodes/bag/bag_writer.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/logger/recorded_topics.hpp"
 #include "nodes/runtime/node_host.hpp"
 #include "nodes/runtime/participant_counts.hpp"
@@ -58,10 +58,10 @@ class LoggerNode {
         {{"its loop", [this] { return host_.heartbeat().sign(); }},
          {"its disk", [this] { return recorder_.disk_steps() + closing_.sign(); }}});
     for (const std::string& error : final_.errors)
-      log::tell("error: logger: {}\n", error);
+      console::log("error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
-        log::tell(
+        console::log(
             "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or "
             "full\n",
             t.dropped + t.lost, t.received, t.name);
@@ -82,10 +82,10 @@ class LoggerNode {
       if (const std::int64_t now = runtime::monotonic_ns(); now - last_discovery > 50'000'000) {
         last_discovery = now;
         for (const std::string& sentence : topics_.discover())
-          log::tell("warning: logger: {}\n", sentence);
+          console::log("warning: logger: {}\n", sentence);
       }
     }
-    record_what_is_on_its_way();
+    record_pending();
     topics_.end();
     constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
     const runtime::Heartbeat::Busy busy(host_.heartbeat(), kMaxCloseNs),
@@ -96,9 +96,9 @@ class LoggerNode {
 
   /// Whatever the others wrote before they stopped has been acknowledged by our readers: it is
   /// here, or on its way (best effort). Not for ever: others may go on writing, a ring that this
-  /// logger only listens to or a robot whose topics it was told. Quiet is counted in waits and not
+  /// logger only listens to or a robot whose topics are listed. Quiet is counted in waits and not
   /// by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
-  void record_what_is_on_its_way() {
+  void record_pending() {
     const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
     for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end;
          quiet = host_.wait_set().wait(20'000'000) ? 0 : quiet + 1) {
@@ -128,7 +128,7 @@ class LoggerNode {
                       {"written", {now.total(&bag::TopicReport::written), "messages"}},
                       {"dropped", {lost, "messages"}},
                       {"topics", {now.topics.size(), "topics"}}};
-    topics_.tell(session_in_bag_.load(std::memory_order_relaxed), report.figures);
+    topics_.publish_figures(session_in_bag_.load(std::memory_order_relaxed), report.figures);
     report_roles(registry, report, status);
     host_.report_session(registry, report, "a device", true);
   }
@@ -141,7 +141,7 @@ class LoggerNode {
     roles_[0].update(registry, std::nullopt);
     for (std::size_t n = 1; n < roles_.size() && roles_[0].bound(); ++n)
       roles_[n].update(registry, roles_[0].session());
-    std::uint64_t settled = 0, refused = 0, left_out = 0;
+    std::uint64_t settled = 0, refused = 0, skipped = 0;
     std::map<bus::Guid, std::uint64_t> refused_of;
     for (const RecordedTopics::OfRole& one : topics_.of_roles()) {
       const auto& bound =
@@ -152,7 +152,7 @@ class LoggerNode {
       one.records->looked(bound.has_value());
       if (one.followed)
         settled += one.records->settled();
-      (one.followed ? refused : left_out) += one.records->refused();
+      (one.followed ? refused : skipped) += one.records->refused();
       for (const auto& [writer, count] : one.records->refused_writers())
         refused_of[writer] += count;
     }
@@ -161,13 +161,13 @@ class LoggerNode {
     refused_from_.name(registry);
     report.figures["records"] = {settled, "messages"};
     report.figures["refused_records"] = {refused, "messages"};
-    report.figures["left_out_messages"] = {left_out, "messages"};
-    if (refused + left_out == 0)
+    report.figures["skipped_messages"] = {skipped, "messages"};
+    if (refused + skipped == 0)
       return;
     report.values["refused_writers"] = refused_from_.text();
     status.append(
         fmt::format("; {} messages are not in the bag: {}, which play no role of this session",
-                    refused + left_out, refused_from_.text()));
+                    refused + skipped, refused_from_.text()));
   }
 
   const Options& options_;

@@ -42,11 +42,12 @@ constexpr RoleTopic kRoleTopics[] = {{qos::kDeviceState.path, "device", false, f
 }  // namespace
 
 RecordedTopics::RecordedTopics(const bus::Participant& participant,
-                               const runtime::NodeOptions& options, std::vector<std::string> wanted,
-                               bag::BagRecorder& recorder, bus::WaitSet& wait_set)
+                               const runtime::NodeOptions& options,
+                               std::vector<std::string> requested, bag::BagRecorder& recorder,
+                               bus::WaitSet& wait_set)
     : participant_(participant),
       options_(options),
-      wanted_(std::move(wanted)),
+      requested_(std::move(requested)),
       recorder_(recorder),
       wait_set_(wait_set),
       discovery_(participant.get()) {
@@ -87,7 +88,7 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant,
         entry.records = one.records.get();
     if (!own->binds)
       continue;
-    entry.following = std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll);
+    entry.following = std::make_unique<bus::Following>(bus::Following::WhileUnbound::kTakeAll);
     entry.following->attach(entry.reader.get());
   }
 }
@@ -112,8 +113,8 @@ RecordedTopics::Entry& RecordedTopics::add(const std::string& name, const msg::A
       Entry{name, nullptr, std::move(reader), std::move(shown), *id, stamp});
 }
 
-bool RecordedTopics::wants(const std::string& topic) const {
-  return std::any_of(wanted_.begin(), wanted_.end(), [&](const std::string& w) {
+bool RecordedTopics::selects(const std::string& topic) const {
+  return std::any_of(requested_.begin(), requested_.end(), [&](const std::string& w) {
     return w.ends_with('*') ? topic.starts_with(w.substr(0, w.size() - 1)) : topic == w;
   });
 }
@@ -125,7 +126,7 @@ std::vector<std::string> RecordedTopics::discover() {
       look_for_writers(entry);
   discovery_.take([&](const dds_builtintopic_endpoint_t& writer) {
     const std::string name = writer.topic_name, type_name = writer.type_name;
-    if (!name.starts_with("rt/") || !wants(name) || !known_.insert(name).second)
+    if (!name.starts_with("rt/") || !selects(name) || !known_.insert(name).second)
       return;
     const auto type = std::ranges::find_if(msg::kAllTypes, [&](const msg::AnyType& t) {
       return type_name == t.descriptor->m_typename;
@@ -237,7 +238,7 @@ void RecordedTopics::note(Entry& entry, std::span<const std::byte> bytes) {
   entry.numbers.add(session, sequence);
 }
 
-void RecordedTopics::tell(std::uint64_t session, runtime::Figures& figures) const {
+void RecordedTopics::publish_figures(std::uint64_t session, runtime::Figures& figures) const {
   const std::lock_guard lock(numbers_mutex_);
   for (const Entry& entry : entries_) {
     if (entry.stream.empty())

@@ -27,15 +27,15 @@ class RecordedTopics {
  public:
   /// Makes readers for every row of the table that is recorded. Throws bus::Error.
   RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
-                 std::vector<std::string> wanted, bag::BagRecorder& recorder,
+                 std::vector<std::string> requested, bag::BagRecorder& recorder,
                  bus::WaitSet& wait_set);
 
-  /// Makes readers for wanted topics whose writers have appeared since. Returns sentences about
+  /// Makes readers for selected topics whose writers have appeared since. Returns sentences about
   /// what cannot be recorded: a topic whose type is not compiled in is one.
   std::vector<std::string> discover();
   /// Takes all that is there into the recorder; how many samples that was.
   std::size_t drain();
-  /// The last call: what is kept for somebody who has not come is refused.
+  /// The last call: what is kept for an absent participant is refused.
   void end();
   /// Readers of what who plays the role writes. Their addresses stay.
   std::vector<bus::Following*> readers_of(std::string_view role) const;
@@ -50,7 +50,7 @@ class RecordedTopics {
   /// Who must have matched what before a lockstep run.
   std::vector<runtime::Link> links() const;
   /// Which samples of `session` were taken to be written, for each stream of the ring. Any thread.
-  void tell(std::uint64_t session, runtime::Figures& figures) const;
+  void publish_figures(std::uint64_t session, runtime::Figures& figures) const;
 
  private:
   /// How a message's time in the bag is found in lockstep, where no clock may be asked.
@@ -75,7 +75,7 @@ class RecordedTopics {
   };
   Entry& add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos,
              const dds_qos_t* offered, Stamp stamp);
-  bool wants(const std::string& topic) const;
+  bool selects(const std::string& topic) const;
   void note(Entry& entry, std::span<const std::byte> bytes);
   void push(const RoleRecords::Record& record);
   void push(Entry& entry, std::int64_t time_ns, std::span<const std::byte> bytes);
@@ -85,7 +85,7 @@ class RecordedTopics {
 
   const bus::Participant& participant_;
   const runtime::NodeOptions& options_;
-  std::vector<std::string> wanted_;
+  std::vector<std::string> requested_;
   bag::BagRecorder& recorder_;
   bus::WaitSet& wait_set_;
   bus::WriterDiscovery discovery_;

@@ -5,7 +5,7 @@
 namespace voxtouch::logger {
 namespace {
 
-constexpr std::size_t kMaxEntitled =
+constexpr std::size_t kMaxAuthorised =
     64;  ///< the newest; a ring does not change its rendering so often
 constexpr std::size_t kMaxNamed = 16;
 /// The first may have begun before the record came.
@@ -15,11 +15,11 @@ constexpr std::uint64_t kLooks = 2;
 
 void RoleRecords::entitle(const bus::Guid& participant) {
   const std::lock_guard lock(mutex_);
-  if (std::ranges::find(entitled_, participant) != entitled_.end())
+  if (std::ranges::find(authorised_, participant) != authorised_.end())
     return;
-  entitled_.push_back(participant);
-  if (entitled_.size() > kMaxEntitled)
-    entitled_.pop_front();
+  authorised_.push_back(participant);
+  if (authorised_.size() > kMaxAuthorised)
+    authorised_.pop_front();
 }
 
 void RoleRecords::looked(bool bound) {
@@ -32,10 +32,10 @@ void RoleRecords::take(const bus::Guid& writer, Record record) {
   const std::lock_guard lock(mutex_);
   const std::size_t size = record.bytes.size();
   if (kept_bytes_[writer] + size > kMaxOfOne || all_bytes_ + size > kMaxOfAll) {
-    const bool owner = std::ranges::find(entitled_, writer) != entitled_.end();
-    if (unknown_ == Unknown::kRefuse || (!owner && !entitled_.empty()))
+    const bool owner = std::ranges::find(authorised_, writer) != authorised_.end();
+    if (unknown_ == Unknown::kRefuse || (!owner && !authorised_.empty()))
       return refuse(writer);
-    released_ = released_ || entitled_.empty();
+    released_ = released_ || authorised_.empty();
   }
   kept_bytes_[writer] += size, all_bytes_ += size;
   kept_.push_back({writer, std::move(record), looks_ + kLooks});
@@ -45,13 +45,14 @@ std::vector<RoleRecords::Record> RoleRecords::decided() {
   const std::lock_guard lock(mutex_);
   std::vector<Record> own;
   std::erase_if(kept_, [&](Kept& one) {
-    const bool entitled = released_ || std::ranges::find(entitled_, one.writer) != entitled_.end();
-    const bool foreign = !entitled && bound_ && looks_ >= one.decided_at;
-    if (!entitled && !foreign)
+    const bool authorised =
+        released_ || std::ranges::find(authorised_, one.writer) != authorised_.end();
+    const bool foreign = !authorised && bound_ && looks_ >= one.decided_at;
+    if (!authorised && !foreign)
       return false;
     const std::size_t size = one.record.bytes.size();
     kept_bytes_[one.writer] -= size, all_bytes_ -= size;
-    if (entitled)
+    if (authorised)
       own.push_back(std::move(one.record)), ++settled_;
     if (foreign)
       refuse(one.writer);
@@ -64,7 +65,7 @@ std::vector<RoleRecords::Record> RoleRecords::decided() {
 
 void RoleRecords::release_unknown() {
   const std::lock_guard lock(mutex_);
-  released_ = unknown_ == Unknown::kRecord && entitled_.empty();
+  released_ = unknown_ == Unknown::kRecord && authorised_.empty();
 }
 
 void RoleRecords::refuse_kept() {

@@ -13,8 +13,8 @@
 namespace voxtouch::logger {
 
 /// A record may come before it is known who plays the role: it is kept until then. One whose writer
-/// is not entitled is kept for two looks at the statuses, as a rendering that was started again may
-/// be heard before it is bound. What is refused then is counted. `entitle` and `looked`: the
+/// is not authorised is kept for two looks at the statuses, as a rendering that was started again
+/// may be received before it is bound. What is refused then is counted. `entitle` and `looked`: the
 /// housekeeping. `take`, `settle` and `end`: the thread that reads. Allocates; not for the loop of
 /// a ring.
 class RoleRecords {
@@ -29,7 +29,7 @@ class RoleRecords {
   /// about 200, a value of the outside wrench 80.
   static constexpr std::size_t kMaxOfOne = 1'000'000, kMaxOfAll = 16'000'000;
 
-  /// While nobody has played the role, and at the end if nobody did.
+  /// While the role was not bound, and at the end if it never was.
   enum class Unknown : bool {
     kRefuse,  ///< what a replay follows
     kRecord,  ///< streams: beyond the limits above, what is kept is recorded
@@ -38,10 +38,10 @@ class RoleRecords {
 
   /// This participant plays the role. What it wrote counts, also after it has gone.
   void entitle(const bus::Guid& participant);
-  /// All that one look at the statuses tells has been said. `bound`: somebody plays the role.
+  /// All that one check of the statuses gives has been reported. `bound`: the role is bound.
   void looked(bool bound);
 
-  /// `writer`: the participant that wrote it; all zero where it has gone before anybody knew it.
+  /// `writer`: the participant that wrote it; all zero where it has gone before it was known.
   void take(const bus::Guid& writer, Record record);
   /// Calls push(const Record&) for each that is now known to be the role's, in the order that they
   /// came.
@@ -50,8 +50,8 @@ class RoleRecords {
     for (const Record& record : decided())
       push(record);
   }
-  /// Nobody comes any more who might be entitled: what is still kept is refused, or recorded if
-  /// nobody ever was and kRecord holds.
+  /// No participant comes any more that might be authorised: what is still kept is refused, or
+  /// recorded if none ever was and kRecord holds.
   template <class Push>
   void end(Push&& push) {
     release_unknown();
@@ -69,7 +69,8 @@ class RoleRecords {
   struct Kept {
     bus::Guid writer;
     Record record;
-    std::uint64_t decided_at;  ///< the look after which it is known whether the writer is entitled
+    std::uint64_t
+        decided_at;  ///< the look after which it is known whether the writer is authorised
   };
   std::vector<Record> decided();
   void release_unknown();
@@ -79,7 +80,7 @@ class RoleRecords {
   const Unknown unknown_;
   mutable std::mutex mutex_;
   bool released_ = false;  ///< all that is kept is recorded
-  std::deque<bus::Guid> entitled_;
+  std::deque<bus::Guid> authorised_;
   std::deque<Kept> kept_;
   std::map<bus::Guid, std::size_t> kept_bytes_;  ///< of each writer
   std::size_t all_bytes_ = 0;

@@ -37,7 +37,7 @@ class SequenceCount {
 
  private:
   static constexpr std::size_t kMaxSessions =
-      64;  ///< anybody may send any number: later ones are not counted
+      64;  ///< any participant may send any number: later ones are not counted
   std::map<std::uint64_t, Count> sessions_;
 };
 

@@ -52,15 +52,15 @@ DisplayMesh read_whole(const scene::MeshSpec& spec, double voxel_size_m) {
 
 }  // namespace
 
-std::vector<std::size_t> shares_of(const std::vector<std::size_t>& counts, std::size_t most) {
-  std::vector<std::size_t> order(counts.size()), shares(counts.size());
+std::vector<std::size_t> counts_of(const std::vector<std::size_t>& counts, std::size_t most) {
+  std::vector<std::size_t> order(counts.size()), quotas(counts.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::sort(order, {}, [&](std::size_t n) { return counts[n]; });
   for (std::size_t k = 0; k < order.size(); ++k) {
-    shares[order[k]] = std::min(counts[order[k]], most / (order.size() - k));
-    most -= shares[order[k]];
+    quotas[order[k]] = std::min(counts[order[k]], most / (order.size() - k));
+    most -= quotas[order[k]];
   }
-  return shares;
+  return quotas;
 }
 
 std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene,
@@ -75,12 +75,12 @@ std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene,
     all.push_back(stop.load() ? DisplayMesh{} : read_whole(*spec, scene.voxel_size_m));
     counts.push_back(all.back().triangles());
   }
-  const std::vector<std::size_t> shares = shares_of(counts, kMaxDrawnTriangles);
+  const std::vector<std::size_t> quotas = counts_of(counts, kMaxDrawnTriangles);
   for (std::size_t n = 0; n < all.size() && !stop.load(); ++n) {
-    if (counts[n] <= shares[n])
+    if (counts[n] <= quotas[n])
       continue;
-    coarsen(all[n], shares[n]);
-    all[n].note = fmt::format("{} is drawn with {} of its {} triangles; it is felt with all.",
+    coarsen(all[n], quotas[n]);
+    all[n].note = fmt::format("{} is drawn with {} of its {} triangles; all are rendered.",
                               specs[n]->path.filename().string(), all[n].triangles(), counts[n]);
   }
   return all;

@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   const auto number = [argv](int n) { return std::strtoull(argv[n], nullptr, 10); };
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (argc != 7 || static_cast<unsigned long long>(::getppid()) != number(5))
-    return 2;  // gone before that could be heard
+    return 2;  // gone before that could be received
   limit(RLIMIT_CPU, number(3), 1);
   limit(RLIMIT_CORE, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(VOXTOUCH_SANITIZED)

@@ -22,7 +22,7 @@ extern char** environ;
 namespace voxtouch::mesh_import {
 namespace {
 
-/// vfork and exec in one: safe beside any threads. Throws std::runtime_error.
+/// vfork and exec in one: safe while other threads run. Throws std::runtime_error.
 pid_t spawn(const std::vector<std::string>& words, int shared) {
   std::vector<char*> argv;
   for (const std::string& word : words)
@@ -79,7 +79,7 @@ mesh::FileTriangles read_apart(const std::filesystem::path& path, const std::str
       spawn({program, path, std::to_string(options.max_triangles), std::to_string(limits.cpu_s),
              std::to_string(limits.memory_mib), std::to_string(::getpid()), how},
             ::fileno(shared.get()));
-  int status = 127 << 8;  // where it cannot be told how it ended
+  int status = 127 << 8;  // where it is unknown how it ended
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
     continue;
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
@@ -107,7 +107,7 @@ mesh::FileTriangles read_or_refuse(const std::filesystem::path& path, const std:
     throw;
   } catch (const std::exception& error) {
     mesh::import::refuse(path, fmt::format("was not read: {}", error.what()),
-                         "see that voxtouch_import_mesh stands beside this program");
+                         "see that voxtouch_import_mesh stands next to this program");
   }
 }
 
@@ -120,7 +120,7 @@ mesh::TriangleReader mesh_process(const ReadLimits& limits) {
   };
 }
 
-void rehearse_reading(const scene::Scene& scene) {
+void dry_run_reading(const scene::Scene& scene) {
   for (const scene::MeshSpec& mesh : scene.static_meshes)
     read_or_refuse(mesh.path, {}, {}, {}, kAsItIs);
   read_or_refuse(scene.dynamic_mesh.path, {}, {}, {}, kAsItIs);

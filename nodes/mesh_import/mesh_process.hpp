@@ -1,5 +1,5 @@
 #pragma once
-/// Reads a mesh in a process of its own (voxtouch_import_mesh, which stands beside this program),
+/// Reads a mesh in a process of its own (voxtouch_import_mesh, which stands next to this program),
 /// so that a file that crashes assimp, hangs it or fills memory is refused with a sentence, and
 /// nothing else happens.
 #include "core/mesh/import.hpp"
@@ -9,9 +9,10 @@ namespace voxtouch::mesh_import {
 
 /// What reading one mesh may take.
 struct ReadLimits {
-  unsigned cpu_s = 20;                 ///< CPU time; the clock may show three times as much
-  std::uint64_t memory_mib = 4096;     ///< address space; not held where a sanitizer needs it
-  std::filesystem::path program = {};  ///< voxtouch_import_mesh; empty: the one beside this program
+  unsigned cpu_s = 20;              ///< CPU time; the clock may show three times as much
+  std::uint64_t memory_mib = 4096;  ///< address space; not held where a sanitizer needs it
+  std::filesystem::path program =
+      {};  ///< voxtouch_import_mesh; empty: the one next to this program
 };
 
 /// The reader for import_mesh() and build_scene(). Throws MeshError. One process a mesh, about 10
@@ -22,6 +23,6 @@ mesh::TriangleReader mesh_process(const ReadLimits& limits = {});
 /// For those who let assimp read a scene's meshes in this process and without checks, as
 /// core/reference does: it reads each in a process of its own first. Throws MeshError where that
 /// crashes, hangs or fills memory. What assimp refuses passes: it will do so again.
-void rehearse_reading(const scene::Scene& scene);
+void dry_run_reading(const scene::Scene& scene);
 
 }  // namespace voxtouch::mesh_import

@@ -26,8 +26,8 @@ ChangeInbox::ChangeInbox(const bus::Participant& participant, const runtime::Nod
             qos::profile_in(qos::kEffectMade, options.mode())),
       receive_(std::move(receive)),
       services_(participant, options.rig, options.lockstep,
-                {[this](auto asked, bool together, const bus::Guid& by, const ChangeTold& told) {
-                   ask_for(asked, together, by, told);
+                {[this](auto asked, bool together, const bus::Guid& by, const ChangeReply& reply) {
+                   ask_for(asked, together, by, reply);
                  },
                  std::move(parameters)}),
       wait_set_(participant) {
@@ -54,7 +54,7 @@ void ChangeInbox::serve(std::uint64_t session,
 
 /// A request by a service goes on as if it had come as a message.
 void ChangeInbox::ask_for(std::span<const msg::EffectChange> asked, bool together,
-                          const bus::Guid& by, const ChangeTold& told) {
+                          const bus::Guid& by, const ChangeReply& reply) {
   count(by, asked.size());
   std::vector<ChangeRequest> requests;
   for (std::size_t n = 0; n < asked.size(); ++n)
@@ -62,8 +62,8 @@ void ChangeInbox::ask_for(std::span<const msg::EffectChange> asked, bool togethe
         {.id = request_number(),
          .session = asked[n].session_id,
          .from_sample = asked[n].from_sample,
-         .told = [told, n](bool done, std::uint64_t sample, const std::string& sentence) {
-           told(n, done, sample, sentence);
+         .reply = [reply, n](bool done, std::uint64_t sample, const std::string& sentence) {
+           reply(n, done, sample, sentence);
          }});
   if (together)
     return receive_(asked, true, std::move(requests));
@@ -101,8 +101,8 @@ void ChangeInbox::answer(const ChangeRequest& request, std::uint32_t result, std
   if (answered_.size() > kRemembered)
     answered_.pop_front();
   send(answered_.back());
-  if (request.told && result != kResultWaiting)
-    request.told(result == kResultDone, sample, sentence);
+  if (request.reply && result != kResultWaiting)
+    request.reply(result == kResultDone, sample, sentence);
 }
 
 void ChangeInbox::refuse(const ChangeRequest& request, const std::string& sentence) {

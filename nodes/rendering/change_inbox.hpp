@@ -60,7 +60,7 @@ class ChangeInbox {
     std::string sentence;
   };
   void ask_for(std::span<const msg::EffectChange> asked, bool together, const bus::Guid& by,
-               const ChangeTold& told);
+               const ChangeReply& reply);
   void count(const bus::Guid& by, std::size_t changes);
   void send(const Answered& answer);
 

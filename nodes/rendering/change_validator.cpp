@@ -116,20 +116,20 @@ std::expected<std::vector<PendingChange>, std::string> ChangeValidator::judge(
     out.push_back({.request = std::move(requests[out.size()])});
     out.back().change.effect = command;
   }
-  if (std::string why = why_not(next); !why.empty())
+  if (std::string why = check_device(next); !why.empty())
     return std::unexpected(std::move(why));
   return out;
 }
 
 std::string ChangeValidator::judge(const PendingChanges& pending) {
-  return pending.all().empty() ? "" : why_not(after(pending));
+  return pending.all().empty() ? "" : check_device(after(pending));
 }
 
 std::expected<std::vector<effects::EffectSpec>, std::string> ChangeValidator::judge(
     const scene::Scene& next, const rendering::Plan& plan) {
   std::vector<effects::EffectSpec> effects =
       rendering::carried_over(scene_.effects, effects_, next.effects);
-  std::string why = on_device_.why_not(next, plan.of_contact_alone, effects::at_rest(effects));
+  std::string why = on_device_.check(next, plan.of_contact_alone, effects::at_rest(effects));
   if (!why.empty())
     return std::unexpected(std::move(why));
   return effects;
@@ -156,9 +156,9 @@ void ChangeValidator::apply(PendingChange& done) {
 bool ChangeValidator::sum_up() {
   const rendering::StiffnessBounds bounds =
       rendering::with_effects(plan_.of_contact_alone, effects_);
-  fitting::DeviceDemand demand = fitting::demand_of(scene_, reach_);
+  device_fit::SceneRequirements demand = device_fit::demand_of(scene_, reach_);
   if (fading_)
-    demand = fitting::larger_of(*fading_, demand);
+    demand = device_fit::larger_of(*fading_, demand);
   const bool another =
       demand != demand_ ||
       bounds != rendering::StiffnessBounds{plan_.contact_n_per_m, plan_.contact_nm_per_rad};

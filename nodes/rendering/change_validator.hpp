@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/fitting/scene_on_device.hpp"
+#include "core/device_fit/device_compatibility.hpp"
 #include "nodes/rendering/pending_changes.hpp"
 
 namespace voxtouch::rendering_node {
@@ -24,8 +24,8 @@ class ChangeValidator {
   const rendering::Plan& plan() const noexcept { return plan_; }
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
   /// Of all that is rendered now, at most
-  const fitting::DeviceDemand& demand() const noexcept { return demand_; }
-  const fitting::SceneOnDevice& on_device() const noexcept { return on_device_; }
+  const device_fit::SceneRequirements& demand() const noexcept { return demand_; }
+  const device_fit::DeviceCompatibility& on_device() const noexcept { return on_device_; }
 
   /// Why a request cannot be made whatever it asks for; empty: it can. `sample`: the one that is
   /// answered.
@@ -65,8 +65,8 @@ class ChangeValidator {
     void carry_out(const effects::EffectCommand& command);
   };
   Next after(const PendingChanges& pending) const;
-  std::string why_not(const Next& next) {
-    return on_device_.why_not(next.scene, next.contact_alone, next.reach);
+  std::string check_device(const Next& next) {
+    return on_device_.check(next.scene, next.contact_alone, next.reach);
   }
   void set_plan(const rendering::BuiltScene& built);
 
@@ -74,9 +74,9 @@ class ChangeValidator {
   std::vector<effects::EffectSpec> effects_;
   /// Where the effects may be, until they are at rest
   std::vector<effects::EffectReach> reach_;
-  std::optional<fitting::DeviceDemand> fading_;  ///< of the scene that fades out, at most
-  fitting::DeviceDemand demand_;
-  fitting::SceneOnDevice on_device_;
+  std::optional<device_fit::SceneRequirements> fading_;  ///< of the scene that fades out, at most
+  device_fit::SceneRequirements demand_;
+  device_fit::DeviceCompatibility on_device_;
   rendering::Plan plan_;
   double largest_shell_gap_m_ = 0.0;
 };

@@ -67,11 +67,11 @@ void add_effect(std::vector<RosParameter>& all, const effects::EffectSpec& effec
   if (!effect.kind->everywhere) {
     all.push_back({.name = effect.name + ".on",
                    .value = effect.on,
-                   .meaning = "Whether the effect is felt: " + std::string(effect.kind->says),
+                   .meaning = "Whether the effect is displayed: " + std::string(effect.kind->says),
                    .effect = effect.name});
     all.push_back({.name = effect.name + ".gain",
                    .value = effect.gain,
-                   .meaning = "Share of the effect that is felt [1].",
+                   .meaning = "Fraction of the effect that is displayed [1].",
                    .low = 0.0,
                    .high = 1.0,
                    .effect = effect.name});

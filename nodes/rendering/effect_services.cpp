@@ -33,10 +33,10 @@ EffectServices::EffectServices(const bus::Participant& participant, const std::s
       parameters_(participant, rig, "rendering", lockstep,
                   {handler_.parameters,
                    [this](auto asked, bool together, const bus::Guid& by,
-                          const runtime::SettingTold& told) { set(asked, together, by, told); }},
+                          const runtime::SettingReply& reply) { set(asked, together, by, reply); }},
                   limit_),
       events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)),
-      told_(handler_.parameters()) {}
+      published_(handler_.parameters()) {}
 
 void EffectServices::attach_to(bus::WaitSet& wait_set) {
   wait_set.attach(change_.condition());
@@ -57,40 +57,41 @@ void EffectServices::serve() {
 }
 
 void EffectServices::set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
-                         const bus::Guid& by, const runtime::SettingTold& told) {
+                         const bus::Guid& by, const runtime::SettingReply& reply) {
   const std::vector<RosParameter> known = handler_.parameters();
   std::vector<ParameterChange> changes;
   std::vector<std::size_t> places;
   for (std::size_t n = 0; n < asked.size(); ++n) {
-    auto wanted = change_of(known, asked[n]);
-    if (!wanted && together) {
+    auto requested = change_of(known, asked[n]);
+    if (!requested && together) {
       for (std::size_t all = 0; all < asked.size(); ++all)
-        told(all, false, wanted.error());
+        reply(all, false, requested.error());
       return;
     }
-    if (!wanted) {
-      told(n, false, wanted.error());
+    if (!requested) {
+      reply(n, false, requested.error());
       continue;
     }
-    changes.push_back(std::move(*wanted)), places.push_back(n);
+    changes.push_back(std::move(*requested)), places.push_back(n);
   }
   std::vector<msg::EffectChange> messages;
-  for (const ParameterChange& wanted : changes)
-    messages.push_back(wanted.message());
-  const auto tell = [told](std::size_t place, bool done, const std::string& sentence) {
-    told(place, done, sentence);
+  for (const ParameterChange& requested : changes)
+    messages.push_back(requested.message());
+  const auto reply_at = [reply](std::size_t place, bool done, const std::string& sentence) {
+    reply(place, done, sentence);
   };
   if (together)
-    return handler_.ask(
-        messages, true, by,
-        [places, tell](std::size_t which, bool done, std::uint64_t, const std::string& sentence) {
-          tell(places[which], done, sentence);
-        });
+    return handler_.ask(messages, true, by,
+                        [places, reply_at](std::size_t which, bool done, std::uint64_t,
+                                           const std::string& sentence) {
+                          reply_at(places[which], done, sentence);
+                        });
   for (std::size_t n = 0; n < messages.size(); ++n)
-    handler_.ask(
-        std::span(&messages[n], 1), false, by,
-        [place = places[n], tell](std::size_t, bool done, std::uint64_t,
-                                  const std::string& sentence) { tell(place, done, sentence); });
+    handler_.ask(std::span(&messages[n], 1), false, by,
+                 [place = places[n], reply_at](std::size_t, bool done, std::uint64_t,
+                                               const std::string& sentence) {
+                   reply_at(place, done, sentence);
+                 });
 }
 
 void EffectServices::change(const msg::ChangeEffect::Request& request, const bus::Caller& caller) {
@@ -114,11 +115,11 @@ void EffectServices::change(const msg::ChangeEffect::Request& request, const bus
 }
 
 void EffectServices::parameters_changed() {
-  std::vector<RosParameter> before = std::exchange(told_, handler_.parameters());
+  std::vector<RosParameter> before = std::exchange(published_, handler_.parameters());
   if (events_.matched_count() == 0)
     return;
   std::vector<msg::rcl_interfaces_Parameter> came, changed, gone;
-  for (const RosParameter& now : told_) {
+  for (const RosParameter& now : published_) {
     const RosParameter* const was = find_parameter(before, now.name);
     if (!was)
       came.push_back(ParameterMessages::parameter(now));
@@ -126,7 +127,7 @@ void EffectServices::parameters_changed() {
       changed.push_back(ParameterMessages::parameter(now));
   }
   for (const RosParameter& was : before)
-    if (!find_parameter(told_, was.name))
+    if (!find_parameter(published_, was.name))
       gone.push_back(ParameterMessages::parameter(was));
   if (came.empty() && changed.empty() && gone.empty())
     return;

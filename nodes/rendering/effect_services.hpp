@@ -11,23 +11,23 @@
 #include "nodes/bus/service_server.hpp"
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
-#include "nodes/log/few_a_second.hpp"
+#include "nodes/console/rate_limiter.hpp"
 #include "nodes/rendering/effect_parameters.hpp"
 #include "nodes/runtime/parameter_services.hpp"
 
 namespace voxtouch::rendering_node {
 
 /// What became of one of several changes: `which` is its place among them.
-using ChangeTold = std::function<void(std::size_t which, bool done, std::uint64_t from_sample,
-                                      const std::string& sentence)>;
+using ChangeReply = std::function<void(std::size_t which, bool done, std::uint64_t from_sample,
+                                       const std::string& sentence)>;
 
 /// The way of every change, as the services need it. Both are called from the thread that calls
 /// `serve`.
 struct ChangeHandler {
   /// Each by itself, or `together` all in one sample or none, on request of the participant `by`.
-  /// `told` is called once for each, at once or later.
+  /// `reply` is called once for each, at once or later.
   std::function<void(std::span<const msg::EffectChange> changes, bool together, const bus::Guid& by,
-                     ChangeTold told)>
+                     ChangeReply reply)>
       ask;
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now
 };
@@ -46,14 +46,14 @@ class EffectServices {
   void serve();
   /// Replies wait for their client's reader: `serve` soon.
   bool waits() const noexcept;
-  /// Parameters may have changed, by whatever way: tells `/parameter_events` what did.
+  /// Parameters may have changed, by whatever way: reports on `/parameter_events` what did.
   void parameters_changed();
   /// Requests that were beyond what a second takes. Any thread.
   std::uint64_t refused() const noexcept { return limit_.refused(); }
 
  private:
   void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together, const bus::Guid& by,
-           const runtime::SettingTold& told);
+           const runtime::SettingReply& reply);
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
 
   std::string node_;  ///< "/haptic/rendering"
@@ -62,7 +62,7 @@ class EffectServices {
   bus::ServiceServer<msg::ChangeEffect> change_;
   runtime::ParameterServices parameters_;
   bus::Writer<msg::rcl_interfaces_ParameterEvent> events_;
-  std::vector<RosParameter> told_;  ///< as the events' readers know them
+  std::vector<RosParameter> published_;  ///< as the events' readers know them
 };
 
 }  // namespace voxtouch::rendering_node

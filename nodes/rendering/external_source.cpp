@@ -63,7 +63,7 @@ ExternalSource::ExternalSource(const bus::Participant& participant,
       device_frame_(options.rig + "/device"),
       device_in_world_(scene.device.pose_WD.orientation),
       about_(effects::no_certificate_sentence(effect_of(scene).name)),
-      following_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeNothing)),
+      following_(std::make_unique<bus::Following>(bus::Following::WhileUnbound::kTakeNothing)),
       reader_(reader_of(participant, options, effect_of(scene).text, following_.get())),
       records_(participant, qos::kExternalSample, options.rig,
                qos::profile(qos::kExternalSample.profile)),
@@ -130,7 +130,7 @@ std::optional<Wrench> ExternalSource::take(const msg::DeviceState& next) noexcep
 void ExternalSource::look() {
   const std::uint64_t session = session_.load(std::memory_order_acquire);
   if (session != bound_for_ || (bound_ && !following_->has_writer())) {
-    following_->follow_nobody();
+    following_->follow_none();
     bound_.reset();
     if (session != bound_for_)
       others_.clear();
@@ -156,11 +156,11 @@ void ExternalSource::look() {
 }
 
 void ExternalSource::look_for_writer(const std::set<bus::Guid>& matched) {
-  rivals_.clear();
+  conflicting_.clear();
   if (bound_for_ == 0)
     return;
   if (matched.size() > 1)
-    rivals_ = matched;
+    conflicting_ = matched;
   if (matched.size() == 1 && following_->follow(*matched.begin()))
     bound_ = *matched.begin();
 }
@@ -173,13 +173,13 @@ void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::N
   report.values["external_writer"] = bound_ ? registry.name_of(*bound_) : "";
   report.figures["external_foreign"] = {following_->refused(), "samples"};
   counters_.report_to(report.figures);
-  status.say(runtime::StatusPriority::kFault, trouble(registry));
+  status.say(runtime::StatusPriority::kFault, diagnostic(registry));
 }
 
-std::string ExternalSource::trouble(const runtime::NodeRegistry& registry) const {
-  if (!rivals_.empty())
-    return fmt::format("{} writers are on {}, and none is felt: {}; stop all but one",
-                       rivals_.size(), topic_, names_of(registry, rivals_));
+std::string ExternalSource::diagnostic(const runtime::NodeRegistry& registry) const {
+  if (!conflicting_.empty())
+    return fmt::format("{} writers are on {}, and none is used: {}; stop all but one",
+                       conflicting_.size(), topic_, names_of(registry, conflicting_));
   if (!others_.empty() && bound_)
     return fmt::format(
         "what {} sends on {} is refused: the external wrench of this session comes from {}",

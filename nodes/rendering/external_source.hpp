@@ -1,5 +1,5 @@
 #pragma once
-/// The wrench of the effect `external`: from one writer outside the ring, read beside the loop.
+/// The wrench of the effect `external`: from one writer outside the ring, read next to the loop.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -22,7 +22,13 @@
 
 namespace voxtouch::rendering_node {
 
-enum class ExternalCounter : std::uint8_t { kTaken, kNotFinite, kWrongFrame, kLate, kGivenJ };
+enum class ExternalCounter : std::uint8_t {
+  kTaken,
+  kNotFinite,
+  kWrongFrame,
+  kLate,
+  kEnergyGeneratedJ
+};
 inline constexpr auto kExternalTable = [] {
   using enum ExternalCounter;
   return std::to_array<runtime::CounterRow<ExternalCounter>>({
@@ -30,7 +36,7 @@ inline constexpr auto kExternalTable = [] {
       {kNotFinite, "external_not_finite", "samples"},
       {kWrongFrame, "external_wrong_frame", "samples"},
       {kLate, "external_late", "samples"},
-      {kGivenJ, "external_given_j", "J"},
+      {kEnergyGeneratedJ, "external_energy_generated_j", "J"},
   });
 }();
 
@@ -56,7 +62,9 @@ class ExternalSource {
   /// `next`. One that waited for longer than kMaxWaitNs is skipped.
   std::optional<Wrench> take(const msg::DeviceState& next) noexcept;
   /// Energy that the effect gave to the hand in one sample, in W [J]; below 0: taken.
-  void count_energy(double joules) noexcept { counters_.note(ExternalCounter::kGivenJ, joules); }
+  void count_energy(double joules) noexcept {
+    counters_.note(ExternalCounter::kEnergyGeneratedJ, joules);
+  }
   static constexpr std::int64_t kMaxWaitNs = 100'000'000;
 
   // The monitor.
@@ -75,7 +83,7 @@ class ExternalSource {
   void receive(const msg::geometry_msgs_WrenchStamped& message);
   void look();
   /// Which writers or which frame is refused; empty: none.
-  std::string trouble(const runtime::NodeRegistry& registry) const;
+  std::string diagnostic(const runtime::NodeRegistry& registry) const;
   void look_for_writer(const std::set<bus::Guid>& matched);
 
   const std::string topic_, device_frame_;
@@ -92,7 +100,7 @@ class ExternalSource {
   // Of the monitor.
   std::optional<bus::Guid> bound_;
   std::uint64_t bound_for_ = 0;  ///< session
-  std::set<bus::Guid> rivals_, others_;
+  std::set<bus::Guid> conflicting_, others_;
   std::string frame_;  ///< refused first
   std::atomic<bool> stop_{false};
   std::thread thread_;

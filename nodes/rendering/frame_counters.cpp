@@ -33,13 +33,13 @@ void count(FrameCounters& counters, const rendering::SceneFrame& frame,
   count_if(kContact, pushes);
   count_if(kRefused, (message.flags & msg::contact_state::kFlagRefusedSample) != 0);
   count_if(kFast, touch.fast);
-  count_if(kMissed, touch.missed);
-  count_if(kPassing, touch.passing);
-  count_if(kBuried, touches(c) && !pushes && c.interior_hits > c.surface_hits);
-  count_if(kHeld, touch.retained);
+  count_if(kTunnellingSuspected, touch.tunnelling_suspected);
+  count_if(kPassedThrough, touch.passed_through);
+  count_if(kFullyInside, touches(c) && !pushes && c.interior_hits > c.surface_hits);
+  count_if(kLatched, touch.latched);
   count_if(kSaturated, c.saturated);
-  count_if(kLag, frame.tool.lag);
-  count_if(kUnplaced, frame.tool.unplaced);
+  count_if(kNotConverged, frame.tool.not_converged);
+  count_if(kNotInitialised, frame.tool.not_initialised);
   count_if(kMostQueries, frame.tool.queries >= contact::limits::kMaxQueries);
   counters.note(kResidual, frame.tool.residual_m);
   if (frame.tool.constrained)

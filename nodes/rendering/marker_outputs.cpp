@@ -40,7 +40,7 @@ void MarkerOutputs::write_due(const scene::Scene& scene, const Shown& shown, boo
   read_commands(scene, shown.session);
   ShownPoints points;
   latest_points_.take(points);
-  wants_points_.store(true, std::memory_order_relaxed);
+  requests_points_.store(true, std::memory_order_relaxed);
   Moment moment{.stamp_ns = shown.stamp_ns,
                 .hand = shown.hand.position,
                 .object = shown.object.position,

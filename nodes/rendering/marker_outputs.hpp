@@ -24,7 +24,7 @@ struct Shown {
   /// T in W, where the hand is and where its contact was found; they differ where there is a
   /// virtual tool or a body
   Pose hand, object;
-  Wrench wrench;                      ///< as the coupling is told, W axes
+  Wrench wrench;                      ///< as the coupling receives it, W axes
   Vec3 contact_force = Vec3::Zero();  ///< of the contact alone, W axes
 };
 
@@ -44,9 +44,9 @@ class MarkerOutputs {
   MarkerOutputs& operator=(const MarkerOutputs&) = delete;
 
   // The loop, ten times a second while points are drawn. Real-time safe.
-  bool wants_points() const noexcept { return wants_points_.load(std::memory_order_relaxed); }
+  bool requests_points() const noexcept { return requests_points_.load(std::memory_order_relaxed); }
   void show_points(const ShownPoints& points) noexcept {
-    wants_points_.store(false, std::memory_order_relaxed);
+    requests_points_.store(false, std::memory_order_relaxed);
     latest_points_.put(points);
   }
 
@@ -68,7 +68,7 @@ class MarkerOutputs {
   std::optional<Vec3> returned_;
   MarkerRounds rounds_;
   LatestValue<ShownPoints> latest_points_;
-  std::atomic<bool> wants_points_{false}, stop_{false};
+  std::atomic<bool> requests_points_{false}, stop_{false};
   std::atomic<std::uint64_t> made_{0};
   bool is_read_ = false;  ///< the scene's meshes, or they are being read
   std::uint32_t readers_so_far_ = 0;

@@ -9,7 +9,7 @@ bool PendingChanges::contains(std::uint64_t id) const {
       all_, [&](const PendingChange& pending) { return pending.request.id == id; });
 }
 
-bool PendingChanges::hand_over(std::vector<PendingChange> asked, ChangeLine& line) {
+bool PendingChanges::hand_over(std::vector<PendingChange> asked, ChangeQueue& line) {
   std::vector<Change> changes;
   for (PendingChange& one : asked) {
     one.change.ticket = ticket_ + 1 + changes.size();
@@ -31,7 +31,7 @@ bool PendingChanges::hand_over(std::vector<PendingChange> asked, ChangeLine& lin
   return true;
 }
 
-void PendingChanges::cancel(const std::string& refusal, ChangeLine& line) {
+void PendingChanges::cancel(const std::string& refusal, ChangeQueue& line) {
   for (PendingChange& pending : all_)
     pending.refusal = refusal;
   line.cancel(ticket_);

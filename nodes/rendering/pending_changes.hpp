@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/scene/scene.hpp"
-#include "nodes/rendering/change_line.hpp"
+#include "nodes/rendering/change_queue.hpp"
 #include "nodes/rendering/kept_change.hpp"
 
 namespace voxtouch::rendering_node {
@@ -17,7 +17,7 @@ struct ChangeRequest {
   std::uint64_t id = 0, session = 0, from_sample = 0;
   std::string what{};  ///< for the answer: "'viscosity' off"
   /// Gives a service's client the final answer.
-  std::function<void(bool done, std::uint64_t from_sample, const std::string& sentence)> told{};
+  std::function<void(bool done, std::uint64_t from_sample, const std::string& sentence)> reply{};
   KeptChange change{};  ///< for the record
 };
 
@@ -38,9 +38,9 @@ class PendingChanges {
     return all_.empty() ? 0 : all_.back().change.from_sample;
   }
   /// All of them in the same sample. False where the loop's queue has no room.
-  bool hand_over(std::vector<PendingChange> changes, ChangeLine& line);
+  bool hand_over(std::vector<PendingChange> changes, ChangeQueue& line);
   /// The loop drops all of them.
-  void cancel(const std::string& refusal, ChangeLine& line);
+  void cancel(const std::string& refusal, ChangeQueue& line);
   /// The oldest, which the loop has reported.
   PendingChange take();
   void set_epoch(std::uint64_t epoch) noexcept { epoch_ = epoch; }

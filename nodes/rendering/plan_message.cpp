@@ -34,7 +34,7 @@ class Columns {
   std::vector<std::string> names_, nodes_, reasons_;
   std::vector<std::uint64_t> bytes_;
   std::vector<double> expected_ns_;
-  std::vector<runtime::LentStrings> lent_;
+  std::vector<runtime::StringViews> lent_;
 };
 
 std::vector<rendering::PlanPart> all_parts(const rendering::Plan& plan, const scene::Scene& scene) {
@@ -47,9 +47,9 @@ std::vector<rendering::PlanPart> all_parts(const rendering::Plan& plan, const sc
 }  // namespace
 
 void publish_plan(bus::Writer<msg::ScenePlan>& writer, const scene::Scene& scene,
-                  const rendering::Plan& plan, const fitting::DeviceDemand& demand,
+                  const rendering::Plan& plan, const device_fit::SceneRequirements& demand,
                   double largest_shell_gap_m, std::uint64_t session, std::uint64_t from_sample) {
-  runtime::LentStrings built(plan.built), left_out(plan.left_out), warnings(plan.warnings);
+  runtime::StringViews built(plan.built), skipped(plan.skipped), warnings(plan.warnings);
   Columns columns(all_parts(plan, scene));
   msg::ScenePlan m{};
   m.session_id = session;
@@ -74,17 +74,17 @@ void publish_plan(bus::Writer<msg::ScenePlan>& writer, const scene::Scene& scene
   m.largest_damping_ns_per_m = demand.damping.largest;
   m.largest_damping = runtime::lend(demand.damping.name);
   m.largest_damping_place = runtime::lend(demand.damping.place);
-  m.effects_damping_nms_per_rad = demand.turning.all;
-  m.largest_damping_nms_per_rad = demand.turning.largest;
-  m.largest_turning_damping = runtime::lend(demand.turning.name);
-  m.largest_turning_damping_place = runtime::lend(demand.turning.place);
+  m.effects_damping_nms_per_rad = demand.rotation.all;
+  m.largest_damping_nms_per_rad = demand.rotation.largest;
+  m.largest_rotation_damping = runtime::lend(demand.rotation.name);
+  m.largest_rotation_damping_place = runtime::lend(demand.rotation.place);
   m.torque_effect = runtime::lend(demand.torque);
   m.external_force_n = demand.external.force_n;
   m.external_torque_nm = demand.external.torque_nm;
   m.external_effect = runtime::lend(demand.external.name);
   m.external_place = runtime::lend(demand.external.place);
   built.into(m.built);
-  left_out.into(m.left_out);
+  skipped.into(m.skipped);
   warnings.into(m.warnings);
   columns.into(m);
   writer.write(m);

@@ -38,7 +38,7 @@ class PlanPublisher {
   }
   /// After `runs` has been judged on its device. `complete`: of this session all that was asked for
   /// has been.
-  void set_judged(const fitting::SceneOnDevice& judged) {
+  void set_judged(const device_fit::DeviceCompatibility& judged) {
     spring_n_per_m_.store(judged.spring_n_per_m(), std::memory_order_release);
     series_m_per_n_.store(judged.series_spring().translation, std::memory_order_release);
     series_rad_per_nm_.store(judged.series_spring().rotation, std::memory_order_release);

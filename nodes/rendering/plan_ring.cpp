@@ -46,8 +46,8 @@ std::vector<rendering::PlanPart> ring_parts(const scene::Scene& scene) {
   parts.push_back(node_part("coupling", scene.design ? "Designs the coupling and runs it."
                                                      : "Runs the scene's coupling."));
   parts.push_back(node_part("validator",
-                            "A process of its own beside the ring, started by `up`: judges every "
-                            "n-th contact while somebody reads its verdicts. "
+                            "A process of its own next to the ring, started by `up`: judges every "
+                            "n-th contact while its verdicts have a reader. "
                             "Where none runs, nothing is done for it."));
   parts.push_back(node_part(
       "logger", "Records the bag; with --no-record there is none, and nothing is done for it."));

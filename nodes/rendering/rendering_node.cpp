@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "core/scene/scene_file.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/rendering/external_source.hpp"
 #include "nodes/rendering/frame_counters.hpp"
 #include "nodes/rendering/plan_warnings.hpp"
@@ -19,8 +19,8 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// What bounds the loop beside NodeHost::run: the changes that the queue holds, a frame's own
-/// counts, and in lockstep waits for the update server that check for the stop.
+/// What bounds the loop in addition to NodeHost::run: the changes that the queue holds, a frame's
+/// own counts, and in lockstep waits for the update server that check for the stop.
 class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactState> {
  public:
   RenderingNode(const Options& options, const scene::Scene& scene,
@@ -79,8 +79,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   std::optional<msg::ContactState> step(const msg::DeviceState& state) noexcept override {
     const std::int64_t begin_ns = runtime::monotonic_ns();
     apply_changes(state.sequence_number, true);
-    renderer_.live().aim_for_spring(updates_.published().spring_n_per_m());
-    renderer_.live().aim_for_series(updates_.published().series_spring());
+    renderer_.live().set_spring_target(updates_.published().spring_n_per_m());
+    renderer_.live().set_series_target(updates_.published().series_spring());
     if (external_)
       if (const std::optional<Wrench> wrench = external_->take(state))
         renderer_.take_external(*wrench, state);
@@ -92,12 +92,12 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   void wrote(const msg::DeviceState&, const msg::ContactState& m) noexcept override {
     const rendering::SceneFrame& frame = renderer_.frame();
     ros_.show(shown_of(frame, m, renderer_.tool().pose));
-    if (ros_.wants_points())
+    if (ros_.requests_points())
       ros_.show_points(points_of(frame, renderer_.live(), scene_.virtual_tool()));
     count(counters_, frame, m);
     const bool repeated = (m.flags & msg::contact_state::kFlagRefusedSample) != 0;
     if (external_ && !repeated)
-      external_->count_energy(frame.effects.given_j);
+      external_->count_energy(frame.effects.energy_generated_j);
   }
 
   /// After half a second without samples a fade ends: no force is displayed.
@@ -158,7 +158,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   const std::vector<std::string> plan_warnings_;  ///< of the scene that it began with
   const double tool_reach_m_;
   SampleRenderer renderer_;
-  ChangeLine line_;
+  ChangeQueue line_;
   bus::FollowedReader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   runtime::DeviceInput device_;
@@ -196,7 +196,7 @@ int run(const Options& options, const std::atomic<bool>& stop) {
   }
   if (options.announce)
     for (const std::string& warning : built->plan().warnings)
-      log::tell("warning: {}\n", warning);
+      console::log("warning: {}\n", warning);
   if (stop.load())
     return 0;
   RenderingNode node(options, *scene, std::move(built));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/mesh_import/display_mesh.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/strings.hpp"
@@ -128,7 +128,7 @@ std::vector<LastingMarker> scene_markers(const scene::Scene& scene, const std::s
   std::string text;
   for (std::size_t n = 0; n < meshes.size(); ++n) {
     if (!meshes[n].note.empty()) {
-      log::tell("markers: {}\n", meshes[n].note);
+      console::log("markers: {}\n", meshes[n].note);
       text += (text.empty() ? "" : "\n") + meshes[n].note;
     }
     if (n == scene.static_meshes.size()) {
@@ -208,7 +208,7 @@ MomentMarkers::MomentMarkers(const Moment& moment) {
                          auto& ends, const Vec3& from, const Vec3& force) {
     ends[0] = runtime::to_point(from),
     ends[1] = runtime::to_point(from + kArrowMetresPerNewton * force);
-    const double size_n = force.norm();  // of a command that anybody may have sent
+    const double size_n = force.norm();  // of a command that any participant may have sent
     add(name_space, kind::kArrow, color, ends, size_n >= kMinForceN && std::isfinite(size_n));
     all.back().scale = {0.002, 0.004, 0.0};  // shaft and head [m]
   };

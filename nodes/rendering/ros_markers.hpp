@@ -37,7 +37,7 @@ struct LastingMarker {
 };
 
 /// The meshes of a scene, large ones in parts, and a text where one is drawn coarser than it is
-/// felt or cannot be read. Reads files, until `stop`.
+/// rendered or cannot be read. Reads files, until `stop`.
 std::vector<LastingMarker> scene_markers(const scene::Scene& scene, const std::string& rig,
                                          const std::atomic<bool>& stop);
 

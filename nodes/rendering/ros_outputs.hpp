@@ -1,7 +1,7 @@
 #pragma once
 /// What RViz, Foxglove, rqt and rosbag users look at: frames, pose, wrench, markers, and in
-/// lockstep the clock. Written only while somebody reads them, by reliable writers that keep the
-/// last ten messages and wait for nobody.
+/// lockstep the clock. Written only while they have a reader, by reliable writers that keep the
+/// last ten messages and never wait.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -42,8 +42,8 @@ class RosOutputs {
       shown.stamp_ns = runtime::realtime_ns();
     due_.push(shown);
   }
-  /// The same: ten times a second, while somebody draws them.
-  bool wants_points() const noexcept { return markers_.wants_points(); }
+  /// The same: ten times a second, while they have a reader.
+  bool requests_points() const noexcept { return markers_.requests_points(); }
   void show_points(const ShownPoints& points) noexcept { markers_.show_points(points); }
   /// Another scene from now on. From any thread but the loop's: locks.
   void scene_is(const scene::Scene& scene);

@@ -23,7 +23,7 @@ void SampleRenderer::take_external(const Wrench& wrench, const msg::DeviceState&
 msg::ContactState SampleRenderer::answer(const msg::DeviceState& state) noexcept {
   const bool fading = live_.fading();
   const bool good =
-      !(state.flags & msg::device_state::kFlagPoseHeld) &&
+      !(state.flags & msg::device_state::kFlagPoseLatched) &&
       !mapping_.update(runtime::from_msg(state.pose), runtime::from_msg(state.twist), state.buttons)
            .refused;
   if (good) {
@@ -72,16 +72,16 @@ msg::ContactState SampleRenderer::message(const msg::DeviceState& state, bool go
   m.points_tested = c.points_tested;
   m.model = static_cast<std::uint32_t>(live_.dominant().renderer().model());
   m.flags = (c.fallback ? msg::contact_state::kFlagFallback : 0U) |
-            (touch.retained ? msg::contact_state::kFlagHeld : 0U) |
+            (touch.latched ? msg::contact_state::kFlagLatched : 0U) |
             (touch.fast ? msg::contact_state::kFlagFast : 0U) |
             (good ? 0U : msg::contact_state::kFlagRefusedSample) |
             (c.saturated ? msg::contact_state::kFlagSaturated : 0U) |
             (fading ? msg::contact_state::kFlagFading : 0U) |
-            (touch.missed ? msg::contact_state::kFlagMissed : 0U) |
+            (touch.tunnelling_suspected ? msg::contact_state::kFlagTunnellingSuspected : 0U) |
             (mapping_.tool().clutched ? msg::contact_state::kFlagClutched : 0U) |
             (frame_.tool.constrained ? msg::contact_state::kFlagConstrained : 0U) |
-            (frame_.tool.lag ? msg::contact_state::kFlagLag : 0U) |
-            (frame_.tool.unplaced ? msg::contact_state::kFlagUnplaced : 0U);
+            (frame_.tool.not_converged ? msg::contact_state::kFlagNotConverged : 0U) |
+            (frame_.tool.not_initialised ? msg::contact_state::kFlagNotInitialised : 0U);
   return m;
 }
 

@@ -31,7 +31,7 @@ SceneReloader::Result SceneReloader::build(const scene::Scene& running, double v
   Result out;
   try {
     out.scene = scene::load_scene(file_);
-    out.refusal = rendering::why_not_reloaded(running, out.scene);
+    out.refusal = rendering::reload_refusal(running, out.scene);
     if (!out.refusal.empty())
       return out;
     if (voxel_size_m > 0.0)
@@ -50,7 +50,7 @@ SceneReloader::Result SceneReloader::build(const scene::Scene& running, double v
     // On one thread: the ring runs meanwhile.
     out.built = scene_build::build_here(
         out.scene,
-        {.who = "rendering", .loop = serial_for(), .go_on = go_on, .tells_progress = false});
+        {.who = "rendering", .loop = serial_for(), .go_on = go_on, .reports_progress = false});
   } catch (const std::exception& error) {
     out.refusal = error.what();
   }

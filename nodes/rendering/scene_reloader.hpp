@@ -1,5 +1,5 @@
 #pragma once
-/// Builds the scene anew beside the loop, and owns all scenes that are built.
+/// Builds the scene anew next to the loop, and owns all scenes that are built.
 #include <atomic>
 #include <filesystem>
 #include <future>

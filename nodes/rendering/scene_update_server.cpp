@@ -14,7 +14,8 @@ constexpr const char* kTooMany = "too many changes wait already; wait for their 
 
 SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const Options& options,
                                      const scene::Scene& scene,
-                                     std::unique_ptr<rendering::BuiltScene> first, ChangeLine& line,
+                                     std::unique_ptr<rendering::BuiltScene> first,
+                                     ChangeQueue& line,
                                      std::function<void(const scene::Scene&)> swapped,
                                      std::function<void(std::uint64_t)> begun)
     : line_(line),
@@ -88,7 +89,7 @@ void SceneUpdateServer::follow_device() {
   publisher_.set_complete();
   if (const std::string why = validator_.judge(pending_); !why.empty())
     pending_.cancel(why, line_);
-  line_.found_good_for(device->session);
+  line_.approve(device->session);
   if (begins && publisher_.lockstep())
     begun_(device->session);
 }
@@ -102,7 +103,7 @@ std::string SceneUpdateServer::check(std::span<const msg::EffectChange> changes,
     if (!why.empty())
       return why;
   }
-  return pending_.all().size() + changes.size() > ChangeLine::kCapacity ? kTooMany : "";
+  return pending_.all().size() + changes.size() > ChangeQueue::kCapacity ? kTooMany : "";
 }
 
 void SceneUpdateServer::receive(std::span<const msg::EffectChange> changes, bool together,
@@ -181,7 +182,7 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, ChangeRequest
   if (!why.empty())
     return inbox_.refuse(request, why);
   inbox_.answer(request, result::kResultWaiting, request.from_sample,
-                "the scene is being built beside the loop");
+                "the scene is being built next to the loop");
   reloader_.start(std::move(request), validator_.scene(), m.voxel_size_m, m.model ? m.model : "");
 }
 

@@ -40,7 +40,7 @@ class SceneUpdateServer {
   /// plan has been published and the scene judged on its device. The line outlives the server.
   SceneUpdateServer(
       const bus::Participant& participant, const Options& options, const scene::Scene& scene,
-      std::unique_ptr<rendering::BuiltScene> first, ChangeLine& line,
+      std::unique_ptr<rendering::BuiltScene> first, ChangeQueue& line,
       std::function<void(const scene::Scene&)> swapped,
       std::function<void(std::uint64_t)> begun = [](std::uint64_t) {});
   /// The loop has ended: none of the scenes is rendered any more.
@@ -77,7 +77,7 @@ class SceneUpdateServer {
   void show(std::uint64_t from_sample, bool another_scene = false);
   void judge_running();
 
-  ChangeLine& line_;
+  ChangeQueue& line_;
   std::function<void(const scene::Scene&)> swapped_;
   std::function<void(std::uint64_t)> begun_;
   ChangeValidator validator_;

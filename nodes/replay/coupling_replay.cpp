@@ -8,15 +8,15 @@
 
 namespace voxtouch::replay {
 
-fitting::FittedCoupling CouplingReplay::fit(const rendering::StiffnessBounds& bounds,
-                                            const fitting::DeviceDemand& demand) const {
+device_fit::FittedCoupling CouplingReplay::fit(const rendering::StiffnessBounds& bounds,
+                                               const device_fit::SceneRequirements& demand) const {
   const LoopArithmetic arithmetic;
-  return fitting::fit_coupling(scene_, device_, bounds, demand);
+  return device_fit::fit_coupling(scene_, device_, bounds, demand);
 }
 
 void CouplingReplay::begin_session(const RecordedSession& session,
                                    const rendering::StiffnessBounds& bounds,
-                                   const fitting::DeviceDemand& demand) {
+                                   const device_fit::SceneRequirements& demand) {
   session_ = &session;
   device_ = coupling::design::model_of(*session.device);
   bounds_ = bounds;
@@ -31,12 +31,12 @@ void CouplingReplay::begin_session(const RecordedSession& session,
     adopt(fits_.back());
 }
 
-void CouplingReplay::contact_shows(const rendering::StiffnessBounds& bounds,
-                                   const fitting::DeviceDemand& demand) {
-  fitting::FittedCoupling next = fits_.back();
+void CouplingReplay::contact_displays(const rendering::StiffnessBounds& bounds,
+                                      const device_fit::SceneRequirements& demand) {
+  device_fit::FittedCoupling next = fits_.back();
   if (bounds == bounds_) {
     next.refusal =
-        fitting::judge_again(next, scene_, device_, bounds.translation.one_point, demand);
+        device_fit::judge_again(next, scene_, device_, bounds.translation.one_point, demand);
     if (next.refusal.empty() == fits_.back().refusal.empty())
       return;
   } else {
@@ -48,7 +48,7 @@ void CouplingReplay::contact_shows(const rendering::StiffnessBounds& bounds,
     adopt(fits_.back());
 }
 
-void CouplingReplay::adopt(const fitting::FittedCoupling& fitted) {
+void CouplingReplay::adopt(const device_fit::FittedCoupling& fitted) {
   const LoopArithmetic arithmetic;
   coupling_.adopt(coupling_node::adopted(fitted, scene_.device, device_));
   if (!coupling_.runs())
@@ -66,7 +66,7 @@ void CouplingReplay::take_up(const coupling_node::TakenUp& design) {
 /// This program must make the same of the recorded device and contact.
 void CouplingReplay::compare(const coupling_node::AdoptedCoupling& recorded) {
   ++compared_;
-  const auto made = std::ranges::find_if(fits_, [&](const fitting::FittedCoupling& fitted) {
+  const auto made = std::ranges::find_if(fits_, [&](const device_fit::FittedCoupling& fitted) {
     const coupling_node::AdoptedCoupling now =
         coupling_node::adopted(fitted, scene_.device, device_);
     return (now.runs || !recorded.runs) && coupling_node::differences(recorded, now).empty();

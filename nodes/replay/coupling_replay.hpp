@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/fitting/fit_coupling.hpp"
+#include "core/device_fit/fit_coupling.hpp"
 #include "nodes/coupling/contact_coupling.hpp"
 #include "nodes/replay/recording.hpp"
 
@@ -24,9 +24,10 @@ class CouplingReplay {
   /// `session` outlives it, or lives up to the next one's beginning. Throws std::invalid_argument
   /// where a design cannot run.
   void begin_session(const RecordedSession& session, const rendering::StiffnessBounds& bounds,
-                     const fitting::DeviceDemand& demand);
+                     const device_fit::SceneRequirements& demand);
   /// What the plan says from the next contact on.
-  void contact_shows(const rendering::StiffnessBounds& bounds, const fitting::DeviceDemand& demand);
+  void contact_displays(const rendering::StiffnessBounds& bounds,
+                        const device_fit::SceneRequirements& demand);
   /// Nothing where no coupling may run. Throws as begin_session does.
   std::optional<msg::ForceCommand> answer(const msg::ContactState& contact);
 
@@ -36,9 +37,9 @@ class CouplingReplay {
   const std::vector<std::string>& notes() const noexcept { return notes_; }
 
  private:
-  fitting::FittedCoupling fit(const rendering::StiffnessBounds& bounds,
-                              const fitting::DeviceDemand& demand) const;
-  void adopt(const fitting::FittedCoupling& fitted);
+  device_fit::FittedCoupling fit(const rendering::StiffnessBounds& bounds,
+                                 const device_fit::SceneRequirements& demand) const;
+  void adopt(const device_fit::FittedCoupling& fitted);
   void take_up(const coupling_node::TakenUp& design);
   void compare(const coupling_node::AdoptedCoupling& recorded);
 
@@ -49,9 +50,10 @@ class CouplingReplay {
   const RecordedSession* session_ = nullptr;
   coupling::design::DeviceModel device_;
   rendering::StiffnessBounds bounds_;
-  std::vector<fitting::FittedCoupling> fits_;  ///< from the one of the newest design on: of several
-                                               ///< in a row only the last may have been made
-  std::size_t next_design_ = 0;                ///< of the session's
+  std::vector<device_fit::FittedCoupling>
+      fits_;                     ///< from the one of the newest design on: of several
+                                 ///< in a row only the last may have been made
+  std::size_t next_design_ = 0;  ///< of the session's
   std::uint64_t compared_ = 0, differ_ = 0;
   std::vector<std::string> notes_;
 };

@@ -7,8 +7,8 @@
 
 namespace voxtouch::replay {
 
-/// While it lives. What is built or judged beside a loop has the usual arithmetic, and the same
-/// bits only with it.
+/// While it lives. What is built or judged next to a loop has the usual arithmetic, and is
+/// bit-identical only with it.
 class LoopArithmetic {
  public:
   LoopArithmetic() noexcept {

@@ -11,7 +11,7 @@ namespace voxtouch::replay {
 
 struct FieldDifference {
   std::string field;     ///< "wrench.force.x"
-  std::string recorded;  ///< as the shortest text that reads back to the same bits
+  std::string recorded;  ///< as the shortest text that reads back bit-identically
   std::string replayed;
   std::string
       by;  ///< the size of the difference; of numbers of equal value, that their bits differ

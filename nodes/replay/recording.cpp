@@ -197,7 +197,7 @@ class Collector {
 
   void device(const msg::DeviceDescription& m, std::span<const std::byte> bytes) {
     DeviceDescription device = runtime::from_msg(m);
-    const std::string wrong = what_is_wrong(device);
+    const std::string wrong = validate(device);
     if (!wrong.empty())
       return void(out_.warnings.push_back("A description of the device was refused: " + wrong));
     devices_.try_emplace(m.session_id, device);

@@ -1,5 +1,5 @@
 #pragma once
-/// What of a bag a replay is made from: the samples by number, and what was said beside them.
+/// What of a bag a replay is made from: the samples by number, and the other messages.
 #include <array>
 #include <filesystem>
 #include <map>

@@ -21,9 +21,9 @@ double force_n(const msg::geometry_msgs_Wrench& w) noexcept {
   return std::hypot(w.force.x, w.force.y, w.force.z);
 }
 
-void feel(Felt& felt, double force, bool touching) noexcept {
-  felt.most_n = std::max(felt.most_n, force), felt.squares += force * force;
-  ++felt.samples, felt.touching += touching;
+void feel(ForceStatistics& statistics, double force, bool touching) noexcept {
+  statistics.most_n = std::max(statistics.most_n, force), statistics.squares += force * force;
+  ++statistics.samples, statistics.touching += touching;
 }
 
 scene::Scene scene_of(const ReplayOptions& options, const Recording& recording) {
@@ -41,7 +41,7 @@ scene::Scene scene_of(const ReplayOptions& options, const Recording& recording) 
   return scene::load_scene(recording.scene_file);
 }
 
-/// Where the recorder came late, the first contact that it has tells when the session began;
+/// Where the recorder came late, the first contact that it has states when the session began;
 /// nothing where that contact is the first.
 std::optional<std::int64_t> begin_of(const RecordedSession& session) {
   const auto first = std::ranges::find_if(session.samples, [](const auto& one) {
@@ -130,7 +130,7 @@ class Run {
           &made, static_cast<std::size_t>(last - recording_.changes.begin()) - next_change_);
       apply(together);
       if (sample && together.size() == 1)
-        coupling_.contact_shows(rendering_.bounds(), rendering_.demand());
+        coupling_.contact_displays(rendering_.bounds(), rendering_.demand());
     }
   }
   /// Of a session that has ended in the bag before its change was reached, or that was over when
@@ -182,7 +182,7 @@ class Run {
                         "the rendering may give other bits.",
                         number));
     } else if (!sample.rendered() && !recording_.lockstep) {
-      return void(++out_.left_out);
+      return void(++out_.skipped);
     }
     std::optional<msg::ContactState> contact;
     if (sample.state && sample.external)
@@ -247,8 +247,8 @@ class Run {
     said_ = true;
   }
 
-  /// What the nodes counted and the bag does not hold. Where nobody tells of the sample, it is not
-  /// known which one it was.
+  /// What the nodes counted and the bag does not hold. Where no message states the sample, it is
+  /// not known which one it was.
   void say_what_is_lost() {
     Held contacts, commands;
     for (const RecordedSession& session : recording_.sessions)
@@ -300,7 +300,7 @@ class Run {
     const std::string begin =
         came_late ? fmt::format("its first for sample {}, and the bag's first is for sample {}",
                                 began, *held.first)
-                  : "and nothing tells of which samples";
+                  : "and no message states of which samples";
     out_.missing.push_back(fmt::format(
         "The {} made {} {} more than the bag has, {}: from sample {} on bits may differ for it.",
         node, made - held.count, what, begin, came_late ? began : held.first_without.value_or(0)));
@@ -330,7 +330,7 @@ class Run {
     if (made < recorded)
       out_.missing.push_back(
           fmt::format("The bag has {} records of changes, and the rendering counts {} in its last "
-                      "status: it made some after that, or somebody else wrote some, "
+                      "status: it made some after that, or another program wrote some, "
                       "which are made here all the same.",
                       recorded, made));
   }
@@ -373,7 +373,7 @@ class Run {
     if (taken > held)
       out_.missing.push_back(
           fmt::format("The rendering took up {} values of the outside wrench that the bag does not "
-                      "hold, and nothing tells of which samples: bits may differ for it.",
+                      "hold, and no message states of which samples: bits may differ for it.",
                       taken - held));
   }
 
@@ -394,7 +394,7 @@ class Run {
 
 }  // namespace
 
-double Felt::rms_n() const noexcept {
+double ForceStatistics::rms_n() const noexcept {
   return samples > 0 ? std::sqrt(squares / static_cast<double>(samples)) : 0.0;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// A recorded run through rendering and coupling once more, and what comes of it beside what was
-/// recorded.
+/// A recorded run through rendering and coupling once more, and what comes of it compared with what
+/// was recorded.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,17 +19,17 @@ struct ReplayOptions {
 };
 
 /// Forces of one run.
-struct Felt {
+struct ForceStatistics {
   double most_n = 0.0;
   double squares = 0.0;  ///< sum over the samples
   std::uint64_t samples = 0, touching = 0;
   double rms_n() const noexcept;
-  double share() const noexcept {
+  double fraction() const noexcept {
     return samples > 0 ? static_cast<double>(touching) / static_cast<double>(samples) : 0.0;
   }
 };
-struct FeltTwice {
-  Felt recorded, replayed;
+struct ForcesCompared {
+  ForceStatistics recorded, replayed;
 };
 
 /// Sizes of force over the time since the first sample.
@@ -46,21 +46,21 @@ struct Replayed {
   bool lockstep = false;
   SceneName recorded, replayed;
   bool same_scene() const noexcept { return recorded.hash == replayed.hash; }
-  double duration_s = 0.0;     ///< of the device's time
-  std::uint64_t samples = 0;   ///< of the device, in the bag
-  std::uint64_t left_out = 0;  ///< that the rendering did not answer, so they are not rendered here
+  double duration_s = 0.0;    ///< of the device's time
+  std::uint64_t samples = 0;  ///< of the device, in the bag
+  std::uint64_t skipped = 0;  ///< that the rendering did not answer, so they are not rendered here
   std::uint64_t lost_states = 0,
-                lost_contacts = 0;  ///< that the recorder lost, as their answers tell
+                lost_contacts = 0;  ///< that the recorder lost, as their answers state
   std::uint64_t sessions = 0, changes = 0;
   Comparison<msg::ContactState> contact;
   Comparison<msg::ForceCommand> command;
   std::uint64_t designs = 0,
                 designs_differ =
-                    0;           ///< recorded ones that were compared with what this build designs
-  FeltTwice rendered, returned;  ///< by the rendering; by the coupling, to the hand
+                    0;  ///< recorded ones that were compared with what this build designs
+  ForcesCompared rendered, returned;  ///< by the rendering; by the coupling, to the hand
   Answers answers;
   std::string
-      other_build;  ///< whose answers stand in the place of the recorded ones; empty: nobody's
+      other_build;  ///< whose answers stand in the place of the recorded ones; empty: none's
   ForceCurves rendered_curves, returned_curves;
   std::vector<std::string> notes;  ///< what was found out, or is as it should not be
   std::vector<std::string>

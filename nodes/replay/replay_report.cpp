@@ -11,14 +11,14 @@ namespace {
 
 using nlohmann::ordered_json;
 
-constexpr std::size_t kMaxFields = 8;  ///< that are told to people; JSON has all
+constexpr std::size_t kMaxFields = 8;  ///< that are printed; JSON has all
 
 template <class T>
 std::string difference_text(std::string_view what, const Comparison<T>& c) {
   if (c.compared == 0)
     return fmt::format("  {:<9} no sample could be compared\n", what);
   if (c.differ == 0)
-    return fmt::format("  {:<9} {} samples compared, all equal to the bit\n", what, c.compared);
+    return fmt::format("  {:<9} {} samples compared, all bit-identical\n", what, c.compared);
   std::string text = fmt::format(
       "  {:<9} {} of {} samples differ, the first is sample {}; largest difference {:.3g} N "
       "(sample {}), {:.3g} Nm (sample {})\n",
@@ -32,11 +32,11 @@ std::string difference_text(std::string_view what, const Comparison<T>& c) {
   return text;
 }
 
-std::string felt_text(std::string_view what, const FeltTwice& felt) {
-  const auto row = [](const Felt& f) {
-    return fmt::format("{:8.3f} {:8.3f} {:8.1f} %", f.most_n, f.rms_n(), 100.0 * f.share());
+std::string forces_text(std::string_view what, const ForcesCompared& statistics) {
+  const auto row = [](const ForceStatistics& f) {
+    return fmt::format("{:8.3f} {:8.3f} {:8.1f} %", f.most_n, f.rms_n(), 100.0 * f.fraction());
   };
-  return fmt::format("  {:<9}{}   {}\n", what, row(felt.recorded), row(felt.replayed));
+  return fmt::format("  {:<9}{}   {}\n", what, row(statistics.recorded), row(statistics.replayed));
 }
 
 std::string scene_text(const Replayed& r) {
@@ -72,12 +72,12 @@ ordered_json to_json(const Comparison<T>& c) {
           {"largest_torque", most(c.torque_nm, "nm")}};
 }
 
-ordered_json to_json(const Felt& f) {
+ordered_json to_json(const ForceStatistics& f) {
   return {{"largest_n", number(f.most_n)},
           {"rms_n", number(f.rms_n())},
-          {"in_contact_share", f.share()}};
+          {"in_contact_ratio", f.fraction()}};
 }
-ordered_json to_json(const FeltTwice& f) {
+ordered_json to_json(const ForcesCompared& f) {
   return {{"recorded", to_json(f.recorded)}, {"replayed", to_json(f.replayed)}};
 }
 ordered_json to_json(const SceneName& s) {
@@ -108,10 +108,10 @@ std::string to_text(const Replayed& r) {
         "  recorded stands for what {} makes of the recorded hand, replayed and now for what this "
         "build makes\n",
         r.other_build);
-  if (r.left_out > 0)
+  if (r.skipped > 0)
     text += fmt::format(
         "  {} samples were not answered when they were recorded, and are left out here too\n",
-        r.left_out);
+        r.skipped);
   if (r.changes > 0)
     text += fmt::format("  {} changes made again\n", r.changes);
   if (r.lost_states + r.lost_contacts > 0)
@@ -125,7 +125,7 @@ std::string to_text(const Replayed& r) {
   if (!r.equal() || !r.same_scene()) {
     text += "  force [N]      recorded                        replayed\n";
     text += "             largest      rms  in contact    largest      rms  in contact\n";
-    text += felt_text("rendered", r.rendered) + felt_text("returned", r.returned);
+    text += forces_text("rendered", r.rendered) + forces_text("returned", r.returned);
   }
   for (const std::string& note : r.notes)
     text += "  note: " + note + "\n";
@@ -134,7 +134,7 @@ std::string to_text(const Replayed& r) {
   for (const std::string& loss : r.losses)
     text += "  lost: " + loss + "\n";
   text += r.contact.compared + r.command.compared == 0 ? "  Nothing could be compared.\n"
-          : r.equal()                                  ? "  All is equal to the bit.\n"
+          : r.equal()                                  ? "  All is bit-identical.\n"
           : r.losses.empty()                           ? "  It differs.\n"
                                                        : "  The bag is not complete.\n";
   return text;
@@ -154,13 +154,13 @@ ordered_json to_json(const Replayed& r) {
           {"duration_s", r.duration_s},
           {"sessions", r.sessions},
           {"samples", r.samples},
-          {"left_out", r.left_out},
+          {"skipped", r.skipped},
           {"changes", r.changes},
           {"lost", {{"device_state", r.lost_states}, {"contact_state", r.lost_contacts}}},
           {"contact", to_json(r.contact)},
           {"command", to_json(r.command)},
           {"design", {{"compared", r.designs}, {"differ", r.designs_differ}}},
-          {"felt", {{"rendered", to_json(r.rendered)}, {"returned", to_json(r.returned)}}},
+          {"forces", {{"rendered", to_json(r.rendered)}, {"returned", to_json(r.returned)}}},
           {"notes", r.notes},
           {"losses", r.losses},
           {"missing", r.missing}};

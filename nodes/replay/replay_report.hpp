@@ -11,7 +11,7 @@ namespace voxtouch::replay {
 /// For a person, and for a machine.
 std::string to_text(const Replayed& replayed);
 nlohmann::ordered_json to_json(const Replayed& replayed);
-/// What the plotting tool draws: the curves, and what stands beside them.
+/// What the plotting tool draws: the curves, and what stands next to them.
 nlohmann::ordered_json to_plot(const Replayed& replayed);
 
 }  // namespace voxtouch::replay

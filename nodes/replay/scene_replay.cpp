@@ -39,8 +39,8 @@ void SceneReplay::sum_up() {
   found_.push_back({on_device_.spring_n_per_m(), on_device_.series_spring()});
 }
 
-fitting::DeviceDemand SceneReplay::demand() const {
-  return fitting::demand_of(scene_, effects::at_rest(settled_));
+device_fit::SceneRequirements SceneReplay::demand() const {
+  return device_fit::demand_of(scene_, effects::at_rest(settled_));
 }
 
 std::string SceneReplay::apply(std::span<const RecordedChange> changes) {
@@ -111,8 +111,8 @@ void SceneReplay::take_springs(const msg::ContactState* recorded) noexcept {
     if (match != found_.end())
       in_use_ = static_cast<std::size_t>(match - found_.begin());
   }
-  renderer_.live().aim_for_spring(found_[in_use_].tool_n_per_m);
-  renderer_.live().aim_for_series(found_[in_use_].series);
+  renderer_.live().set_spring_target(found_[in_use_].tool_n_per_m);
+  renderer_.live().set_series_target(found_[in_use_].series);
 }
 
 msg::ContactState SceneReplay::answer(const msg::DeviceState& state,

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/fitting/scene_on_device.hpp"
+#include "core/device_fit/device_compatibility.hpp"
 #include "core/scene/scene.hpp"
 #include "nodes/rendering/sample_renderer.hpp"
 #include "nodes/replay/recording.hpp"
@@ -36,10 +36,10 @@ class SceneReplay {
   msg::ContactState answer(const msg::DeviceState& state,
                            const msg::ContactState* recorded) noexcept;
 
-  /// What contact and effects can show and ask for as they are set now, in W: what the plan tells
-  /// the coupling.
+  /// What contact and effects can show and ask for as they are set now, in W: what the plan reports
+  /// to the coupling.
   const rendering::StiffnessBounds& bounds() const noexcept { return bounds_; }
-  fitting::DeviceDemand demand() const;
+  device_fit::SceneRequirements demand() const;
   const std::string& scene_hash() const noexcept { return scene_.hash; }
 
  private:
@@ -59,7 +59,7 @@ class SceneReplay {
       built_;  ///< all that have run: the renderer points into the last two
   std::vector<effects::EffectSpec> settled_;  ///< the effects as they are set now
   rendering::StiffnessBounds bounds_;
-  fitting::SceneOnDevice on_device_;
+  device_fit::DeviceCompatibility on_device_;
   std::vector<Springs>
       found_;  ///< of this session, in the order in which they were; one of them is in use
   std::size_t in_use_ = 0;

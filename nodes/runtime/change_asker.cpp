@@ -103,15 +103,15 @@ ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions&
       plans_(participant, qos::kScenePlan, options.rig, qos::profile(qos::kScenePlan.profile)) {}
 
 std::string ChangeAsker::ask(const ChangeWords& words,
-                             const std::function<void(const ChangeAnswer&)>& heard,
+                             const std::function<void(const ChangeAnswer&)>& answered,
                              const std::function<void(const std::string&)>& waits,
                              const std::function<bool()>& leave) {
   const std::vector<ChangeRequest> changes = read_changes(words);
   if (!until(kPatience, [&] {
         return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0);
       }))
-    return nobody();
-  // A rendering that waits for its first device has told none yet.
+    return no_rendering();
+  // A rendering that waits for its first device has reported none yet.
   until(kPatience / 4, [&] {
     plans_.take_each([&](const msg::ScenePlan& plan) { session_ = plan.session_id; });
     return leave() || session_ != 0;
@@ -119,12 +119,12 @@ std::string ChangeAsker::ask(const ChangeWords& words,
   for (const ChangeRequest& change : changes) {
     const std::optional<Message> answer = ask_in_session(change, words, waits, leave);
     if (!answer)
-      return nobody();
+      return no_rendering();
     if (answer->result == msg::effect_changed::kResultRefused)
       return answer->sentence;
     if (answer->result != msg::effect_changed::kResultDone)
       return "not waited for: " + answer->sentence;
-    heard({answer->from_sample, answer->sentence});
+    answered({answer->from_sample, answer->sentence});
   }
   return {};
 }
@@ -141,7 +141,7 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_in_session(
   return ask_one(change, words, waits, leave);
 }
 
-/// None where nobody answers.
+/// None without an answer.
 std::optional<ChangeAsker::Message> ChangeAsker::ask_one(
     const ChangeRequest& change, const ChangeWords& words,
     const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
@@ -185,7 +185,7 @@ void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words,
   changes_.write(m);
 }
 
-std::string ChangeAsker::nobody() const {
+std::string ChangeAsker::no_rendering() const {
   return fmt::format(
       "no rendering of rig '{}' answers on domain {}: is the ring running, with the same --rig, "
       "--domain and "

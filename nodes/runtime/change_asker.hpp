@@ -45,11 +45,12 @@ class ChangeAsker {
  public:
   ChangeAsker(const bus::Participant& participant, const NodeOptions& options);
 
-  /// Asks one thing after the other and stops at the first that is not done. `heard` is called with
-  /// each answer, in order, and `waits` where the rendering says that one takes time; it may take
-  /// what it takes, until `leave`. Gives the sentence of what was not done, empty where all was.
+  /// Asks one thing after the other and stops at the first that is not done. `answered` is called
+  /// with each answer, in order, and `waits` where the rendering says that one takes time; it may
+  /// take what it takes, until `leave`. Gives the sentence of what was not done, empty where all
+  /// was.
   std::string ask(
-      const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& heard,
+      const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& answered,
       const std::function<void(const std::string&)>& waits,
       const std::function<bool()>& leave = [] { return false; });
 
@@ -66,7 +67,7 @@ class ChangeAsker {
                                  const std::function<void(const std::string&)>& waits,
                                  const std::function<bool()>& leave);
   void send(const ChangeRequest& change, const ChangeWords& words, std::uint64_t request);
-  std::string nobody() const;
+  std::string no_rendering() const;
 
   std::string rig_;
   std::uint32_t domain_;

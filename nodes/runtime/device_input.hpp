@@ -29,7 +29,7 @@ class DeviceInput {
   void take(F&& f) {
     descriptions_.take([&](const msg::DeviceDescription& message) {
       const DeviceDescription device = from_msg(message);
-      std::string refusal = what_is_wrong(device);
+      std::string refusal = validate(device);
       if (refusal.empty())
         f(device, message.session_id);
       const std::lock_guard lock(mutex_);
@@ -48,7 +48,7 @@ class DeviceInput {
       if (!refusal_.empty())
         status.say(StatusPriority::kFault, "the device's description is refused: " + refusal_);
     }
-    status.say(StatusPriority::kFault, binding_.trouble(registry));
+    status.say(StatusPriority::kFault, binding_.diagnostic(registry));
   }
 
  private:

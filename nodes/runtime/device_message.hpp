@@ -46,7 +46,7 @@ inline msg::DeviceDescription to_msg(const DeviceDescription& device) noexcept {
   return m;
 }
 
-/// Whatever stands in it: `what_is_wrong` judges the value.
+/// Whatever stands in it: `validate` judges the value.
 inline DeviceDescription from_msg(const msg::DeviceDescription& m) {
   DeviceDescription device;
   copy_device_numbers(m, device);

@@ -1,5 +1,5 @@
 #pragma once
-/// Numbers that a node tells of itself; they stay numbers on the wire.
+/// Numbers that a node reports of itself; they stay numbers on the wire.
 #include <cstdint>
 #include <map>
 #include <optional>

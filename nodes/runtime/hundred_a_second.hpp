@@ -4,7 +4,7 @@
 
 namespace voxtouch::runtime {
 
-/// A hundred a second by the clock that it is told, whatever the loop's own rate. Real-time safe.
+/// A hundred a second by the clock that it is given, whatever the loop's own rate. Real-time safe.
 class HundredASecond {
  public:
   static constexpr std::int64_t kPeriodNs = 10'000'000, kMaxMadeUp = 10;

@@ -19,10 +19,10 @@ void LatencyHistogram::record(std::int64_t latency_ns) noexcept {
 double LatencyHistogram::quantile_us(double q) const noexcept {
   if (count() == 0)
     return 0.0;
-  const auto wanted = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count())));
+  const auto requested = static_cast<std::uint64_t>(std::ceil(q * static_cast<double>(count())));
   std::uint64_t seen = 0;
   for (std::size_t i = 0; i < steps_.size(); ++i)
-    if ((seen += steps_[i].load(std::memory_order_relaxed)) >= wanted) {
+    if ((seen += steps_[i].load(std::memory_order_relaxed)) >= requested) {
       const double edge =
           i < kFine ? static_cast<double>(i + 1) : static_cast<double>(i - kFine + 1) * 100.0;
       return std::min(edge, max_us());

@@ -7,7 +7,7 @@
 namespace voxtouch::runtime {
 
 /// Histogram of 1 us steps up to 4 ms, then 100 us steps up to 400 ms; the rest counts as the
-/// maximum. One writer; anybody may read meanwhile and gets a picture that is a few samples old.
+/// maximum. One writer; any thread may read meanwhile and gets a picture that is a few samples old.
 class LatencyHistogram {
  public:
   /// Real-time safe. Below 0 counts as 0.

@@ -1,20 +1,39 @@
 #include "nodes/runtime/main.hpp"
 
 #include <algorithm>
+#include <array>
 #include <exception>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
 
 #include "core/types/version.hpp"
-#include "nodes/log/reason.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
+#include "nodes/console/reason.hpp"
 #include "nodes/runtime/ros_arguments.hpp"
 #include "nodes/runtime/signals.hpp"
 
 namespace voxtouch::runtime {
+namespace {
+
+/// Options of earlier versions, and their names.
+struct Renamed {
+  std::string_view old_name, name;
+};
+constexpr std::array kRenamed{
+    Renamed{"--beside", "--compare-with"}, Renamed{"--damper-share", "--damping-force-ratio"},
+    Renamed{"--grip-harder-at", "--grip-change-time"}, Renamed{"--let-go-at", "--release-time"}};
+
+}  // namespace
 
 void parse(CLI::App& app, int argc, char** argv) {
+  for (int n = 1; n < argc; ++n)
+    for (const auto& [old_name, name] : kRenamed) {
+      const std::string_view word = argv[n];
+      if (word == old_name || (word.starts_with(old_name) && word[old_name.size()] == '='))
+        throw CLI::ExtrasError(std::string(old_name) + "; its name is " + std::string(name),
+                               std::vector<std::string>{});
+    }
   std::vector<std::string> words = without_ros_arguments(argc, argv);
   std::ranges::reverse(words);  // as CLI11 takes them
   app.name(argc > 0 ? argv[0] : "");
@@ -25,12 +44,12 @@ int explain(const CLI::App& app, const CLI::ParseError& error) noexcept {
   try {
     std::ostringstream out, err;
     const int status = app.exit(error, out, err);
-    log::tell("{}", err.str());
-    log::print_result("{}", out.str());
-    log::finish_results();
+    console::log("{}", err.str());
+    console::print_result("{}", out.str());
+    console::finish_results();
     return status;
   } catch (const std::exception& failure) {
-    log::tell("error: {}\n", failure.what());
+    console::log("error: {}\n", failure.what());
     return 1;
   }
 }
@@ -39,7 +58,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
               const std::function<void(CLI::App&)>& configure,
               const std::function<int(const std::atomic<bool>& stop)>& run) {
   CLI::App app(program.about);
-  log::guard_standard_streams();
+  console::guard_standard_streams();
   try {
     add_node_options(app, options, program.with_scene);
     app.set_version_flag("--version", std::string(version()));
@@ -59,12 +78,12 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
     options.warnings = enter_realtime(options.scheduling());
     for (const std::string& warning :
          options.announce ? options.warnings : std::vector<std::string>())
-      log::tell("warning: {}: {}\n", program.name, warning);
+      console::log("warning: {}: {}\n", program.name, warning);
     return run(stop_requested());
   } catch (const CLI::ParseError& error) {
     return explain(app, error);
   } catch (const std::exception& error) {
-    log::tell("error: {}: {}\n", program.name, log::reason_of(error));
+    console::log("error: {}: {}\n", program.name, console::reason_of(error));
     return 1;
   }
 }

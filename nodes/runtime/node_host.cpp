@@ -12,7 +12,7 @@ int NodeHost::monitored(const std::atomic<bool>& stop, const Report& report,
   flush_denormals();
   if (stalls.empty())
     stalls.push_back({"its loop", [this] { return heartbeat_.sign(); }});
-  const Housekeeping monitor(
+  const NodeMonitor monitor(
       participant_, node_, options_,
       [&report](NodeRegistry& registry, NodeReport& status) {
         StatusText text;
@@ -32,7 +32,7 @@ int NodeHost::monitored(const std::atomic<bool>& stop, const Report& report,
 void NodeHost::report_failure(const std::string& message) const {
   NodeOptions silent = options_;
   silent.announce = false;  // the error itself is printed
-  const Housekeeping monitor(participant_, node_, silent, [&](NodeRegistry&, NodeReport& report) {
+  const NodeMonitor monitor(participant_, node_, silent, [&](NodeRegistry&, NodeReport& report) {
     report.state = NodeState::kFailed;
     report.message = message;
   });

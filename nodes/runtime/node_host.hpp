@@ -15,7 +15,7 @@
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/node_monitor.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "nodes/runtime/status_text.hpp"
 
@@ -133,7 +133,7 @@ class NodeHost {
   }
   /// Whether the latched value of `topic` has to be written again; never in lockstep.
   bool must_repeat(const NodeRegistry& registry, std::uint64_t session, const qos::Topic& topic) {
-    return !options_.lockstep && reminder_.is_due(registry, session, topic);
+    return !options_.lockstep && republish_timer_.is_due(registry, session, topic);
   }
 
   /// Runs `loop` in real time while a monitor thread publishes the status, whose last one is made
@@ -157,7 +157,7 @@ class NodeHost {
         last = over();
         if (last && kind_ == Kind::kLoop)
           break;
-        // No message tells that the monitor has bound a participant.
+        // No message reports that the monitor has bound a participant.
         wait_set_.wait(last                                    ? 100'000'000
                        : session_in_loop_ != 0 && node.ready() ? 50'000'000
                                                                : 5'000'000);
@@ -209,12 +209,12 @@ class NodeHost {
   std::vector<Link> links_;
   Heartbeat heartbeat_;
   Session session_;
-  Reminder reminder_;
+  RepublishTimer republish_timer_;
   std::uint64_t session_in_loop_ = 0, next_sample_ = 0;
   std::optional<std::uint64_t> last_sample_;
   std::int64_t last_step_ns_ = 0;
   const std::atomic<bool>* stop_ = nullptr;
-  const Housekeeping* monitor_ = nullptr;
+  const NodeMonitor* monitor_ = nullptr;
 };
 
 }  // namespace voxtouch::runtime

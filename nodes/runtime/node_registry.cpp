@@ -46,7 +46,7 @@ NodeReport cut(NodeReport report) {
 
 }  // namespace
 
-void StatusWriter::publish(const NodeReport& whole, bool tell_ros) {
+void StatusWriter::publish(const NodeReport& whole, bool set_publishing) {
   const NodeReport report = cut(whole);
   std::vector<msg::diagnostic_msgs_KeyValue> values;
   for (const auto& [key, value] : report.values)
@@ -67,7 +67,7 @@ void StatusWriter::publish(const NodeReport& whole, bool tell_ros) {
   sample.figures._buffer = figures.data();
   sample.figures._length = sample.figures._maximum = static_cast<std::uint32_t>(figures.size());
   writer_.write(sample);
-  if (tell_ros && diagnostics_.matched_count() > 0)
+  if (set_publishing && diagnostics_.matched_count() > 0)
     publish_diagnostics(report, std::move(values));
 }
 
@@ -102,14 +102,14 @@ void StatusWriter::flush() noexcept { writer_.wait_for_acknowledgments(DDS_SECS(
 
 NodeRegistry::NodeRegistry(const bus::Participant& participant, const std::string& rig,
                            const bus::Guid& up)
-    : senders_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll)),
+    : senders_(std::make_unique<bus::Following>(bus::Following::WhileUnbound::kTakeAll)),
       reader_(participant, qos::kNodeStatus, rig, qos::profile(qos::ProfileId::kStatus),
               senders_.get()),
       graph_(participant.graph()),
       roles_(up == bus::Guid{} ? nullptr : std::make_unique<RigRoles>(participant, rig, up)) {}
 
 /// A writer that has gone is known as long as its last samples may lie here.
-void NodeRegistry::look_who_is_here() {
+void NodeRegistry::update_participants() {
   const std::vector<dds_instance_handle_t> handles = reader_.writer_handles();
   here_.clear();
   for (const dds_instance_handle_t handle : handles) {
@@ -174,14 +174,14 @@ NodeReport to_report(const msg::NodeStatus& s) {
 
 void NodeRegistry::take(const msg::NodeStatus& status) {
   NodeReport report = to_report(status);
-  report.heard_ns = clock_.now_ns();
+  report.received_ns = clock_.now_ns();
   reports_[report.participant] = std::move(report);
 }
 
 void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
   constexpr int kMaxTakes = 256;
   clock_.look(monotonic_ns());
-  look_who_is_here();
+  update_participants();
   if (roles_)
     roles_->update();
   reader_.take_each(
@@ -210,7 +210,7 @@ void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
 }
 
 void NodeRegistry::remember_vanished() {
-  constexpr std::size_t kMaxVanished = 16;  // names are anybody's to choose
+  constexpr std::size_t kMaxVanished = 16;  // any participant can choose its name
   constexpr double kRememberedS = 10.0;
   for (const auto& [guid, report] : reports_)
     if (!is_here(guid) && !report.final() && vanished_.size() < kMaxVanished)
@@ -285,13 +285,13 @@ std::string NodeRegistry::name_of(const bus::Guid& guid) const {
 }
 
 std::optional<NodeReport> look_for(NodeRegistry& registry,
-                                   const std::function<bool(const NodeReport&)>& wanted,
+                                   const std::function<bool(const NodeReport&)>& requested,
                                    std::chrono::milliseconds patience) {
   const std::int64_t until = monotonic_ns() + std::chrono::nanoseconds(patience).count();
   for (; monotonic_ns() < until; std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
     registry.update();
     for (NodeReport& report : registry.reports())
-      if (wanted(report))
+      if (requested(report))
         return std::move(report);
   }
   return std::nullopt;

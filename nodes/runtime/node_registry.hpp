@@ -28,8 +28,8 @@ enum class NodeState : std::uint32_t {
 /// Name of a report's figure: how many device sessions the node has seen.
 inline constexpr char kSessions[] = "sessions";
 
-/// Figures and word of a report: for how long what is watched beside the housekeeping has stood
-/// still, and what it is.
+/// Figures and word of a report: for how long what is watched in addition to the monitor has
+/// stalled, and what it is.
 inline constexpr char kStalledFor[] = "stalled_s", kLongestStall[] = "longest_stall_s",
                       kStalled[] = "stalled";
 
@@ -47,7 +47,7 @@ struct NodeReport {
   std::string message;
   std::map<std::string, std::string> values;  ///< words
   Figures figures;                            ///< numbers
-  std::int64_t heard_ns = 0;       ///< when it came, by the watch of the registry that took it
+  std::int64_t received_ns = 0;    ///< when it came, by the watch of the registry that took it
   std::set<bus::Guid> partners{};  ///< lockstep: whom the node waits for; known to the node alone,
                                    ///< and not published
   /// Nothing more is to come from it.
@@ -56,16 +56,16 @@ struct NodeReport {
   }
 };
 
-/// A status as its node meant it; nobody has looked at its lengths.
+/// A status as its node meant it; its lengths are not checked yet.
 NodeReport to_report(const msg::NodeStatus& status);
 
-/// Publishes this node's report, and the same as /diagnostics while somebody reads that. Not for
+/// Publishes this node's report, and the same as /diagnostics while that has a reader. Not for
 /// the loop: allocates.
 class StatusWriter {
  public:
   StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig);
-  /// Node, host, pid and participant are filled in here. `tell_ros`: as /diagnostics too.
-  void publish(const NodeReport& report, bool tell_ros = true);
+  /// Node, host, pid and participant are filled in here. `set_publishing`: as /diagnostics too.
+  void publish(const NodeReport& report, bool set_publishing = true);
   /// Waits until readers have the last report; for the way out.
   void flush() noexcept;
   /// How often /diagnostics was made.
@@ -95,7 +95,7 @@ struct Hung {
 /// more.
 class NodeRegistry {
  public:
-  /// `up`: only whom its claim names may play a role; all zero: anybody.
+  /// `up`: only whom its claim names may play a role; all zero: any participant.
   NodeRegistry(const bus::Participant& participant, const std::string& rig,
                const bus::Guid& up = {});
   /// Takes what has arrived; forgets nodes whose participant has gone, but for those that `keep`
@@ -106,7 +106,7 @@ class NodeRegistry {
   std::optional<NodeReport> find(std::string_view node) const;
   /// For how long no status of a node has come, while this registry was looked at [s].
   double silent_s(const NodeReport& report) const noexcept {
-    return static_cast<double>(clock_.now_ns() - report.heard_ns) * 1e-9;
+    return static_cast<double>(clock_.now_ns() - report.received_ns) * 1e-9;
   }
   /// Nodes of the ring that hang: no status for kHungNs, or one that says that its loop stands
   /// still. A node whose participant has gone without a last word, as DDS finds of a stopped one
@@ -136,7 +136,7 @@ class NodeRegistry {
  private:
   void remember_vanished();
   WatchClock clock_;
-  void look_who_is_here();
+  void update_participants();
   static bool fits(const msg::NodeStatus& status);
   bool is_its_own(const msg::NodeStatus& status, dds_instance_handle_t writer) const;
   void take(const msg::NodeStatus& status);
@@ -156,9 +156,9 @@ class NodeRegistry {
   std::map<std::string, NodeReport> vanished_;  ///< gone without a last word, by name
 };
 
-/// Looks for `patience`: the first report that `wanted` holds of, if one comes.
+/// Looks for `patience`: the first report that `requested` holds of, if one comes.
 std::optional<NodeReport> look_for(NodeRegistry& registry,
-                                   const std::function<bool(const NodeReport&)>& wanted,
+                                   const std::function<bool(const NodeReport&)>& requested,
                                    std::chrono::milliseconds patience);
 
 /// How many device sessions the nodes of the registry have seen: the most that one of them reports.

@@ -164,10 +164,11 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
       ->check(require_whole);
   app.add_flag("--lockstep", o.lockstep,
                "Simulated time: each sample waits for its command; runs are bit-identical");
-  app.add_option("--peers", o.peers,
-                 "Nodes that take part, beside the device. In lockstep a run waits for them all; "
-                 "in real time a simulated device waits\n"
-                 "with its first sample until those that read it are matched, 5 s at most")
+  app.add_option(
+         "--peers", o.peers,
+         "Nodes that take part, in addition to the device. In lockstep a run waits for them all; "
+         "in real time a simulated device waits\n"
+         "with its first sample until those that read it are matched, 5 s at most")
       ->delimiter(',')
       ->check(CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
   app.add_option("--realtime", o.realtime.mode,

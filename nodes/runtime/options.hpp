@@ -1,5 +1,5 @@
 #pragma once
-/// What every node is told when it starts.
+/// What every node is given when it starts.
 #include <cstdint>
 #include <filesystem>
 #include <string>

@@ -134,7 +134,7 @@ void ParameterServices::serve() {
     ListedParameters listed = list_parameters(
         parameters(), std::vector<std::string>(prefixes.begin(), prefixes.end()), request.depth);
     list_.reply(caller, [listed = std::move(listed)](auto& response, const auto& send) {
-      LentStrings names(listed.names), own(listed.prefixes);
+      StringViews names(listed.names), own(listed.prefixes);
       names.into(response.result.names), own.into(response.result.prefixes);
       send();
     });
@@ -187,7 +187,7 @@ void ParameterServices::serve() {
 }
 
 void ParameterServices::set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
-                            const bus::Guid& by, const SettingTold& told) {
+                            const bus::Guid& by, const SettingReply& reply) {
   const std::vector<RosParameter> known = parameters();
   std::vector<std::optional<Results::One>> results;
   for (const auto& one : asked)
@@ -197,7 +197,7 @@ void ParameterServices::set(std::span<const msg::rcl_interfaces_Parameter> asked
   if (together && refusal != results.end()) {
     const std::string sentence = (*refusal)->sentence;
     for (std::size_t n = 0; n < asked.size(); ++n)
-      told(n, false, sentence);
+      reply(n, false, sentence);
     return;
   }
   std::vector<std::size_t> places;
@@ -207,11 +207,11 @@ void ParameterServices::set(std::span<const msg::rcl_interfaces_Parameter> asked
       places.push_back(n), rest.push_back(asked[n]);
   for (std::size_t n = 0; n < asked.size(); ++n)
     if (results[n])
-      told(n, results[n]->done, results[n]->sentence);
+      reply(n, results[n]->done, results[n]->sentence);
   if (!rest.empty())
     handler_.set(rest, together, by,
-                 [places, told](std::size_t which, bool done, const std::string& sentence) {
-                   told(places[which], done, sentence);
+                 [places, reply](std::size_t which, bool done, const std::string& sentence) {
+                   reply(places[which], done, sentence);
                  });
 }
 

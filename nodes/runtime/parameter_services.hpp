@@ -9,21 +9,21 @@
 
 #include "nodes/bus/service_server.hpp"
 #include "nodes/bus/wait_set.hpp"
-#include "nodes/log/few_a_second.hpp"
+#include "nodes/console/rate_limiter.hpp"
 #include "nodes/runtime/ros_parameters.hpp"
 
 namespace voxtouch::runtime {
 
 /// What became of one of several settings: `which` is its place among them.
-using SettingTold = std::function<void(std::size_t which, bool done, const std::string& sentence)>;
+using SettingReply = std::function<void(std::size_t which, bool done, const std::string& sentence)>;
 
 /// Both are called from the thread that calls `serve`.
 struct ParameterHandler {
   std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now, sorted by name
-  /// Each by itself, or `together` all or none, on request of the participant `by`. `told` is
+  /// Each by itself, or `together` all or none, on request of the participant `by`. `reply` is
   /// called once for each, at once or later. Null: every parameter is read-only.
   std::function<void(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
-                     const bus::Guid& by, SettingTold told)>
+                     const bus::Guid& by, SettingReply reply)>
       set;
 };
 
@@ -36,7 +36,7 @@ class RequestLimit {
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
 
  private:
-  log::FewASecond admitted_;
+  console::RateLimiter admitted_;
   std::atomic<std::uint64_t> refused_{0};
 };
 
@@ -66,9 +66,9 @@ class ParameterServices {
   /// Of a name that there is not, a value that is not set: so tools say that it is not.
   template <class Names>
   std::vector<RosParameter> named(const Names& names) const;
-  /// Calls handler_.set for what may change something; `told` for all.
+  /// Calls handler_.set for what may change something; `reply` for all.
   void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together, const bus::Guid& by,
-           const SettingTold& told);
+           const SettingReply& reply);
 
   bool lockstep_;
   ParameterHandler handler_;

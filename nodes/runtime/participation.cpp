@@ -32,8 +32,8 @@ bool is_among(const std::vector<std::string>& nodes, const std::string& node) {
 
 }  // namespace
 
-void Partners::update(const NodeOptions& options, const NodeRegistry& registry,
-                      const std::vector<Link>& links, std::uint64_t session) {
+void PeerSet::update(const NodeOptions& options, const NodeRegistry& registry,
+                     const std::vector<Link>& links, std::uint64_t session) {
   if (session != session_)
     complete_ = false, participants_.clear(), session_ = session;
   if (!options.lockstep || session == 0 || complete_)
@@ -58,8 +58,8 @@ void Partners::update(const NodeOptions& options, const NodeRegistry& registry,
   complete_ = missing_.empty();
 }
 
-bool Reminder::is_due(const NodeRegistry& registry, std::uint64_t session,
-                      const qos::Topic& topic) {
+bool RepublishTimer::is_due(const NodeRegistry& registry, std::uint64_t session,
+                            const qos::Topic& topic) {
   const std::vector<std::string> readers =
       qos::names_of(static_cast<qos::Nodes>(topic.readers & ~qos::kLogger));
   const std::vector<NodeReport> reports = registry.reports();

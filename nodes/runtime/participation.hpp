@@ -44,9 +44,9 @@ std::string missing_links(const NodeOptions& options, const NodeRegistry& regist
 /// Lockstep: the participants that a run waits for, and that alone end it by their silence: those
 /// that were ready for its session and at the other end of every link of their node when the last
 /// node was. Participants that come later are none of them.
-class Partners {
+class PeerSet {
  public:
-  explicit Partners(std::vector<std::string> nodes) : nodes_(std::move(nodes)) {}
+  explicit PeerSet(std::vector<std::string> nodes) : nodes_(std::move(nodes)) {}
   /// A new session begins with none; in real time there are none.
   void update(const NodeOptions& options, const NodeRegistry& registry,
               const std::vector<Link>& links, std::uint64_t session);
@@ -66,7 +66,7 @@ class Partners {
 /// When latched values are written again: once a second while a node that needs them has not
 /// answered for the session. A flood of foreign values may have hidden them, or they came before
 /// their writer was bound.
-class Reminder {
+class RepublishTimer {
  public:
   /// By the readers of `topic` but the logger, which answers for no session.
   bool is_due(const NodeRegistry& registry, std::uint64_t session, const qos::Topic& topic);
@@ -98,7 +98,7 @@ class Session {
  private:
   std::atomic<std::uint64_t> id_{0}, count_{0};
   std::atomic<bool> stopped_{false};
-  Partners partners_{{"device", "rendering", "coupling", "logger", "validator"}};
+  PeerSet partners_{{"device", "rendering", "coupling", "logger", "validator"}};
 };
 
 }  // namespace voxtouch::runtime

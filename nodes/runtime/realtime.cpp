@@ -131,8 +131,8 @@ void enter_loop(const RealtimeOptions& options) noexcept {
 // Cyclone DDS guards its table of handles, its queue of events and each writer by mutexes that it
 // makes without attributes. A thread of ordinary priority that holds one (it writes a node's
 // status, say) and is not run meanwhile keeps the loop waiting: 40 to 340 ms of silence were seen
-// beside compilers. Made here they lend their holder the priority of who waits, so that nothing but
-// the ring's own threads comes between. Sanitizers bring a pthread_mutex_init of their own.
+// while compilers ran. Made here they lend their holder the priority of who waits, so that nothing
+// but the ring's own threads comes between. Sanitizers bring a pthread_mutex_init of their own.
 #if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 extern "C" __attribute__((visibility("default"))) int pthread_mutex_init(
     pthread_mutex_t* mutex, const pthread_mutexattr_t* attributes) noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-/// What DDS is told to ask about each request to a node before it stores it: lists and texts are no
+/// What DDS checks about each request to a node before it stores it: lists and texts are no
 /// longer than any that can be meant. In a thread of DDS: allocates nothing.
 #include <algorithm>
 #include <cstdint>

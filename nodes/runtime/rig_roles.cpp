@@ -13,7 +13,7 @@ namespace voxtouch::runtime {
 
 RigRoles::RigRoles(const bus::Participant& participant, const std::string& rig, const bus::Guid& up)
     : up_(up),
-      writers_(std::make_unique<bus::Following>(bus::Following::WhileNobody::kTakeAll)),
+      writers_(std::make_unique<bus::Following>(bus::Following::WhileUnbound::kTakeAll)),
       reader_(participant, qos::kRigClaim, rig, qos::profile(qos::ProfileId::kStatus),
               writers_.get()) {}
 

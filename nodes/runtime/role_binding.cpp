@@ -17,13 +17,13 @@ void RoleBinding::update(const NodeRegistry& registry, std::optional<std::uint64
       lost_session_ = session.value_or(session_.load(std::memory_order_relaxed));
     let_go();
   }
-  rivals_.clear();
+  conflicting_.clear();
   if (!participant_) {
     std::vector<bus::Guid> claiming = claimants(registry, session);
     if (claiming.size() == 1)
       bind(claiming.front());
     if (claiming.size() > 1)
-      rivals_ = std::move(claiming);
+      conflicting_ = std::move(claiming);
   }
   note_refused(registry);
   if (!participant_)
@@ -62,7 +62,7 @@ std::vector<bus::Guid> RoleBinding::claimants(const NodeRegistry& registry,
 }
 
 void RoleBinding::bind(const bus::Guid& participant) {
-  tenure_.fetch_add(1, std::memory_order_acq_rel);
+  binding_epoch_.fetch_add(1, std::memory_order_acq_rel);
   for (bus::Following* input : inputs_)
     input->follow(participant);
   participant_ = participant;
@@ -72,7 +72,7 @@ void RoleBinding::bind(const bus::Guid& participant) {
 
 void RoleBinding::let_go() {
   for (bus::Following* input : inputs_)
-    input->follow_nobody();
+    input->follow_none();
   participant_.reset();
   session_.store(0, std::memory_order_release);
   bound_now_.store(false, std::memory_order_release);
@@ -107,16 +107,16 @@ std::uint64_t RoleBinding::refused() const noexcept {
   return sum;
 }
 
-std::string RoleBinding::trouble(const NodeRegistry& registry) const {
+std::string RoleBinding::diagnostic(const NodeRegistry& registry) const {
   const auto names = [&](const auto& participants) {
     std::string all;
     for (const bus::Guid& participant : participants)
       all += (all.empty() ? "" : " and ") + registry.name_of(participant);
     return all;
   };
-  if (!rivals_.empty())
+  if (!conflicting_.empty())
     return fmt::format("two {} nodes claim this session, and none is followed: {}; stop one", role_,
-                       names(rivals_));
+                       names(conflicting_));
   if (lost_session_ != 0 && role_ != "device")  // without a device there is no session
     return fmt::format(
         "the {} of this session has gone: the session is over, and no other is bound in it", role_);

@@ -20,7 +20,7 @@ namespace voxtouch::runtime {
 /// that `voxtouch up` started only participants that its claim names are bound. In one that was
 /// started by hand a binding lasts as long as its session: if the participant goes, the role is
 /// lost until another session begins. The samples of all others are refused, counted and named. One
-/// thread, the housekeeping's, owns it; `session`, `bound` and `tenure` may be asked by any.
+/// thread, the housekeeping's, owns it; `session`, `bound` and `binding_epoch` may be asked by any.
 class RoleBinding {
  public:
   /// `inputs`: this node's readers of what the role writes. They follow whoever is bound.
@@ -36,16 +36,18 @@ class RoleBinding {
   /// The session in which the bound participant went, in a ring that was started by hand; 0: it did
   /// not, or another session has begun.
   std::uint64_t lost_session() const noexcept { return lost_session_; }
-  /// What the bound participant's status says; 0: nobody is bound. Real-time safe.
+  /// What the bound participant's status says; 0: no participant is bound. Real-time safe.
   std::uint64_t session() const noexcept { return session_.load(std::memory_order_acquire); }
-  /// Another number each time that somebody is bound. Real-time safe.
-  std::uint64_t tenure() const noexcept { return tenure_.load(std::memory_order_acquire); }
-  /// Samples of others that came while somebody was bound.
+  /// Another number for each binding. Real-time safe.
+  std::uint64_t binding_epoch() const noexcept {
+    return binding_epoch_.load(std::memory_order_acquire);
+  }
+  /// Samples of others that came while a participant was bound.
   std::uint64_t refused() const noexcept;
   /// Whose samples were refused and how many, also of those that have gone.
   std::string refused_writers() const { return refused_from_.text(); }
   /// What a person must know: two that claim, or who is refused. Empty: nothing.
-  std::string trouble(const NodeRegistry& registry) const;
+  std::string diagnostic(const NodeRegistry& registry) const;
 
  private:
   bool is_claimed_by(const NodeReport& report) const;
@@ -60,13 +62,13 @@ class RoleBinding {
   std::string role_;
   std::vector<bus::Following*> inputs_;
   std::optional<bus::Guid> participant_;
-  std::vector<bus::Guid> rivals_;  ///< who claim while nobody is bound, two or more
+  std::vector<bus::Guid> conflicting_;  ///< two or more claimants while none is bound
   ParticipantCounts refused_from_;
   std::set<bus::Guid>
       others_;  ///< whose samples or claims have been refused, and who are still there
   std::uint64_t lost_session_ = 0;
   std::atomic<bool> bound_now_{false};
-  std::atomic<std::uint64_t> session_{0}, tenure_{0};
+  std::atomic<std::uint64_t> session_{0}, binding_epoch_{0};
 };
 
 }  // namespace voxtouch::runtime

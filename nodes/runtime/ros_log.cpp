@@ -23,12 +23,12 @@ void RosLog::say(NodeState state, const std::string& sentence) {
   namespace level = msg::rcl_interfaces_Log_constants;
   if (lines_.matched_count() == 0)
     return;
-  const auto [is_said, left_out] = few_.take(monotonic_ns());
+  const auto [is_said, skipped] = few_.take(monotonic_ns());
   if (!is_said)
     return;
   const std::string text =
-      left_out == 0 ? sentence
-                    : fmt::format("{} ({} more lines were left out before)", sentence, left_out);
+      skipped == 0 ? sentence
+                   : fmt::format("{} ({} more lines were left out before)", sentence, skipped);
   static char none[] = "";
   msg::rcl_interfaces_Log line{};
   line.stamp = to_time(realtime_ns());

@@ -44,12 +44,12 @@ ListedParameters list_parameters(std::span<const RosParameter> all,
   };
   for (const RosParameter& parameter : all) {
     const std::string& name = parameter.name;
-    const bool is_wanted = prefixes.empty()
-                               ? depth == 0 || parts_of(name) < depth
-                               : std::ranges::any_of(prefixes, [&](const std::string& prefix) {
-                                   return is_below(name, prefix);
-                                 });
-    if (!is_wanted)
+    const bool is_requested = prefixes.empty()
+                                  ? depth == 0 || parts_of(name) < depth
+                                  : std::ranges::any_of(prefixes, [&](const std::string& prefix) {
+                                      return is_below(name, prefix);
+                                    });
+    if (!is_requested)
       continue;
     listed.names.push_back(name);
     const std::size_t dot = name.rfind('.');

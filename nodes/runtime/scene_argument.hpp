@@ -14,7 +14,7 @@ namespace voxtouch::runtime {
 std::vector<std::string> shipped_scenes();
 
 /// For CLI11: leaves the path of a file as it is and makes the path of a shipped scene of its name
-/// ("cup"). Refuses all else with a sentence that tells the names.
+/// ("cup"). Refuses all else with a sentence that lists the names.
 CLI::Validator scene_argument();
 
 }  // namespace voxtouch::runtime

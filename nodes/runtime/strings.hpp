@@ -11,9 +11,9 @@ namespace voxtouch::runtime {
 inline char* lend(const std::string& text) { return const_cast<char*>(text.c_str()); }
 
 /// Keeps the pointers of a sequence<string> alive for one write.
-class LentStrings {
+class StringViews {
  public:
-  explicit LentStrings(const std::vector<std::string>& texts) {
+  explicit StringViews(const std::vector<std::string>& texts) {
     for (const std::string& text : texts)
       pointers_.push_back(lend(text));
   }

@@ -8,17 +8,17 @@ namespace voxtouch::scene_build {
 std::unique_ptr<rendering::BuiltScene> build_here(const scene::Scene& scene, const BuildHow& how) {
   std::optional<BuildProgress> progress;
   ParallelFor loop = how.loop;
-  if (how.tells_progress)
+  if (how.reports_progress)
     loop = progress.emplace(how.who).counted(loop);
-  const ParallelFor while_wanted = [&](std::size_t count,
-                                       const std::function<void(std::size_t)>& body) {
+  const ParallelFor while_requested = [&](std::size_t count,
+                                          const std::function<void(std::size_t)>& body) {
     loop(count, [&](std::size_t i) {
       if (how.go_on)
         how.go_on();
       body(i);
     });
   };
-  return rendering::build_scene(scene, while_wanted,
+  return rendering::build_scene(scene, while_requested,
                                 {.model = how.model, .read = mesh_import::mesh_process()},
                                 [&](const std::string& step) {
                                   if (how.go_on)

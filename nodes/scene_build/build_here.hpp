@@ -12,12 +12,12 @@
 namespace voxtouch::scene_build {
 
 struct BuildHow {
-  std::string who;  ///< begins what is told
+  std::string who;  ///< begins each printed line
   std::optional<contact::ContactModelKind> model = {};
   ParallelFor loop = runtime::threaded_for();
   std::function<void()> go_on =
       {};  ///< asked before each piece of work, from any thread; throws where the build is to end
-  bool tells_progress = true;
+  bool reports_progress = true;
 };
 
 /// Throws as rendering::build_scene and `go_on`.

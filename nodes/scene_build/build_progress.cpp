@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 namespace voxtouch::scene_build {
@@ -13,13 +13,14 @@ std::string in_words(const StepSoFar& step) {
   // Behind a loop there may be work that is no loop.
   if (step.loop == 0 || step.done == 0 || step.done >= step.count)
     return fmt::format("{}: {:.0f} s so far", step.name, step.for_s);
-  const double share = static_cast<double>(step.done) / static_cast<double>(step.count);
+  const double fraction = static_cast<double>(step.done) / static_cast<double>(step.count);
   return fmt::format("{}, loop {}: {:.0f} %, about {:.0f} s more", step.name, step.loop,
-                     std::floor(100.0 * share), std::ceil(step.loop_s * (1.0 - share) / share));
+                     std::floor(100.0 * fraction),
+                     std::ceil(step.loop_s * (1.0 - fraction) / fraction));
 }
 
 BuildProgress::BuildProgress(std::string who) : who_(std::move(who)) {
-  if (log::stderr_is_terminal())
+  if (console::stderr_is_terminal())
     thread_ = std::jthread([this] { show_each_second(); });
 }
 
@@ -67,7 +68,7 @@ void BuildProgress::show_each_second() {
   while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return over_; })) {
     lock.unlock();
     if (const StepSoFar step = so_far(); !step.name.empty())
-      log::show_progress("{}: {}", who_, in_words(step));
+      console::show_progress("{}: {}", who_, in_words(step));
     lock.lock();
   }
 }

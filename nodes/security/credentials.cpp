@@ -24,8 +24,8 @@ using Pkcs7 = std::unique_ptr<PKCS7, Free<PKCS7_free>>;
 constexpr long kDay = 24 * 60 * 60;
 
 /// Threads of DDS still decipher while a process exits. OpenSSL would have cleaned itself up under
-/// them by then, and of ten secured rings one had a node that ended by signal 11. It heeds its
-/// first call alone, so nobody waits for a second.
+/// them by then, and of ten secured rings one had a node that ended by signal 11. Only its first
+/// call has an effect, so no thread waits for a second.
 [[maybe_unused]] const int kNoCleanUpAtExit = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
 
 /// Of what OpenSSL should never refuse.
@@ -204,7 +204,7 @@ std::string verified(const std::string& smime, X509& authority, const std::files
   ERR_clear_error();
   if (!is_good)
     throw Error(
-        fmt::format("{} is not signed by the authority of ca.cert.pem beside it: files of two "
+        fmt::format("{} is not signed by the authority of ca.cert.pem next to it: files of two "
                     "folders are mixed, or it was changed; "
                     "copy all files once more from where `voxtouch keys` made them",
                     from.string()));

@@ -11,7 +11,7 @@
 
 namespace voxtouch::security {
 
-/// Files that are missing, broken, expired, of somebody else or open to others; what it says is
+/// Files that are missing, broken, expired, of another owner or open to others; what it says is
 /// where and what to do.
 class Error : public std::runtime_error {
  public:
@@ -48,7 +48,7 @@ Certificate issue(const Signer& authority, EVP_PKEY& key, const std::string& com
 /// Those revoked in `old` (may be null) and `revoked` (may be null), valid as long as the
 /// authority.
 RevocationList make_revocation_list(const Signer& authority, X509_CRL* old, X509* revoked);
-/// Whether `list` names the certificate; nobody looks here whether the list itself is signed.
+/// Whether `list` names the certificate; the signature of the list itself is not checked here.
 bool is_revoked(X509_CRL& list, X509& certificate);
 
 /// S/MIME as DDS Security has it: the text and its signature in one.

@@ -9,19 +9,19 @@
 namespace voxtouch::security {
 namespace {
 
-/// The role's bit in the table's columns; kNobody where it is no node of the ring.
+/// The role's bit in the table's columns; kNone where it is no node of the ring.
 qos::Nodes node_of(std::string_view role) {
   for (qos::Nodes bit = 1; bit & qos::kEveryNode; bit = static_cast<qos::Nodes>(bit << 1U))
     if (qos::names_of(bit).front() == role)
       return bit;
-  return qos::kNobody;
+  return qos::kNone;
 }
 
 bool writes(std::string_view role, const qos::Topic& topic) {
   if (role == kLauncher)
     return topic.writers == qos::kEveryNode || topic.of_launcher;
   if (role == kTool)
-    return topic.writers == qos::kNobody && !topic.of_launcher && !topic.with_led_hand;
+    return topic.writers == qos::kNone && !topic.of_launcher && !topic.with_led_hand;
   return (topic.writers & node_of(role)) != 0;
 }
 

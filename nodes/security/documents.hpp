@@ -7,8 +7,8 @@
 
 namespace voxtouch::security {
 
-/// Beside the nodes of the ring: `voxtouch up`, which has a status of its own, and everything that
-/// only looks or asks for changes.
+/// In addition to the nodes of the ring: `voxtouch up`, which has a status of its own, and
+/// everything that only looks or asks for changes.
 inline constexpr std::string_view kLauncher = "up", kTool = "tool";
 
 /// Each has a certificate: the nodes of the ring, kLauncher, kTool.
@@ -21,8 +21,8 @@ std::string role_of(std::string_view name);
 std::string common_name(std::string_view role, std::string_view rig);
 inline constexpr std::string_view kAuthority = "authority";
 
-/// What holds for every participant: nobody unknown, who is there and who writes what is encrypted,
-/// and so is every message.
+/// What holds for every participant: no unknown participant; participants and endpoints are
+/// encrypted, and so is every message.
 std::string governance();
 
 /// What `role` may write and read, everything else being denied, between two times such as

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The plugins belong to the DDS library that runs: they stand beside it, or in a folder there that
-/// is called as it (Debian).
+/// The plugins belong to the DDS library that runs: they stand next to it, or in a folder there
+/// that is called as it (Debian).
 fs::path plugin(const std::string& name) {
   Dl_info found{};
   if (dladdr(reinterpret_cast<const void*>(&dds_create_participant), &found) == 0 ||
@@ -35,7 +35,7 @@ fs::path plugin(const std::string& name) {
     if (fs::path file = folder / ("lib" + name + ".so"); fs::exists(file))
       return file;
   throw Error(
-      fmt::format("lib{}.so stands neither beside {} nor in {} there: this DDS was built without "
+      fmt::format("lib{}.so stands neither next to {} nor in {} there: this DDS was built without "
                   "DDS Security (Debian's libddsc0debian has it)",
                   name, library.string(), own_folder));
 }
@@ -68,7 +68,7 @@ void require_trusted(X509& certificate, X509& authority, X509_CRL& revoked, cons
       throw Error(fmt::format("{} was revoked: {}", file.string(), renew(role)));
     default:
       throw Error(
-          fmt::format("{} is not of the authority of ca.cert.pem beside it ({}): files of two "
+          fmt::format("{} is not of the authority of ca.cert.pem next to it ({}): files of two "
                       "folders are mixed; copy all files once more "
                       "from where `voxtouch keys` made them",
                       file.string(), X509_verify_cert_error_string(code)));
@@ -137,7 +137,7 @@ Properties properties_of(const fs::path& folder, std::string_view role, std::str
   const RevocationList revoked = revocation_list_of(read_file(crl), crl);
   if (X509_CRL_verify(revoked.get(), X509_get0_pubkey(authority.get())) != 1)
     throw Error(
-        fmt::format("{} is not signed by the authority of ca.cert.pem beside it: copy both from "
+        fmt::format("{} is not signed by the authority of ca.cert.pem next to it: copy both from "
                     "the same folder",
                     crl.string()));
   require_text(verified(read_file(rules), *authority, rules), governance(), rules, "every node");
@@ -151,29 +151,30 @@ Properties properties_of(const fs::path& folder, std::string_view role, std::str
                     certificate.string(), common_name_of(*identity), common_name(role, rig), rig));
   if (X509_check_private_key(identity.get(), key_of(read_private_file(key), key).get()) != 1)
     throw Error(fmt::format(
-        "{} does not belong to cert.pem beside it: copy both from the same folder", key.string()));
+        "{} does not belong to cert.pem next to it: copy both from the same folder", key.string()));
   require_text(verified(read_file(may), *authority, may),
                permissions(role, rig, to_text(*X509_get0_notBefore(identity.get())),
                            to_text(*X509_get0_notAfter(identity.get()))),
                may, fmt::format("the {} of rig {}", role, rig));
 
-  Properties told{{"dds.sec.auth.identity_ca", file_value(ca)},
-                  {"dds.sec.auth.identity_certificate", file_value(certificate)},
-                  {"dds.sec.auth.private_key", file_value(key)},
-                  {"org.eclipse.cyclonedds.sec.auth.crl", file_value(crl)},
-                  {"dds.sec.access.permissions_ca", file_value(ca)},
-                  {"dds.sec.access.governance", file_value(rules)},
-                  {"dds.sec.access.permissions", file_value(may)}};
+  Properties properties{{"dds.sec.auth.identity_ca", file_value(ca)},
+                        {"dds.sec.auth.identity_certificate", file_value(certificate)},
+                        {"dds.sec.auth.private_key", file_value(key)},
+                        {"org.eclipse.cyclonedds.sec.auth.crl", file_value(crl)},
+                        {"dds.sec.access.permissions_ca", file_value(ca)},
+                        {"dds.sec.access.governance", file_value(rules)},
+                        {"dds.sec.access.permissions", file_value(may)}};
   for (const auto& [part, name, function] :
        {std::tuple("auth", "dds_security_auth", "authentication"),
         std::tuple("access", "dds_security_ac", "access_control"),
         std::tuple("crypto", "dds_security_crypto", "crypto")}) {
     const std::string library = fmt::format("dds.sec.{}.library.", part);
-    told.insert(told.end(), {{library + "path", plugin(name).string()},
-                             {library + "init", fmt::format("init_{}", function)},
-                             {library + "finalize", fmt::format("finalize_{}", function)}});
+    properties.insert(properties.end(),
+                      {{library + "path", plugin(name).string()},
+                       {library + "init", fmt::format("init_{}", function)},
+                       {library + "finalize", fmt::format("finalize_{}", function)}});
   }
-  return told;
+  return properties;
 }
 
 }  // namespace voxtouch::security

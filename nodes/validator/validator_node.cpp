@@ -12,7 +12,7 @@
 #include "core/reference/reference_scene.hpp"
 #include "core/reference/tool_judgement.hpp"
 #include "core/scene/scene_file.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/runtime/counters.hpp"
@@ -38,8 +38,8 @@ reference::ReportedContact to_report(const msg::ContactState& c) {
   r.coherence = c.coherence;
   r.surface_hits = c.surface_hits;
   r.interior_hits = c.interior_hits;
-  r.retained =
-      (c.flags & (msg::contact_state::kFlagHeld | msg::contact_state::kFlagRefusedSample)) != 0;
+  r.latched =
+      (c.flags & (msg::contact_state::kFlagLatched | msg::contact_state::kFlagRefusedSample)) != 0;
   r.fallback = (c.flags & msg::contact_state::kFlagFallback) != 0;
   return r;
 }
@@ -50,8 +50,8 @@ reference::ReportedTool to_tool(const msg::ContactState& c) {
           .wrench = runtime::from_msg(c.contact_wrench),
           .residual_m = c.residual_m,
           .constrained = (c.flags & msg::contact_state::kFlagConstrained) != 0,
-          .lag = (c.flags & msg::contact_state::kFlagLag) != 0,
-          .unplaced = (c.flags & msg::contact_state::kFlagUnplaced) != 0};
+          .not_converged = (c.flags & msg::contact_state::kFlagNotConverged) != 0,
+          .not_initialised = (c.flags & msg::contact_state::kFlagNotInitialised) != 0};
 }
 
 enum class ValidatorCounter : std::uint8_t { kFirstChecked, kExcused, kSkipped };
@@ -97,7 +97,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     }
   };
 
-  /// A plan of the session that runs tells of a change: it is followed where its first sample
+  /// A plan of the session that runs reports a change: it is followed where its first sample
   /// comes.
   void take(const msg::ScenePlan& plan) {
     Built built{plan.session_id, plan.from_sample,  plan.scene,
@@ -123,8 +123,8 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   /// sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
-      log::tell("warning: validator: the rendering runs another version of scene '{}' than {}\n",
-                built.scene, scene_.file.string());
+      console::log("warning: validator: the rendering runs another version of scene '{}' than {}\n",
+                   built.scene, scene_.file.string());
     built_ = std::move(built);
     next_.reset();
     blind_ = false;
@@ -148,14 +148,14 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
       try {
         scene::Scene scene = scene::load_scene(options_.scene);
         blind_ = scene.hash != built_.hash;
-        mesh_import::rehearse_reading(scene);
+        mesh_import::dry_run_reading(scene);
         if (!blind_)
           reference_ = reference::ReferenceScene(scene), scene_ = std::move(scene);
       } catch (const std::exception&) {
         blind_ = true;
       }
       if (blind_)
-        log::tell(
+        console::log(
             "warning: validator: {} is not what the rendering runs now; nothing is judged any "
             "more\n",
             options_.scene.string());
@@ -213,8 +213,9 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     last_due_ = sequence;
   }
 
-  /// Flags of a contact that cannot be judged. While one scene fades into another, what is felt is
-  /// neither's. A virtual tool that is told of a refused sample is that of another one.
+  /// Flags of a contact that cannot be judged. While one scene fades into another, what is
+  /// displayed is neither's. A virtual tool that is reported with a refused sample is that of
+  /// another one.
   std::uint32_t unlike() const {
     return msg::contact_state::kFlagFading |
            (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
@@ -301,7 +302,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
         host_.report_session(registry, report, "the rendering", counts_.checked > 0);
     const double skipped = counters_[ValidatorCounter::kSkipped];
     status.say(StatusPriority::kProgress,
-               unread_ ? "idle: nobody reads the verdicts"
+               unread_ ? "idle: the verdicts have no reader"
                        : "no disagreement" +
                              (skipped > 0.0 ? fmt::format("; {:.0f} due samples were skipped: "
                                                           "judging takes longer than their period",
@@ -309,7 +310,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
                                             : ""));
     if (!missing.empty())
       status.say(StatusPriority::kWaiting, "waiting for " + missing);
-    status.say(StatusPriority::kForeign, rendering_.trouble(registry));
+    status.say(StatusPriority::kForeign, rendering_.diagnostic(registry));
     if (!first_disagreement_.empty())
       status.say(StatusPriority::kFault, "first disagreement: " + first_disagreement_);
   }
@@ -329,7 +330,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   std::optional<Built> next_;         ///< from its first sample on
   std::uint64_t last_due_ = 0;        ///< sequence number of the last sample that was due
   bool blind_ = false;                ///< the rendering runs what this node has no reference for
-  std::atomic<bool> unread_ = false;  ///< nobody read the verdicts when the last one was due
+  std::atomic<bool> unread_ = false;  ///< the verdicts had no reader when the last one was due
   runtime::Counters<kValidatorTable> counters_;
   std::mutex mutex_;
   reference::JudgeCounts counts_;
@@ -340,7 +341,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
 
 int run(const Options& options, const std::atomic<bool>& stop) {
   const scene::Scene scene = scene::load_scene(options.scene);
-  mesh_import::rehearse_reading(scene);
+  mesh_import::dry_run_reading(scene);
   ValidatorNode node(options, scene);
   return node.run(stop);
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// The validator's process: an independent reference judges every n-th contact while somebody reads
-/// the verdicts.
+/// The validator's process: an independent reference judges every n-th contact while the verdicts
+/// have a reader.
 #include <atomic>
 #include <cstdint>
 
@@ -12,7 +12,7 @@ struct Options : runtime::NodeOptions {
   std::uint64_t every = 20;  ///< check samples whose sequence number is a multiple of this
 };
 
-/// Judges until `stop`, while somebody reads its verdicts. Throws while starting only.
+/// Judges until `stop`, while its verdicts have a reader. Throws while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::validator

@@ -9,7 +9,7 @@ namespace voxtouch::view {
 /// 128 random bits of the kernel as 32 hex digits. Throws std::runtime_error where there are none.
 std::string make_token();
 
-/// What a server at `address`:`port` lets in. An empty token lets nobody in.
+/// What a server at `address`:`port` lets in. An empty token refuses every client.
 struct Access {
   std::string address;  ///< an IPv4 address of this machine, as digits
   int port = 0;

@@ -10,8 +10,8 @@
 
 #include "nodes/bag/bag_origin.hpp"
 #include "nodes/bus/wire_form.hpp"
-#include "nodes/log/reason.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
+#include "nodes/console/reason.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/view/rounded.hpp"
 #include "qos/topics.hpp"
@@ -52,7 +52,7 @@ std::string_view hash_of(std::string_view type) {
 }
 
 bag::BagReader open(const std::filesystem::path& path) {
-  if (const std::string why = bag::why_other_layout(path, hash_of); !why.empty())
+  if (const std::string why = bag::other_layout_error(path, hash_of); !why.empty())
     throw std::runtime_error(why);
   auto reader = bag::BagReader::open(path);
   if (!reader)
@@ -60,23 +60,23 @@ bag::BagReader open(const std::filesystem::path& path) {
   return std::move(*reader);
 }
 
-/// What `up` has left beside the bag, as the page shows it; null where it left nothing.
-nlohmann::json verdict_beside(const std::filesystem::path& path,
+/// What `up` has left next to the bag, as the page shows it; null where it left nothing.
+nlohmann::json verdict_of_run(const std::filesystem::path& path,
                               const std::vector<std::string>& losses) {
   std::error_code error;
   std::ifstream file((std::filesystem::is_directory(path, error) ? path : path.parent_path()) /
                      "voxtouch_run.json");
-  const auto told = nlohmann::json::parse(file, nullptr, false);
+  const auto recording = nlohmann::json::parse(file, nullptr, false);
   if (!losses.empty())
     return {{"good", false}, {"problems", losses}};
-  if (!told.is_object() || !told.contains("ok") || !told["ok"].is_boolean() ||
-      !told.contains("problems") || !told["problems"].is_array())
+  if (!recording.is_object() || !recording.contains("ok") || !recording["ok"].is_boolean() ||
+      !recording.contains("problems") || !recording["problems"].is_array())
     return nullptr;
   nlohmann::json problems = nlohmann::json::array();
-  for (const auto& problem : told["problems"])
+  for (const auto& problem : recording["problems"])
     if (problem.is_string())
       problems.push_back(problem);
-  return {{"good", told["ok"].get<bool>() && told["problems"].empty()},
+  return {{"good", recording["ok"].get<bool>() && recording["problems"].empty()},
           {"problems", std::move(problems)}};
 }
 
@@ -84,7 +84,7 @@ nlohmann::json verdict_beside(const std::filesystem::path& path,
 
 BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path)
     : reader_(open(path)),
-      verdict_(verdict_beside(path, reader_.losses())) {
+      verdict_(verdict_of_run(path, reader_.losses())) {
   const Take status = [this,
                        form = std::make_shared<bus::WireForm<msg::NodeStatus>>(participant.get())](
                           const bag::BagMessage& m, Picture&, Facts&, NodeTable& nodes) {
@@ -96,8 +96,8 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
     });
   };
   const std::pair<std::string_view, Topic> known[] = {
-      // Not written then, but taken by the logger, like its command: between the two lies the way
-      // round the ring. Simulated times measure nothing.
+      // Not written then, but taken by the logger, like its command: between the two lies one pass
+      // of the ring. Simulated times measure nothing.
       {qos::kDeviceState.path,
        {stream<msg::DeviceState>([](Picture& picture, const auto& state, std::int64_t time_ns) {
          picture.take(state, state.flags & msg::device_state::kFlagLockstep ? 0 : time_ns);
@@ -138,7 +138,7 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
     try {
       collect_facts(path);
     } catch (const std::exception& error) {
-      damaged(log::reason_of(error));
+      damaged(console::reason_of(error));
     }
   });
 }
@@ -183,7 +183,7 @@ double BagPlayer::duration_s() const noexcept {
 void BagPlayer::damaged(const std::string& sentence) {
   const std::lock_guard lock(mutex_);
   if (damage_.empty())
-    log::tell("warning: view: {}\n", damage_ = sentence);
+    console::log("warning: view: {}\n", damage_ = sentence);
 }
 
 std::string BagPlayer::damage() const {
@@ -191,7 +191,7 @@ std::string BagPlayer::damage() const {
   return damage_;
 }
 
-/// What is said seldom may lie anywhere in a long recording: it is looked for beside the picture.
+/// What is said seldom may lie anywhere in a long recording: it is looked for next to the picture.
 void BagPlayer::collect_facts(const std::filesystem::path& path) {
   const auto reader = bag::BagReader::open(path);
   if (!reader)

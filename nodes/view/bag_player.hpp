@@ -40,7 +40,7 @@ class BagPlayer {
   std::string note() const;
   /// As the rendering node said it; empty where it did not.
   const std::string& scene_file() const noexcept { return scene_file_; }
-  /// Of the bag's times, as NodeTable is told them [ns].
+  /// Of the bag's times, as NodeTable receives them [ns].
   std::int64_t now_ns() const noexcept;
 
   static constexpr double kSlowest = 0.01, kFastest = 16.0;

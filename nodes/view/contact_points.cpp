@@ -36,7 +36,7 @@ std::vector<Vec3> find(rendering::BuiltScene& built, const Pose& object, double 
 }
 
 /// This thread alone: what it does must not take time from a ring on the same machine.
-void give_way() {
+void yield_lock() {
   runtime::ordinary_priority();
   setpriority(PRIO_PROCESS, 0, 19);
 }
@@ -51,7 +51,7 @@ bool is_ready(const std::future<T>& future) {
 void ContactPoints::scene_is(const scene::Scene& scene) {
   scene_ = scene;
   question_.reset(), points_.reset(), slice_question_.reset(), slice_.reset();
-  why_not_ = "the scene is being built here once more";
+  refusal_ = "the scene is being built here once more";
 }
 
 void ContactPoints::ask(const Pose& object, double scene_time_s) {
@@ -64,14 +64,14 @@ std::optional<nlohmann::json> ContactPoints::take_slice() {
 
 void ContactPoints::look() {
   if (is_ready(building_)) {
-    std::string why_not;
+    std::string refusal;
     try {
       built_ = building_.get();
     } catch (const std::exception& error) {
-      why_not = error.what();
+      refusal = error.what();
     }
     if (!scene_)
-      why_not_ = why_not;
+      refusal_ = refusal;
   }
   if (is_ready(finding_)) {
     Found found = finding_.get();
@@ -85,15 +85,15 @@ void ContactPoints::look() {
   if (scene_) {
     built_.reset();
     building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt)] {
-      give_way();
+      yield_lock();
       return scene_build::build_here(
-          scene, {.who = "view", .loop = serial_for(), .tells_progress = false});
+          scene, {.who = "view", .loop = serial_for(), .reports_progress = false});
     });
   } else if (built_ && (question_ || slice_question_)) {
     finding_ = std::async(
         std::launch::async, [this, question = std::exchange(question_, std::nullopt),
                              slice_question = std::exchange(slice_question_, std::nullopt)] {
-          give_way();
+          yield_lock();
           Found found;
           if (question)
             found.points = find(*built_, question->object, question->scene_time_s);

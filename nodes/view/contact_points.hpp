@@ -34,7 +34,7 @@ class ContactPoints {
   /// there is no scene to ask.
   const std::optional<std::vector<Vec3>>& points() const noexcept { return points_; }
   /// Why there are none; empty: there are.
-  const std::string& why_not() const noexcept { return why_not_; }
+  const std::string& refusal() const noexcept { return refusal_; }
 
   static constexpr std::size_t kMaxPoints = 400;
 
@@ -53,7 +53,7 @@ class ContactPoints {
   std::optional<SliceQuestion> slice_question_;
   std::optional<nlohmann::json> slice_;
   std::optional<std::vector<Vec3>> points_;
-  std::string why_not_ = "the scene's file is not at hand";
+  std::string refusal_ = "the scene's file is not at hand";
   std::unique_ptr<rendering::BuiltScene> built_;  ///< while something is found: of that thread
   std::future<std::unique_ptr<rendering::BuiltScene>> building_;
   std::future<Found> finding_;

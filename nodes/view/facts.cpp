@@ -56,9 +56,9 @@ std::string design_sentence(const msg::CouplingDesign& d) {
                          : kind;
   if (d.injected_damping_ns_per_m > 0.0)
     what += fmt::format(", {:.3g} Ns/m injected", d.injected_damping_ns_per_m);
-  if (d.shown_stiffness_n_per_m > 0.0)
+  if (d.displayed_stiffness_n_per_m > 0.0)
     what += fmt::format(": certified to show {:.3g} N/m, unstable from {:.3g} N/m",
-                        d.shown_stiffness_n_per_m, d.critical_stiffness_n_per_m);
+                        d.displayed_stiffness_n_per_m, d.critical_stiffness_n_per_m);
   return what;
 }
 
@@ -84,7 +84,7 @@ void Facts::take(const msg::DeviceDescription& d) {
 }
 
 void Facts::take(const msg::EffectChange& c) {
-  constexpr std::size_t kMaxChanges = 64;  // anybody may send some
+  constexpr std::size_t kMaxChanges = 64;  // any participant may send some
   if (unanswered_.size() >= kMaxChanges)
     unanswered_.erase(unanswered_.begin());
   unanswered_[c.request] = {c.action, c.effect, c.parameter, {c.value[0], c.value[1], c.value[2]}};

@@ -1,5 +1,5 @@
 #pragma once
-/// What the page tells beside the picture: plan, design, device, effects and what became of
+/// What the page shows in addition to the picture: plan, design, device, effects and what became of
 /// changes. Messages in, JSON out. One thread.
 #include <cstdint>
 #include <deque>

@@ -48,7 +48,7 @@ nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows) {
                    {"state", row.state},
                    {"rate_hz", or_null(row.rate_hz)},
                    {"counted", row.counted},
-                   {"answered_share", or_null(row.answered_share)},
+                   {"answered_ratio", or_null(row.answered_ratio)},
                    {"sentence", row.report.message}});
   return all;
 }
@@ -81,7 +81,7 @@ void NodeTable::take(const runtime::NodeReport& report, std::int64_t now_ns) {
     }
   }
   if (report.node == "device")
-    k.row.answered_share = runtime::find_value(report.figures, "last_second_answered_share");
+    k.row.answered_ratio = runtime::find_value(report.figures, "last_second_answered_ratio");
 }
 
 void NodeTable::update(const runtime::NodeRegistry& registry, std::int64_t now_ns) {
@@ -117,7 +117,7 @@ std::vector<NodeRow> NodeTable::rows(std::int64_t now_ns) const {
     NodeRow row = known.row;
     const bool runs = known.here && !row.report.final() && row.state != "hangs";
     if (!runs)
-      row.rate_hz.reset(), row.answered_share.reset();
+      row.rate_hz.reset(), row.answered_ratio.reset();
     if (!known.here && !row.report.final()) {
       row.state = "gone";
       row.report.message =

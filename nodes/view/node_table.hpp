@@ -18,10 +18,10 @@ struct NodeRow {
   std::string state;                     ///< starting, ready, running, stopped, failed, hangs, gone
   std::optional<double> rate_hz;         ///< of what it counts
   std::string counted;                   ///< what that is: samples, messages
-  std::optional<double> answered_share;  ///< of the device: in the last second
+  std::optional<double> answered_ratio;  ///< of the device: in the last second
 };
 
-/// Of each row node, host, pid, state, rate_hz, counted, answered_share and sentence; null for what
+/// Of each row node, host, pid, state, rate_hz, counted, answered_ratio and sentence; null for what
 /// is not known.
 nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows);
 

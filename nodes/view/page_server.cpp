@@ -17,7 +17,7 @@
 #include <fmt/format.h>
 #include <libwebsockets.h>
 
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/view/access.hpp"
 #include "nodes/view/page_files.hpp"
@@ -47,7 +47,7 @@ void check_address(const std::string& address) {
         fmt::format("'{}' is no IPv4 address of one interface, such as 127.0.0.1", address));
 }
 
-/// What browsers are told about every file: nothing from elsewhere, no frame around it, no name of
+/// What browsers receive about every file: nothing from elsewhere, no frame around it, no name of
 /// it to others.
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' "
@@ -84,11 +84,11 @@ class PageServer::Impl {
   };
 
  public:
-  Impl(const ServerOptions& options, std::function<std::string()> greeting, Heard heard,
+  Impl(const ServerOptions& options, std::function<std::string()> greeting, Heard received,
        Closed closed)
       : files_(find_page_files()),
         greeting_(std::move(greeting)),
-        heard_(std::move(heard)),
+        received_(std::move(received)),
         closed_(std::move(closed)) {
     check_address(options.address);
     access_ = {options.address, options.port, make_token()};
@@ -113,7 +113,7 @@ class PageServer::Impl {
     static const lws_retry_bo_t idle{nullptr, 0, 0, 10, 20, 0};
     info.retry_and_idle_policy = &idle;
     lws_vhost* vhost = lws_create_vhost(context_, &info);
-    if (!vhost && !options.port_is_wished) {
+    if (!vhost && !options.port_is_requested) {
       info.port = 0;
       vhost = lws_create_vhost(context_, &info);
     }
@@ -125,7 +125,8 @@ class PageServer::Impl {
                       "another --port, or 0 for any that is free",
                       access_.address, access_.port));
     }
-    lws_set_log_level(LLL_ERR, [](int, const char* line) { log::tell("page server: {}", line); });
+    lws_set_log_level(LLL_ERR,
+                      [](int, const char* line) { console::log("page server: {}", line); });
     access_.port = lws_get_vhost_listen_port(vhost);
     thread_ = std::thread([this] {
       runtime::ordinary_priority();
@@ -167,7 +168,7 @@ class PageServer::Impl {
     try {
       return self->call(wsi, reason, static_cast<Client**>(session), in, length);
     } catch (const std::exception& error) {
-      log::tell("page server: {}\n", error.what());
+      console::log("page server: {}\n", error.what());
       return -1;
     }
   }
@@ -179,11 +180,11 @@ class PageServer::Impl {
       case LWS_CALLBACK_HTTP_FILE_COMPLETION:
         return lws_http_transaction_completed(wsi) ? -1 : 0;
       case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-        return why_no_client(wsi).empty() ? 0 : -1;
+        return no_client_reason(wsi).empty() ? 0 : -1;
       case LWS_CALLBACK_ESTABLISHED:
         return open(wsi, client);
       case LWS_CALLBACK_RECEIVE:
-        return hear(wsi, **client, {static_cast<const char*>(in), length});
+        return receive(wsi, **client, {static_cast<const char*>(in), length});
       case LWS_CALLBACK_SERVER_WRITEABLE:
         return write(wsi, **client);
       case LWS_CALLBACK_CLOSED:
@@ -196,7 +197,7 @@ class PageServer::Impl {
   }
 
   /// Host and Origin of any request; empty: it may come in.
-  std::string why_not(lws* wsi) const {
+  std::string refusal(lws* wsi) const {
     if (const std::string host = header(wsi, WSI_TOKEN_HOST); !access_.admits_host(host))
       return "This server answers to its own address only." + access_.remedy_for(host);
     if (!access_.admits_origin(header(wsi, WSI_TOKEN_ORIGIN)))
@@ -204,15 +205,15 @@ class PageServer::Impl {
     return {};
   }
 
-  std::string why_no_client(lws* wsi) const {
-    std::string why = why_not(wsi);
+  std::string no_client_reason(lws* wsi) const {
+    std::string why = refusal(wsi);
     if (why.empty() && !access_.admits_token(token_of(wsi)))
       why = "The token in the address is missing or wrong.";
     return why;
   }
 
   int serve(lws* wsi, const std::string& asked) {
-    std::string why = why_not(wsi);
+    std::string why = refusal(wsi);
     if (why.empty() && asked == "/" && !access_.admits_token(token_of(wsi)))
       why =
           "The token in the address is missing or wrong: use the address that voxtouch printed "
@@ -277,7 +278,7 @@ class PageServer::Impl {
     return 0;
   }
 
-  int hear(lws* wsi, Client& client, std::string_view part) {
+  int receive(lws* wsi, Client& client, std::string_view part) {
     if (client.refused)
       return 0;
     const auto end_it = [&](lws_close_status status, const char* why) {
@@ -294,7 +295,7 @@ class PageServer::Impl {
       client.second = now, client.messages = 0;
     if (++client.messages > kMaxMessagesASecond)
       return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
-    heard_(client.number, std::exchange(client.incoming, {}));
+    received_(client.number, std::exchange(client.incoming, {}));
     return 0;
   }
 
@@ -344,7 +345,7 @@ class PageServer::Impl {
 
   std::map<std::string, PageFile> files_;
   std::function<std::string()> greeting_;
-  Heard heard_;
+  Heard received_;
   Closed closed_;
   std::uint64_t last_number_ = 0;
   Access access_;
@@ -358,8 +359,8 @@ class PageServer::Impl {
 };
 
 PageServer::PageServer(const ServerOptions& options, std::function<std::string()> greeting,
-                       Heard heard, Closed closed)
-    : impl_(std::make_unique<Impl>(options, std::move(greeting), std::move(heard),
+                       Heard received, Closed closed)
+    : impl_(std::make_unique<Impl>(options, std::move(greeting), std::move(received),
                                    std::move(closed))) {}
 PageServer::~PageServer() = default;
 std::string PageServer::address() const { return impl_->address(); }

@@ -12,8 +12,8 @@ namespace voxtouch::view {
 struct ServerOptions {
   std::string address = "127.0.0.1";  ///< an IPv4 address of this machine
   int port = 8765;                    ///< 0: any
-  bool port_is_wished =
-      false;  ///< somebody asked for this very port: where it is taken, that is an error
+  bool port_is_requested =
+      false;  ///< this very port was requested: where it is taken, that is an error
 };
 
 /// Bounds of what clients may cost.
@@ -34,7 +34,7 @@ class PageServer {
   /// {"type": "page", "page": its number}. All three are called from the server's thread. Throws
   /// std::runtime_error, a sentence, where the address cannot be had or the page's files are
   /// missing.
-  PageServer(const ServerOptions& options, std::function<std::string()> greeting, Heard heard,
+  PageServer(const ServerOptions& options, std::function<std::string()> greeting, Heard received,
              Closed closed);
   ~PageServer();
   PageServer(const PageServer&) = delete;

@@ -30,16 +30,16 @@ Vec3 in_world(const msg::ForceCommand& command, const scene::Scene* scene) {
 }
 
 using Words = std::pair<std::uint32_t, const char*>;
-constexpr Words kContactWords[] = {{msg::contact_state::kFlagHeld, "held"},
+constexpr Words kContactWords[] = {{msg::contact_state::kFlagLatched, "held"},
                                    {msg::contact_state::kFlagFast, "fast"},
                                    {msg::contact_state::kFlagRefusedSample, "sample refused"},
                                    {msg::contact_state::kFlagSaturated, "saturated"},
                                    {msg::contact_state::kFlagFading, "fading"},
-                                   {msg::contact_state::kFlagMissed, "missed"},
+                                   {msg::contact_state::kFlagTunnellingSuspected, "missed"},
                                    {msg::contact_state::kFlagClutched, "clutch"},
                                    {msg::contact_state::kFlagFallback, "fallback"}};
 constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping"},
-                                   {msg::force_command::kStatusHeldInput, "input held"},
+                                   {msg::force_command::kStatusLatchedInput, "input held"},
                                    {msg::force_command::kStatusClamped, "clamped"},
                                    {msg::force_command::kStatusCapped, "capped"},
                                    {msg::force_command::kStatusGrowing, "growing"},
@@ -136,8 +136,8 @@ void Picture::take(const msg::ForceCommand& command, std::int64_t written_ns) {
     at->command = command;
 }
 
-/// None for a sample whose row has been given away, and for stamps that cannot be: anybody may send
-/// some.
+/// None for a sample whose row has been given away, and for stamps that cannot be: any participant
+/// may send some.
 Picture::Row* Picture::row(std::int64_t sample_time_ns) {
   constexpr std::size_t kMaxOpen = 4096;
   const std::int64_t index = runtime::ns_between(*begin_ns_, sample_time_ns) / kRowNs;
@@ -146,7 +146,7 @@ Picture::Row* Picture::row(std::int64_t sample_time_ns) {
   return &open_[index];
 }
 
-/// A row is closed once samples have come that are well behind it: its command is one way round the
+/// A row is closed once samples have come that are well behind it: its command is one pass of the
 /// ring later than its contact.
 void Picture::close_rows(const scene::Scene* scene) {
   constexpr std::int64_t kRowsBehind = 2;

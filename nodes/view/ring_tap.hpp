@@ -1,5 +1,5 @@
 #pragma once
-/// Readers of a ring that runs, as taps: they slow nobody.
+/// Readers of a ring that runs, as taps: they slow no node.
 #include "nodes/bus/reader.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/options.hpp"

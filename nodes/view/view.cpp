@@ -13,7 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene_file.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/change_asker.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
@@ -32,7 +32,7 @@ using nlohmann::json;
 
 constexpr std::int64_t kFrameNs = 33'333'333, kFactsNs = 200'000'000;
 
-/// Text of anybody's may stand in it, also such as is no UTF-8.
+/// Text of any participant may stand in it, also such as is no UTF-8.
 std::string text_of(const json& j) {
   return j.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -68,7 +68,7 @@ class View {
                                  : nullptr),
         server_(
             options.server, [this] { return greeting(); },
-            [this](std::uint64_t page, std::string text) { hear(page, std::move(text)); },
+            [this](std::uint64_t page, std::string text) { receive(page, std::move(text)); },
             [this](std::uint64_t page) {
               if (hand_)
                 hand_->close(page);
@@ -92,9 +92,9 @@ class View {
   int run(const std::atomic<bool>& stop) {
     const std::string line = fmt::format("view: {}", server_.address());
     if (options_.to_stderr)
-      log::tell("{}\n", line);
+      console::log("{}\n", line);
     else
-      log::print_result("{}\n", line), log::finish_results();
+      console::print_result("{}\n", line), console::finish_results();
     if (options_.opens_browser)
       open_browser(server_.address());
     std::int64_t at_ns = runtime::monotonic_ns(), before_ns = at_ns, frame_at_ns = 0,
@@ -119,7 +119,7 @@ class View {
  private:
   static constexpr std::int64_t kTurnNs = kFrameNs / 2;
   static constexpr double kMaxStepS =
-      0.25;  ///< a recorded run waits where this thread was held up, and nobody misses a part of it
+      0.25;  ///< a recorded run waits where this thread was held up, and no part of it is missed
 
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
@@ -201,12 +201,13 @@ class View {
 
   std::string scene_note() const {
     if (!scene_)
-      return why_no_scene_.empty() ? "The scene's file is not known here: give it to voxtouch view."
-                                   : why_no_scene_;
+      return no_scene_reason_.empty()
+                 ? "The scene's file is not known here: give it to voxtouch view."
+                 : no_scene_reason_;
     if (!is_same_scene())
       return fmt::format("{} is another version than the ring runs: its meshes may differ.",
                          scene_->file.filename().string());
-    const std::string why = points_.why_not();
+    const std::string why = points_.refusal();
     return why.empty() ? "" : "No contact points: " + why + ".";
   }
 
@@ -227,10 +228,10 @@ class View {
   void show(const std::filesystem::path& file) {
     try {
       scene_ = scene::load_scene(file);
-      why_no_scene_.clear();
+      no_scene_reason_.clear();
     } catch (const std::exception& error) {
-      why_no_scene_ = error.what();
-      log::tell("warning: view: {}\n", why_no_scene_);
+      no_scene_reason_ = error.what();
+      console::log("warning: view: {}\n", no_scene_reason_);
       return;
     }
     facts_.scene_is(*scene_);
@@ -291,7 +292,7 @@ class View {
     orders_.push_back(json::object({{"past", true}}));
     return scene_text_;
   }
-  void hear(std::uint64_t page, std::string text) {
+  void receive(std::uint64_t page, std::string text) {
     json order = json::parse(text, nullptr, false);
     if (hand_ && order.is_object() && order.contains("aim")) {
       try {
@@ -372,7 +373,7 @@ class View {
   Facts facts_;
   NodeTable nodes_;
   std::optional<scene::Scene> scene_;
-  std::string why_no_scene_;
+  std::string no_scene_reason_;
   std::atomic<bool> ended_{false};
   std::future<std::string> shapes_;  ///< being read
   std::pair<std::filesystem::path, std::string> tried_;

@@ -15,7 +15,8 @@ struct Options {
   ServerOptions server;
   bool leads_hand = false;  ///< pages move the hand of the ring's device
   bool opens_browser = false;
-  bool to_stderr = false;  ///< the address is told there, since stdout belongs to somebody else
+  bool to_stderr =
+      false;  ///< the address is printed there, since stdout belongs to another program
 };
 
 /// Serves until `stop`. Throws std::runtime_error, a sentence.

@@ -173,11 +173,11 @@ class Rows:
                     ("down or has no IPv4 address", "`ip link set down0 up`"),
                 )
             )
-        for row, settings, words, wanted in rows:
+        for row, settings, words, expected in rows:
             code, said = self.verb(
                 "status", "--domain", str(self.domain), *words, env=os.environ | settings
             )
-            self.expect(code == 1 and all(part in said for part in wanted), row, said)
+            self.expect(code == 1 and all(part in said for part in expected), row, said)
 
     def deaf(self):
         environment = os.environ | {"CYCLONEDDS_URI": NO_MULTICAST}

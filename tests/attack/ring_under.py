@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A ring that feels the cup while a program attacks it from beside.
+"""A ring that feels the cup while a program attacks it from next to.
 
     tests/attack/ring_under.py --build build --domain 64 -- build/bin/some_attack --domain 64
     --seconds 10
@@ -18,7 +18,7 @@ import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parents[2]
-FELT = re.compile(r"samples\s+force\s+([\d.]+) N")
+FORCE_LINE = re.compile(r"samples\s+force\s+([\d.]+) N")
 
 
 def arguments():
@@ -59,8 +59,8 @@ def main():
     ask = arguments()
     faults = []
     with tempfile.TemporaryDirectory(prefix="voxtouch_test_under_") as folder:
-        said, told = pathlib.Path(folder, "err"), pathlib.Path(folder, "out")
-        with open(said, "w") as err, open(told, "w") as out:
+        said, output = pathlib.Path(folder, "err"), pathlib.Path(folder, "out")
+        with open(said, "w") as err, open(output, "w") as out:
             up = subprocess.Popen(
                 [
                     ask.build / "bin/voxtouch",
@@ -83,7 +83,7 @@ def main():
             )
         try:
             until = time.monotonic() + 60
-            while not any(float(f) > 0.05 for f in FELT.findall(said.read_text())):
+            while not any(float(f) > 0.05 for f in FORCE_LINE.findall(said.read_text())):
                 if time.monotonic() > until or up.poll() is not None:
                     print("FAULT: the ring did not come into contact:", said.read_text()[-500:])
                     return 1
@@ -104,11 +104,11 @@ def main():
             if up.poll() is None:
                 up.terminate()
                 up.wait(30)
-        text = told.read_text()
+        text = output.read_text()
         summary = json.loads(text) if text.startswith("{") else None
         if summary is None:
             faults.append(
-                f"`up` ended with {up.returncode} and told nothing: {said.read_text()[-500:]}"
+                f"`up` ended with {up.returncode} and reported nothing: {said.read_text()[-500:]}"
             )
         else:
             problems, force = summary["problems"], figure(summary, "max_force_n")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A ring under --security beside each attack of the network, GUIDs of its own nodes forged among
+"""A ring under --security next to each attack of the network, GUIDs of its own nodes forged among
 them: nothing reaches the loop, and no start fails.
 
     tests/attack/secured.py --build build --domain 68
@@ -19,14 +19,14 @@ import time
 HERE = pathlib.Path(__file__).resolve().parents[2]
 LIFTED = [
     "first_answer_s=inf",
-    "answered_share=0",
-    "rate_share=0",
-    "overrun_share=inf",
-    "deadline_miss_share=inf",
+    "answered_ratio=0",
+    "rate_ratio=0",
+    "overrun_ratio=inf",
+    "deadline_miss_ratio=inf",
     "first_validation_s=inf",
-    "validated_share=0",
+    "validated_ratio=0",
     "first_recorded_s=inf",
-    "recorded_share=0",
+    "recorded_ratio=0",
     "silence_s=inf",
     "force_losses=inf",
 ]  # what other work on a machine costs
@@ -90,7 +90,9 @@ class Ring:
             self.process.kill()
             out, _ = self.process.communicate()
         return (
-            json.loads(out) if out.startswith("{") else {"ok": False, "problems": ["tells nothing"]}
+            json.loads(out)
+            if out.startswith("{")
+            else {"ok": False, "problems": ["reports nothing"]}
         )
 
 
@@ -101,7 +103,7 @@ def errors(*rings):
 
 
 def naming_strangers(ask, keys):
-    """Nodes that say they refuse somebody's samples; None: no node is heard."""
+    """Nodes that say they refuse a person's samples; None: no node is received."""
     status = subprocess.run(
         [
             ask.build / "bin/voxtouch",
@@ -180,7 +182,7 @@ def main():
                 answered.append(100.0 * run.get("answered", 0) / max(1, run.get("samples", 1)))
             print(
                 f"figure: {name}: {had} foreign commands, {named} nodes name a stranger, answered "
-                + " and ".join(f"{share:.1f} %" for share in answered[-2:])
+                + " and ".join(f"{fraction:.1f} %" for fraction in answered[-2:])
             )
         print(f"figure: {taken} foreign samples reached the loop, {refused} starts were refused")
         if "forge" in ask.only:
@@ -193,7 +195,7 @@ def main():
             run = plain.end()
             attack.wait(60)
             print(
-                "figure: the same forgeries beside a plain ring:"
+                f"figure: the same forgeries next to a plain ring:"
                 f" {'; '.join(run['problems']) or 'no problem'}"
             )
             if run["ok"]:

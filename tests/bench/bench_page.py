@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """bench_page.py FOLDER: what deploy/bench measured (query.json, meshes.json, build.json,
 instructions.json, ring.json, as far as they are there) as one page, FOLDER/bench.md, with two
-pictures beside it where matplotlib is there."""
+pictures next to it where matplotlib is there."""
 import json
 import pathlib
 import statistics
@@ -20,12 +20,12 @@ class Medians:
     """Of one program of Google Benchmark: rows are called what/place/size."""
 
     def __init__(self, result):
-        self.context, self.rows, self.left_out = result["context"], {}, {}
+        self.context, self.rows, self.skipped = result["context"], {}, {}
         for row in result["benchmarks"]:
             what, *place, size = row["run_name"].split("/")[:3]
             key = what, place[0] if place else "", int(size)
             if row.get("error_occurred"):
-                self.left_out[what] = row["error_message"]
+                self.skipped[what] = row["error_message"]
             elif row.get("aggregate_name") == "median":
                 self.rows[key] = row
 
@@ -215,7 +215,7 @@ def mesh_part(m):
                 ]
             )
     lines = [
-        "## Beside FCL and Bullet",
+        "## Next to FCL and Bullet",
         "",
         machine(m.context) + ".",
         "",
@@ -232,7 +232,7 @@ def mesh_part(m):
         + ["fcl contacts over render", "faster than render"],
         rows,
     )
-    return lines + [f"`{what}` is left out: {why}." for what, why in m.left_out.items()]
+    return lines + [f"`{what}` is left out: {why}." for what, why in m.skipped.items()]
 
 
 def build_part(m):
@@ -288,7 +288,7 @@ def build_part(m):
         ],
         rows,
     )
-    return lines + [f"`{what}` is left out: {why}." for what, why in m.left_out.items()]
+    return lines + [f"`{what}` is left out: {why}." for what, why in m.skipped.items()]
 
 
 def instructions_part(rows):

@@ -26,9 +26,9 @@ std::uint64_t spread(std::uint64_t v) {
 }
 
 /// Point n of `count` on the plug: hemisphere, flank, lid, wound about its axis.
-void plug_point(double share, double angle, Vec3& place, Vec3& inward) {
+void plug_point(double fraction, double angle, Vec3& place, Vec3& inward) {
   const double dome = 2.0 * kInner, flank = 2.0 * kPlugLength, lid = kInner;  // areas over pi r
-  double at = share * (dome + flank + lid);
+  double at = fraction * (dome + flank + lid);
   const double c = std::cos(angle), s = std::sin(angle);
   if (at < dome) {
     const double z = at / dome - 1.0, ring = std::sqrt(1.0 - z * z);
@@ -81,12 +81,12 @@ pointshell::Pointshell tool(Place place, std::size_t points) {
   std::vector<Vec3> at(points), inward(points);
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (std::size_t n = 0; n < points; ++n) {
-    const double share = (static_cast<double>(n) + 0.5) / static_cast<double>(points),
+    const double fraction = (static_cast<double>(n) + 0.5) / static_cast<double>(points),
                  angle = golden * static_cast<double>(n);
     if (place == Place::kHeavy) {
-      plug_point(share, angle, at[n], inward[n]);
+      plug_point(fraction, angle, at[n], inward[n]);
     } else {
-      const double z = 1.0 - 2.0 * share, ring = std::sqrt(1.0 - z * z);
+      const double z = 1.0 - 2.0 * fraction, ring = std::sqrt(1.0 - z * z);
       inward[n] = -Vec3(ring * std::cos(angle), ring * std::sin(angle), z);
       at[n] = -kBall * inward[n];
     }

@@ -19,8 +19,8 @@ voxmap::Voxmap cup();
 enum class Place { kFar, kNear, kLight, kHeavy };
 std::string name_of(Place place);
 
-/// The tool of that place: a ball of 25 mm, or the plug. Points at equal shares of its surface, in
-/// Morton order.
+/// The tool of that place: a ball of 25 mm, or the plug. Points at equal fractions of its surface,
+/// in Morton order.
 pointshell::Pointshell tool(Place place, std::size_t points);
 
 /// Poses of a closed path about the place, less than half a voxel apart.

@@ -1,5 +1,5 @@
-// What a mesh takes until it can be felt, in one thread, beside OpenVDB's signed distances of the
-// same mesh on a grid of the same edge. deploy/bench writes it down.
+// What a mesh takes until it can be displayed, in one thread, next to OpenVDB's signed distances of
+// the same mesh on a grid of the same edge. deploy/bench writes it down.
 #include <map>
 
 #include "core/pointshell/build_shell.hpp"
@@ -19,7 +19,7 @@ const mesh::TriangleMesh& cup_of(std::size_t triangles) {
                              : made.emplace(triangles, cup_mesh(triangles)).first->second;
 }
 
-void tell(benchmark::State& state, std::size_t triangles, std::size_t bytes) {
+void print(benchmark::State& state, std::size_t triangles, std::size_t bytes) {
   state.counters["bytes"] = static_cast<double>(bytes);
   state.counters["triangles"] = static_cast<double>(cup_of(triangles).triangles.size());
 }
@@ -33,7 +33,7 @@ void voxels(benchmark::State& state, std::size_t triangles) {
   cup_of(triangles);
   for (auto _ : state)
     bytes = voxels_of(triangles).bytes();
-  tell(state, triangles, bytes);
+  print(state, triangles, bytes);
 }
 
 void distances(benchmark::State& state, std::size_t triangles) {
@@ -44,7 +44,7 @@ void distances(benchmark::State& state, std::size_t triangles) {
     bytes = map.bytes() +
             voxmap::build_distance_field(cup_of(triangles), map, {}, serial_for()).bytes();
   }
-  tell(state, triangles, bytes);
+  print(state, triangles, bytes);
 }
 
 void shell(benchmark::State& state, std::size_t triangles) {
@@ -54,7 +54,7 @@ void shell(benchmark::State& state, std::size_t triangles) {
     points = pointshell::make_exact_shell(
                  pointshell::shell_points(cup_of(triangles), grid, serial_for()), grid)
                  .size();
-  tell(state, triangles, 0);
+  print(state, triangles, 0);
   state.counters["points"] = static_cast<double>(points);
 }
 
@@ -65,7 +65,7 @@ void openvdb(benchmark::State& state, std::size_t triangles) {
     bytes = openvdb_distances(cup_of(triangles), kEdge, 3.0);
   if (bytes == 0)
     return state.SkipWithError("libopenvdb-dev was not there when this was built");
-  tell(state, triangles, bytes);
+  print(state, triangles, bytes);
 }
 
 }  // namespace

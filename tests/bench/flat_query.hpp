@@ -1,7 +1,7 @@
 #pragma once
 /// The query without its tree, in plain loops: each point is put into its voxel in single precision
-/// and looked up; beside the voxels' faces doubles decide, so the hits are ours. What culling saves
-/// is told against it.
+/// and looked up; next to the voxels' faces doubles decide, so the hits are ours. What culling
+/// saves is reported against it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -75,7 +75,7 @@ class FlatQuery {
        const std::array<std::int64_t, 3>& cells, const float* px, const float* py, const float* pz,
        std::size_t count, std::uint32_t* hits) {
     constexpr std::size_t kBlock = 64;
-    std::int32_t cell[kBlock], bit[kBlock], beside[kBlock];
+    std::int32_t cell[kBlock], bit[kBlock], apart[kBlock];
     std::size_t found = 0;
     const auto last = [&](std::size_t axis) {
       return static_cast<std::int32_t>(8 * cells[axis]) - 1;
@@ -97,8 +97,8 @@ class FlatQuery {
         const float fu = u + 8.0F - static_cast<float>(i8) - 0.5F,
                     fv = v + 8.0F - static_cast<float>(j8) - 0.5F,
                     fw = w + 8.0F - static_cast<float>(l8) - 0.5F;
-        beside[k] = static_cast<std::int32_t>(std::max({std::abs(fu), std::abs(fv), std::abs(fw)}) >
-                                              0.5F - kBand);
+        apart[k] = static_cast<std::int32_t>(std::max({std::abs(fu), std::abs(fv), std::abs(fw)}) >
+                                             0.5F - kBand);
         const std::int32_t i = i8 - 8, j = j8 - 8, l = l8 - 8;
         const std::int32_t inside = ~((i | j | l | (ends[0] - i) | (ends[1] - j) | (ends[2] - l)) >>
                                       31);  // all bits, or none
@@ -107,7 +107,7 @@ class FlatQuery {
         bit[k] = 2 * ((i & 7) + 8 * ((j & 7) + 8 * (l & 7)));
       }
       for (std::size_t k = 0; k < many; ++k) {
-        if (beside[k] != 0) {
+        if (apart[k] != 0) {
           hits[found] = static_cast<std::uint32_t>(first + k);
           found += decide(first + k) ? 1 : 0;
           continue;

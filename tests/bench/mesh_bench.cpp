@@ -1,4 +1,4 @@
-// A query of our contact beside those of FCL and Bullet, on the same two meshes at the same poses,
+// A query of our contact next to those of FCL and Bullet, on the same two meshes at the same poses,
 // by the number of their triangles. What each gives differs: ours forces of all points to a voxel,
 // FCL pairs of triangles, Bullet the same in single precision. deploy/bench writes it down.
 #include <map>

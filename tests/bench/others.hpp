@@ -1,5 +1,5 @@
 #pragma once
-/// What is measured beside: the same meshes in libraries of others. A file for each, so that one
+/// What is measured next to: the same meshes in libraries of others. A file for each, so that one
 /// which is missing is left out.
 #include <cstddef>
 #include <memory>

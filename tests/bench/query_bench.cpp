@@ -1,5 +1,5 @@
 // Times of the contact query and of what comes after its hits, by place and number of points,
-// beside reading 12 bytes a point: what any query that looks at every point costs at least. Ratios
+// next to reading 12 bytes a point: what any query that looks at every point costs at least. Ratios
 // are what counts; deploy/bench writes them down.
 #include <numbers>
 

@@ -19,7 +19,7 @@ const voxmap::Voxmap& ground() {
 }
 
 struct Counts {
-  double tested = 0.0, not_free = 0.0;  ///< shares of all points
+  double tested = 0.0, not_free = 0.0;  ///< fractions of all points
 };
 
 Counts counts(Place place, std::size_t points) {

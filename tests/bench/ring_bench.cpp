@@ -2,7 +2,7 @@
 // QoS and network settings, the same scheduling, and nothing that is computed or checked. Three
 // processes, or three participants in one; nodes are woken by wait sets, as ours are, or answer in
 // DDS's own thread. Prints one JSON object. With --watch it prints the same of our ring.
-// tests/bench/ring_turns.py runs it beside our ring, in turns.
+// tests/bench/ring_turns.py runs it next to our ring, in turns.
 #include <sys/prctl.h>
 
 #include <csignal>
@@ -25,7 +25,7 @@ constexpr std::int64_t kPeriodNs = 1'000'000;
 constexpr std::uint64_t kLeftOut = 500;  ///< samples at the start
 
 struct Options {
-  std::string way = "waitset", watched;
+  std::string method = "waitset", watched;
   std::string role;  ///< of a process that this program starts
   bool one_process = false;
   std::uint32_t domain = 93;
@@ -44,7 +44,7 @@ void relay(const Options& o, const std::string& name, const qos::Topic& in, cons
            const std::function<bool()>& done) {
   const bus::Participant participant = join(o, name);
   bus::Writer<Out> writer(participant, out, "bare", qos::profile(qos::ProfileId::kStream));
-  test::Woken<In> reader(participant, in, "bare", o.way, [&](const In& sample) {
+  test::Woken<In> reader(participant, in, "bare", o.method, [&](const In& sample) {
     Out answer{};
     answer.session_id = sample.session_id;
     answer.sequence_number = sample.sequence_number;
@@ -77,10 +77,10 @@ int device(const Options& o) {
         if (++back > kLeftOut)
           latency.record(runtime::monotonic_ns() - command.sample_time_ns);
       });
-  const auto wanted = kLeftOut + static_cast<std::uint64_t>(o.seconds * 1e3);
+  const auto expected = kLeftOut + static_cast<std::uint64_t>(o.seconds * 1e3);
   const std::int64_t begin_ns = runtime::monotonic_ns(), patience_ns = 30'000'000'000;
   std::int64_t deadline_ns = begin_ns;
-  while (back < wanted && deadline_ns < begin_ns + patience_ns) {
+  while (back < expected && deadline_ns < begin_ns + patience_ns) {
     msg::DeviceState state{};
     state.sequence_number = ++sent;
     state.sample_time_ns = runtime::monotonic_ns();
@@ -95,7 +95,7 @@ int device(const Options& o) {
       static_cast<unsigned long>(latency.count()), latency.quantile_us(0.5),
       latency.quantile_us(0.9), latency.quantile_us(0.99), sizeof(msg::DeviceState),
       sizeof(msg::ContactState), sizeof(msg::ForceCommand));
-  return back < wanted ? 1 : 0;
+  return back < expected ? 1 : 0;
 }
 
 int in_one_process(const Options& o) {
@@ -114,7 +114,7 @@ int in_one_process(const Options& o) {
 int in_three(const Options& o) {
   std::vector<std::string> words = {std::filesystem::read_symlink("/proc/self/exe").string(),
                                     "--way",
-                                    o.way,
+                                    o.method,
                                     "--domain",
                                     std::to_string(o.domain),
                                     "--seconds",
@@ -131,7 +131,7 @@ int in_three(const Options& o) {
   return device(o);
 }
 
-/// What the device of our ring tells of its latency, until it has stopped.
+/// What the device of our ring reports of its latency, until it has stopped.
 int watch(const Options& o) {
   const bus::Participant participant({.domain = o.domain, .name = "watch"});
   runtime::NodeRegistry registry(participant, o.watched);
@@ -164,8 +164,8 @@ int main(int argc, char** argv) {
   CLI::App app{
       "A bare ring of Cyclone DDS: what DDS alone takes to carry a sample round device, rendering "
       "and coupling."};
-  app.add_option("--way", o.way, "how rendering and coupling are woken (waitset)")
-      ->check(CLI::IsMember(voxtouch::test::ways_to_be_woken()));
+  app.add_option("--way", o.method, "how rendering and coupling are woken (waitset)")
+      ->check(CLI::IsMember(voxtouch::test::wake_methods()));
   app.add_flag("--one-process", o.one_process, "three participants in one process");
   app.add_option("--domain", o.domain, "DDS domain (93)");
   app.add_option("--seconds", o.seconds, "that are measured (3)");

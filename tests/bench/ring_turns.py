@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""ring_turns.py --build BUILD --out RESULT.json: our ring beside bare rings of Cyclone DDS
+"""ring_turns.py --build BUILD --out RESULT.json: our ring next to bare rings of Cyclone DDS
 (ring_bench), in turns, so that what else the machine does meets all alike. Times are of a whole
 round, which is three hops. Told, not judged: the machine decides more than the program."""
 import argparse

@@ -51,7 +51,7 @@ double peak_mb() {
   return 0.0;
 }
 
-void tell_map(benchmark::State& state, const voxmap::Voxmap& map, std::size_t bytes) {
+void print_map(benchmark::State& state, const voxmap::Voxmap& map, std::size_t bytes) {
   state.counters["surface"] = static_cast<double>(map.surface_count());
   state.counters["B/voxel"] = static_cast<double>(bytes) / static_cast<double>(map.surface_count());
   state.counters["peakMB"] = peak_mb();
@@ -65,7 +65,7 @@ void voxels(benchmark::State& state, const Size& size) {
     ground.map.reset();
     ground_of(size, true);
   }
-  tell_map(state, *ground.map, ground.map->bytes());
+  print_map(state, *ground.map, ground.map->bytes());
 }
 
 void distances(benchmark::State& state, const Size& size) {
@@ -76,7 +76,7 @@ void distances(benchmark::State& state, const Size& size) {
     bytes = voxmap::build_distance_field(ground.mesh, *ground.map, {}, serial_for(),
                                          std::uint64_t{16} << 30)
                 .bytes();
-  tell_map(state, *ground.map, bytes);
+  print_map(state, *ground.map, bytes);
 }
 
 void shell(benchmark::State& state, const Size& size) {

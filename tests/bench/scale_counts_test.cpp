@@ -25,7 +25,7 @@ double bytes_a_voxel(const voxmap::Voxmap& map) {
   return static_cast<double>(map.bytes()) / static_cast<double>(map.surface_count());
 }
 
-void tell(const char* what, double size, Place place, const FrameCounts& counts) {
+void print(const char* what, double size, Place place, const FrameCounts& counts) {
   std::printf("%s %g, %s: %.0f tested, %.0f hit, %.1f groups of spheres\n", what, size,
               name_of(place).c_str(), counts.tested, counts.not_free, counts.looked_at);
 }
@@ -44,7 +44,7 @@ TEST(Scale, AFrameCostsTheSameWhateverTheNumberOfTriangles) {
     EXPECT_NEAR(bytes_a_voxel(map) / least_bytes, 1.0, 0.15) << triangles;
     for (std::size_t n = 0; n < 3; ++n) {
       const FrameCounts counts = frame_counts(map, kPlaces[n], kPoints);
-      tell("triangles", static_cast<double>(triangles), kPlaces[n], counts);
+      print("triangles", static_cast<double>(triangles), kPlaces[n], counts);
       if (triangles == 10'000)
         least[n] = cost(counts);
       EXPECT_LE(cost(counts), 1.15 * least[n]) << triangles << ' ' << name_of(kPlaces[n]);
@@ -71,11 +71,11 @@ TEST(Scale, AFrameCostsNearlyTheSameAndAMapGrowsAsTheSurfaceWhateverTheResolutio
     }
     for (std::size_t n = 0; n < 3; ++n) {
       const FrameCounts counts = frame_counts(map, kPlaces[n], kPoints);
-      tell("resolution", resolution, kPlaces[n], counts);
+      print("resolution", resolution, kPlaces[n], counts);
       if (resolution == 256)
         at_256[n] = cost(counts);
-      // A coarser grid tells less about what is near. Near, where next to nothing is tested, 1 % of
-      // the points is still nothing.
+      // A coarser grid reports less about what is near. Near, where next to nothing is tested, 1 %
+      // of the points is still nothing.
       EXPECT_LE(cost(counts), kPlaces[n] == Place::kNear
                                   ? 0.01 * kPoints
                                   : (resolution < 256 ? 1.5 : 1.1) * at_256[n])

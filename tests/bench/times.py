@@ -24,7 +24,8 @@ COMMANDS = ("deploy/demo", "deploy/test")
 
 
 def foretold(lines):
-    """Ratios of the time that was told as left to the time that was left, after the first minute.
+    """Ratios of the time that was reported as left to the time that was left, after the first
+    minute.
 
     `lines`: time [s] and text of each line, with the end of the part in which it was printed.
     """
@@ -83,10 +84,10 @@ def page(rows, revision):
         "|---|---|---|---|---|",
     ]
     for command, (wall, used, status, ratios) in rows.items():
-        told = f"{min(ratios):.2f} to {max(ratios):.2f}" if ratios else "-"
+        reported = f"{min(ratios):.2f} to {max(ratios):.2f}" if ratios else "-"
         out.append(
             f"| `{command}` from nothing | {wall / 60:.1f} min | {used / 60:.1f} min | {status} "
-            f"| {told} |"
+            f"| {reported} |"
         )
     return "\n".join(out) + "\n"
 

@@ -76,17 +76,17 @@ CASES = (
 )
 
 
-def wrong_completions(root, binaries):
-    for words, wanted, unwanted in CASES:
+def bad_completions(root, binaries):
+    for words, expected, unwanted in CASES:
         given, err = replies(root, binaries, *words)
-        if err or not wanted <= given or unwanted & given:
+        if err or not expected <= given or unwanted & given:
             yield (
-                f"{' '.join(words)}: wanted {sorted(wanted)}, not {sorted(unwanted)}; got"
+                f"{' '.join(words)}: wanted {sorted(expected)}, not {sorted(unwanted)}; got"
                 f" {sorted(given)} {err}"
             )
 
 
-def wrong_in_zsh(root, binaries):
+def bad_in_zsh(root, binaries):
     """What a person sees who presses Tab in zsh, twice over: the first time loads it. Nothing where
     there is no zsh.
     """
@@ -124,21 +124,21 @@ def wrong_in_zsh(root, binaries):
         )
         if not waits_for("ready"):
             yield "zsh does not get ready"
-        for typed, wanted in (
+        for typed, expected in (
             ("voxtouch sta\t", "status "),
             ("voxtouch up cup --motion sl\t", "slide "),
             ("voxtouch rec\t", "recover "),
         ):
             os.write(terminal, typed.encode())
-            if not waits_for(wanted):
-                yield f"zsh makes no {wanted!r} of {typed!r}"
+            if not waits_for(expected):
+                yield f"zsh makes no {expected!r} of {typed!r}"
             os.write(terminal, b"\x15")
         os.kill(zsh, signal.SIGKILL)
         os.waitpid(zsh, 0)
         os.close(terminal)
 
 
-def wrong_effects(root, binaries):
+def bad_effects(root, binaries):
     """Those of a scene that a rendering runs: a process of that name with such a command line
     stands in for it.
     """
@@ -164,7 +164,7 @@ def wrong_effects(root, binaries):
             yield f"effects: got {sorted(given)} {err}"
 
 
-def wrong_pages(root, binaries, version):
+def bad_pages(root, binaries, version):
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run(
             [
@@ -179,15 +179,15 @@ def wrong_pages(root, binaries, version):
             timeout=120,
         )
         text = gzip.decompress((pathlib.Path(folder) / "voxtouch.1.gz").read_bytes()).decode()
-        for wanted in (
+        for expected in (
             f"voxtouch {version}",
             "VOXTOUCH UP",
             "VOXTOUCH DOCTOR",
             "\\-\\-lockstep",
             "/home/you/.local",
         ):
-            if wanted not in text:
-                yield f"voxtouch.1 does not say '{wanted}'"
+            if expected not in text:
+                yield f"voxtouch.1 does not say '{expected}'"
         for file in sorted(pathlib.Path(folder).iterdir()):
             run = subprocess.run(
                 ["man", "--warnings", "-l", file],
@@ -211,10 +211,10 @@ def main(root, binaries, version):
         if (run.returncode, run.stdout) != (0, version + "\n"):
             wrong.append(f"{name} --version: {run.returncode} '{run.stdout}' {run.stderr}")
     wrong += [
-        *wrong_completions(root, binaries),
-        *wrong_in_zsh(root, binaries),
-        *wrong_effects(root, binaries),
-        *wrong_pages(root, binaries, version),
+        *bad_completions(root, binaries),
+        *bad_in_zsh(root, binaries),
+        *bad_effects(root, binaries),
+        *bad_pages(root, binaries, version),
     ]
     print("\n".join(wrong) or f"{len(CASES) + 1} completions, {len(PROGRAMS)} versions, 7 pages")
     return 1 if wrong else 0

@@ -37,13 +37,13 @@ Counted counted(const std::string& arguments, std::map<std::string, std::string>
 }  // namespace
 
 FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
-                  const std::string& way) {
+                  const std::string& mode) {
   const Counted run = counted("\"$SCENE\" \"$MOTION\" \"$FRAMES\" \"$WAY\"",
                               {{"PROGRAM", VOXTOUCH_FRAME_COST},
                                {"SCENE", scene.string()},
                                {"MOTION", motion},
                                {"FRAMES", std::to_string(kFrames)},
-                               {"WAY", way}},
+                               {"WAY", mode}},
                               scene.string());
   const nlohmann::json& j = run.printed;
   FrameCost out;

@@ -12,9 +12,9 @@ struct FrameCost {
   double force = 0.0;  ///< sum over the frames: zero where nothing was touched
 };
 
-/// `way`: see frame_cost.cpp. Throws with what valgrind said where it did not run.
+/// `mode`: see frame_cost.cpp. Throws with what valgrind said where it did not run.
 FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
-                  const std::string& way);
+                  const std::string& mode);
 
 struct TumblingCost {
   double instructions = 0.0;    ///< a frame

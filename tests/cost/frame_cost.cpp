@@ -3,7 +3,7 @@
 //
 //   frame_cost SCENE MOTION FRAMES scene     what the ring runs: contact and the effects that the
 //   scene lists frame_cost SCENE MOTION FRAMES contact   contact alone, built by hand without
-//   build_scene: it has never heard of effects frame_cost SCENE MOTION FRAMES touch     contact
+//   build_scene: it has never received of effects frame_cost SCENE MOTION FRAMES touch     contact
 //   alone of what build_scene made, whatever the scene's model and meshes are frame_cost SCENE
 //   MOTION FRAMES effects   the effects alone; the contact that they look at is rendered uncounted
 //
@@ -126,14 +126,14 @@ __attribute__((noinline)) rendering::SceneFrame contact_frame(
   return frame;
 }
 
-int run(const std::string& file, const std::string& motion, int frames, const std::string& way) {
+int run(const std::string& file, const std::string& motion, int frames, const std::string& mode) {
   const scene::Scene scene = scene::load_scene(file);
   Hand hand(scene.motions.at(motion));
   const std::size_t before = live_bytes;
   peak_bytes = live_bytes;
   std::unique_ptr<HandBuilt> by_hand;
   std::unique_ptr<rendering::BuiltScene> built;
-  if (way == "contact")
+  if (mode == "contact")
     by_hand = std::make_unique<HandBuilt>(scene);
   else
     built = rendering::build_scene(scene, serial_for());
@@ -145,9 +145,9 @@ int run(const std::string& file, const std::string& motion, int frames, const st
     const rendering::ToolState tool = hand.at(n);
     const double time_s = 1e-3 * n;
     rendering::SceneFrame frame;
-    if (way == "scene") {
+    if (mode == "scene") {
       counted_frame([&] { frame = built->scene_renderer().render(tool, time_s); });
-    } else if (way != "effects") {
+    } else if (mode != "effects") {
       contact::ContactRenderer& contact = by_hand ? *by_hand->renderer : built->renderer();
       counted_frame([&] { frame = contact_frame(contact, tool); });
     } else {

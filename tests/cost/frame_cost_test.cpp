@@ -12,7 +12,7 @@
 namespace voxtouch::test {
 namespace {
 
-constexpr double kShare = 0.005;
+constexpr double kFraction = 0.005;
 /// Building frame and sum of the effects, and the spring between hand and forces of position, which
 /// neither the contact nor a single effect has.
 constexpr double kGlue = 450.0;
@@ -53,7 +53,7 @@ TEST_F(FrameCostTest, OfASceneWithoutEffectsIsThatOfContactThatHasNeverHeardOfTh
     EXPECT_EQ(unnamed.force, alone.force);
     EXPECT_EQ(empty.force, alone.force);
     EXPECT_EQ(empty.instructions, unnamed.instructions);
-    EXPECT_NEAR(empty.instructions, alone.instructions, kShare * alone.instructions + kAsking);
+    EXPECT_NEAR(empty.instructions, alone.instructions, kFraction * alone.instructions + kAsking);
     RecordProperty(std::string(motion) + "_contact", std::to_string(alone.instructions));
     RecordProperty(std::string(motion) + "_scene", std::to_string(empty.instructions));
     // A scene also has its plan as sentences, and the state of its springs.
@@ -74,11 +74,11 @@ TEST_F(FrameCostTest, OfASceneWithOneEffectIsThatOfTheContactAndThatEffect) {
   RecordProperty("contact", std::to_string(contact.instructions));
   RecordProperty("with_viscosity", std::to_string(with.instructions));
   RecordProperty("viscosity_alone", std::to_string(effects.instructions));
-  EXPECT_NEAR(without.instructions, contact.instructions, kShare * contact.instructions);
+  EXPECT_NEAR(without.instructions, contact.instructions, kFraction * contact.instructions);
   EXPECT_GT(with.instructions, without.instructions);
   EXPECT_GT(with.force, without.force);
   EXPECT_NEAR(with.instructions, contact.instructions + effects.instructions,
-              kShare * contact.instructions + kGlue);
+              kFraction * contact.instructions + kGlue);
   EXPECT_GT(with.live_bytes, without.live_bytes);
   EXPECT_LT(with.live_bytes, without.live_bytes + 4'000.0);
 }
@@ -133,7 +133,7 @@ TEST_F(FrameCostTest, OfASceneWithAnEffectOfAnyKindIsThatOfItsContactAndThatEffe
       const FrameCost all = cost_of(file, "slide", "scene"),
                       alone = cost_of(file, "slide", "effects");
       EXPECT_LE(all.instructions,
-                (1.0 + kShare) * (contact.instructions + alone.instructions) + kGlue)
+                (1.0 + kFraction) * (contact.instructions + alone.instructions) + kGlue)
           << region;
       EXPECT_GE(all.instructions, contact.instructions) << region;
       if (words->first != "viscosity")

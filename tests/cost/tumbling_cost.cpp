@@ -1,4 +1,4 @@
-// Frames of a box that tumbles at 3 m/s in and out of the cup, e = 2 mm (`virtual_tool_trials
+// Frames of a box that tumbles at 3 m/s in and out of the cup, e = 2 mm (`virtual_tool_runs
 // tumble`), for callgrind to count those in contact that use all their queries and test many
 // points: the longest there are. Prints `{"frames": counted, "queries": of them}`.
 #include <functional>
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <valgrind/callgrind.h>
 
-#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/experiments/virtual_tool/runs.hpp"
 
 extern "C" __attribute__((noipa)) void counted_frame(const std::function<void()>& frame) {
   frame();

@@ -2,7 +2,7 @@
 // or a sentence.
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/loop_parts.hpp"
-#include "core/fitting/design_problem.hpp"
+#include "core/device_fit/design_problem.hpp"
 #include "core/scene/device_file.hpp"
 #include "tests/fuzz/fuzz.hpp"
 
@@ -39,7 +39,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     scene::Scene scene;
     scene.voxel_size_m = 0.002;
     const coupling::design::DesignProblem problem =
-        fitting::design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
+        device_fit::design_problem(scene, device, {10.0, 1000.0}, {0.1, 1.0});
     try {
       coupling::design::refuse_impossible(problem);
     } catch (const std::invalid_argument&) {  // a sentence, too

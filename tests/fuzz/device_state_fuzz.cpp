@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     effects::EffectFrame frame;
     frame.tool = tool.pose, frame.twist = tool.twist, frame.dt_s = 1e-3;
     frame.time_s = runtime::seconds_between(*begin_ns, state.sample_time_ns);
-    const effects::EffectPush push = effects.apply(frame);
+    const effects::EffectForce push = effects.apply(frame);
     FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite());
     FUZZ_REQUIRE(push.stiffness_bound_n_per_m >= 0.0 &&
                  std::isfinite(push.stiffness_bound_n_per_m));

@@ -15,7 +15,7 @@ void feel(effects::EffectChain& chain, double time_s) {
   frame.tool.position = Vec3(0.01, -0.02, 0.03);
   frame.twist.linear = Vec3(0.1, 0.05, -0.2);
   frame.dt_s = 1e-3, frame.time_s = time_s;
-  const effects::EffectPush push = chain.apply(frame);
+  const effects::EffectForce push = chain.apply(frame);
   FUZZ_REQUIRE(push.wrench.finite() && push.stiffness.allFinite() &&
                std::isfinite(push.potential_j));
 }

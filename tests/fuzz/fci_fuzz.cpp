@@ -3,7 +3,7 @@
 // channel, cut as the next byte says; messages never hold more than they brought. Else: states,
 // each the last one with a few bytes patched, through decoder, session and torque ramp: no number
 // that is none, no force outside torque control, no torque beyond a joint's limit or a step,
-// whatever the robot claims to have been told.
+// whatever the robot claims to have been reported.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -63,7 +63,7 @@ void states(const fci::Dialect& dialect, fuzz::Bytes in) {
       session.answered(*due, static_cast<fci::Outcome>(in.take<std::uint8_t>() % 14));
     FUZZ_REQUIRE(!session.force_allowed() || (state.mode == fci::RobotMode::kMove &&
                                               state.controller == fci::ControllerMode::kExternal));
-    session.listens() ? ramp.told(state.tau_d) : ramp.forget();
+    session.listens() ? ramp.acknowledge(state.tau_d) : ramp.forget();
     const Wrench push =
         session.force_allowed() ? Wrench{Vec3(20.0, -10.0, 30.0), Vec3(1.0, 0.0, -1.0)} : Wrench{};
     const arm::Joints torque = ramp.next(arm.at(state.q).jacobian, push, arm::Joints::Zero());

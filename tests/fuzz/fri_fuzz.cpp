@@ -119,7 +119,8 @@ class Controller {
 };
 
 /// All answers since, each judged; the controller follows them.
-void hear(Controller& controller, const lwr::LwrDriver* driver, const lwr::LwrOptions& options) {
+void receive_at(Controller& controller, const lwr::LwrDriver* driver,
+                const lwr::LwrOptions& options) {
   for (const std::string& bytes : std::exchange(g_network.to_controller, {})) {
     lwr::fri::CmdPacket command{};
     FUZZ_REQUIRE(lwr::fri::decode(std::as_bytes(std::span(bytes)), command) ==
@@ -153,10 +154,10 @@ void converse(fuzz::Bytes in) {
     driver = std::make_unique<lwr::LwrDriver>(options);
   } catch (const devices::DeviceOpenError& refused) {
     FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("device 'lwr'"));
-    hear(controller, nullptr, options);
+    receive_at(controller, nullptr, options);
     return;
   }
-  hear(controller, driver.get(), options);
+  receive_at(controller, driver.get(), options);
   for (int n = 0; n < 128 && !in.empty(); ++n) {
     controller.send(in);
     const auto sample = driver->read(std::chrono::microseconds(0));
@@ -165,9 +166,9 @@ void converse(fuzz::Bytes in) {
       FUZZ_REQUIRE(sample->twist.finite());
       (void)driver->write({Vec3(1.0, -2.0, 3.0), Vec3(0.1, 0.0, -0.1)});
     }
-    hear(controller, driver.get(), options);
+    receive_at(controller, driver.get(), options);
   }
-  (void)driver->trouble(), (void)driver->status_text();
+  (void)driver->last_error(), (void)driver->status_text();
 }
 
 }  // namespace

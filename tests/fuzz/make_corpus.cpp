@@ -1,5 +1,5 @@
 // make_corpus FOLDER: a few good inputs of every fuzz target, by the project's own writers where it
-// has some. Inputs that a fuzzer has found stand beside them under names that begin with `found_`;
+// has some. Inputs that a fuzzer has found stand next to them under names that begin with `found_`;
 // this leaves them alone.
 #include <array>
 #include <cstdio>

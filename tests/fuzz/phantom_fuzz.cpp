@@ -37,7 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     for (int n = 0; n < 40; ++n) {
       fuzz_hd_tick();
       const auto sample = driver.read(std::chrono::microseconds(0));
-      if (!sample && driver.servo().trouble().fatal() != phantom::hd::kSuccess)
+      if (!sample && driver.servo().errors().fatal() != phantom::hd::kSuccess)
         break;
       if (sample && sample->pose_valid) {
         FUZZ_REQUIRE(sample->pose.finite() &&
@@ -52,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       FUZZ_REQUIRE(1e-3 * length_of(Vec3(torque_mnm[0], torque_mnm[1], torque_mnm[2])) <=
                    d.max_torque_nm * (1.0 + 1e-12));
     }
-    (void)driver.trouble();
+    (void)driver.last_error();
   } catch (const devices::DeviceOpenError& refused) {
     FUZZ_REQUIRE(std::string_view(refused.what()).starts_with("device 'phantom'"));
   }

@@ -2,9 +2,9 @@
 // a refusal with a sentence, or one that its loop can be started with and that answers with numbers
 // within the limits.
 #include "core/coupling/running_coupling.hpp"
-#include "core/fitting/design_problem.hpp"
-#include "core/fitting/fit_coupling.hpp"
-#include "nodes/coupling/fitting.hpp"
+#include "core/device_fit/design_problem.hpp"
+#include "core/device_fit/fit_coupling.hpp"
+#include "nodes/coupling/coupling_fit.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "tests/fuzz/wire.hpp"
 
@@ -23,11 +23,11 @@ scene::Scene scene_of(bool designed) {
 }
 
 void check(const scene::Scene& scene, coupling_node::Fitting& fitting) {
-  const fitting::FittedCoupling fitted = fitting.fit();
+  const device_fit::FittedCoupling fitted = fitting.fit();
   if (!fitted.refusal.empty())
     return;
   const coupling::design::DeviceModel& device = fitting.device();
-  const coupling::CouplingLimits limits = fitting::limits_W(scene.device, device);
+  const coupling::CouplingLimits limits = device_fit::limits_W(scene.device, device);
   coupling::RunningCoupling running(fitted.spec, limits, device.timing.period_s);
   coupling::CouplingInput input;
   input.contact.force = Vec3(0.0, 0.0, 1.0);

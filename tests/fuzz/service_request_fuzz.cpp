@@ -45,7 +45,7 @@ class Rendering {
   }
 
   template <class Request>
-  void tell(const Request& request) const {
+  void send(const Request& request) const {
     const std::vector<RosParameter> all = parameters();
     ParameterMessages messages;
     for (const char* name : all_of(request.names)) {
@@ -61,10 +61,10 @@ class Rendering {
 
   void set(const msg::rcl_interfaces_Parameter& asked) {
     const std::vector<RosParameter> all = parameters();
-    const auto wanted = change_of(all, asked);
-    if (!wanted)
-      return require_sentence(wanted.error());
-    const msg::EffectChange message = wanted->message();
+    const auto expected = change_of(all, asked);
+    if (!expected)
+      return require_sentence(expected.error());
+    const msg::EffectChange message = expected->message();
     const RosParameter* known = find_parameter(all, view(asked.name));
     if (change(std::span(&message, 1)))
       FUZZ_REQUIRE(known && !known->read_only);
@@ -74,14 +74,14 @@ class Rendering {
     const std::vector<RosParameter> all = parameters();
     std::vector<ParameterChange> changes;
     for (const auto& parameter : asked) {
-      auto wanted = change_of(all, parameter);
-      if (!wanted)
-        return require_sentence(wanted.error());
-      changes.push_back(std::move(*wanted));
+      auto expected = change_of(all, parameter);
+      if (!expected)
+        return require_sentence(expected.error());
+      changes.push_back(std::move(*expected));
     }
     std::vector<msg::EffectChange> messages;
-    for (const ParameterChange& wanted : changes)
-      messages.push_back(wanted.message());
+    for (const ParameterChange& expected : changes)
+      messages.push_back(expected.message());
     if (!change(messages))
       FUZZ_REQUIRE(parameters() == all);  // all of them or none
   }
@@ -129,7 +129,7 @@ void receive(std::string_view cdr, Fits&& fits_in, F&& f) {
 }
 
 void receive(Rendering& rendering, Asked asked, std::string_view cdr) {
-  const auto tell = [&](const auto& request) { rendering.tell(request); };
+  const auto send = [&](const auto& request) { rendering.send(request); };
   const auto named = [](const auto& request) { return names_fit(request); };
   const auto fitting = [](const auto& request) { return parameters_fit(request); };
   switch (asked) {
@@ -137,11 +137,11 @@ void receive(Rendering& rendering, Asked asked, std::string_view cdr) {
       return receive<msg::rcl_interfaces_ListParameters>(cdr, prefixes_fit,
                                                          [&](const auto& r) { rendering.list(r); });
     case Asked::kGet:
-      return receive<msg::rcl_interfaces_GetParameters>(cdr, named, tell);
+      return receive<msg::rcl_interfaces_GetParameters>(cdr, named, send);
     case Asked::kTypes:
-      return receive<msg::rcl_interfaces_GetParameterTypes>(cdr, named, tell);
+      return receive<msg::rcl_interfaces_GetParameterTypes>(cdr, named, send);
     case Asked::kDescribe:
-      return receive<msg::rcl_interfaces_DescribeParameters>(cdr, named, tell);
+      return receive<msg::rcl_interfaces_DescribeParameters>(cdr, named, send);
     case Asked::kSet:
       return receive<msg::rcl_interfaces_SetParameters>(cdr, fitting, [&](const auto& r) {
         for (const auto& parameter : all_of(r.parameters))

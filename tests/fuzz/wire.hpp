@@ -10,7 +10,7 @@
 
 namespace voxtouch::fuzz {
 
-/// One participant that meets nobody: a domain of its own without multicast.
+/// One participant that meets none: a domain of its own without multicast.
 inline dds_entity_t participant() {
   static const dds_entity_t it = [] {
     constexpr dds_domainid_t kDomain = 191;

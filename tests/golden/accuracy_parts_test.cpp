@@ -36,16 +36,16 @@ void expect_measured(const Part& part, const Part& tool, const std::string& name
   ASSERT_EQ(run.status, 0) << run.err;
   std::printf("%s: %.1f s of CPU\n", name.c_str(), took);
   EXPECT_LE(took, 60.0) << name;
-  int share = -1, told_s = 0;  // the first line, before anything is measured
+  int fraction = -1, reported_s = 0;  // the first line, before anything is measured
   const std::size_t first = run.err.find("accuracy: ");
   ASSERT_NE(first, std::string::npos) << run.err;
-  ASSERT_EQ(
-      std::sscanf(run.err.c_str() + first, "accuracy: %d %%, about %d s left: ", &share, &told_s),
-      2)
+  ASSERT_EQ(std::sscanf(run.err.c_str() + first, "accuracy: %d %%, about %d s left: ", &fraction,
+                        &reported_s),
+            2)
       << run.err;
-  EXPECT_EQ(share, 0);
-  EXPECT_GT(told_s, took / 5.0);
-  EXPECT_LT(told_s, took * 5.0);
+  EXPECT_EQ(fraction, 0);
+  EXPECT_GT(reported_s, took / 5.0);
+  EXPECT_LT(reported_s, took * 5.0);
   const nlohmann::json rows = nlohmann::json::parse(run.out)["rows"];
   ASSERT_EQ(rows.size(), 16u);
   for (std::size_t n = 0; n < 15; ++n) {

@@ -74,7 +74,7 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
                             "bytes",
                             "contacts",
                             "missed",
-                            "missed_share",
+                            "missed_ratio",
                             "direction_mean_deg",
                             "direction_median_deg",
                             "force_ratio",

@@ -26,7 +26,7 @@ TEST(DesignVerb, GivesOneJsonObjectWhoseMarginIsTheOneAskedFor) {
     EXPECT_EQ(j["ok"], true);
     EXPECT_GE(j["translation"]["gain_margin"].get<double>(), margin * (1 - 1e-9));
     EXPECT_NEAR(j["translation"]["critical_stiffness"].get<double>(),
-                j["translation"]["shown_stiffness"].get<double>() *
+                j["translation"]["displayed_stiffness"].get<double>() *
                     j["translation"]["gain_margin"].get<double>(),
                 1e-6 * j["translation"]["critical_stiffness"].get<double>());
     EXPECT_EQ(j["paper_recipe"]["released"]["stable"], false);
@@ -68,7 +68,8 @@ TEST(DesignVerb, DesignsForADeviceThatALabHasWrittenDown) {
   const Finished run = voxtouch(
       {"design", "--device", std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_GT(nlohmann::json::parse(run.out)["translation"]["shown_stiffness"].get<double>(), 250.0);
+  EXPECT_GT(nlohmann::json::parse(run.out)["translation"]["displayed_stiffness"].get<double>(),
+            250.0);
 }
 
 TEST(DesignVerb, ExitsWithOneWhereNothingHolds) {

@@ -120,13 +120,13 @@ TEST(PlanVerb, BuildsForTheModelThatIsNamed) {
 
 TEST(PlanVerb, SaysWhatTheDeviceCannotShowAndExitsWithOneWhereItCannotRun) {
   const TemporaryFolder folder;
-  const std::string turning =
+  const std::string rotation =
       with_effects(folder, "[{viscosity: {damping_ns_per_m: 1, damping_nms_per_rad: 0.01}}]");
-  const Finished run = voxtouch({"plan", turning, "--device", "sim-phantom", "--no-measure"});
+  const Finished run = voxtouch({"plan", rotation, "--device", "sim-phantom", "--no-measure"});
   EXPECT_EQ(run.status, 1);
   for (const char* word : {"sim-phantom", "'viscosity'", "torque"})
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
-  const nlohmann::json arm = plan_json({turning, "--device", "sim-lwr", "--no-measure"});
+  const nlohmann::json arm = plan_json({rotation, "--device", "sim-lwr", "--no-measure"});
   EXPECT_EQ(arm["device"]["errors"].size(), 0U);
   for (const auto& note : arm["device"]["notes"])
     EXPECT_EQ(note.get<std::string>().find("torque"), std::string::npos) << note;

@@ -162,7 +162,7 @@ class Pictures(unittest.TestCase):
         )
         self.assertEqual(done.returncode, 0, done.stderr)
         data = json.loads(done.stdout)
-        region, chosen = data["region"], data["translation"]["shown_stiffness"]
+        region, chosen = data["region"], data["translation"]["displayed_stiffness"]
         with open(table, encoding="utf-8") as lines:
             rows = list(csv.DictReader(lines))
         self.assertEqual(len(rows), 64)
@@ -195,13 +195,13 @@ class Pictures(unittest.TestCase):
             data = json.loads(
                 done.stdout
             )  # a spring-damper is infeasible here, and drawn all the same
-            law, shown = data["region"]["law"], data["translation"]["shown_stiffness"]
+            law, displayed = data["region"]["law"], data["translation"]["displayed_stiffness"]
             self.assertEqual(law["kind"], kind)
             place = next(i for i, x in enumerate(law["x"]) if x >= law["chosen"])
             around = [law["certified_n_per_m"][i] for i in (place - 1, place)]
             self.assertTrue(
-                0.9 * min(around) < shown < 1.001 * max(around),
-                f"{kind}: {shown} N/m is not on the border of its region: {around}",
+                0.9 * min(around) < displayed < 1.001 * max(around),
+                f"{kind}: {displayed} N/m is not on the border of its region: {around}",
             )
             self.assertAlmostEqual(
                 law["critical_n_per_m"][place],
@@ -216,7 +216,7 @@ class Pictures(unittest.TestCase):
                 for line in figure.axes[1].lines
                 if line.get_marker() == "o"
             ]
-            self.assertEqual(points, [(law["chosen"], shown)])
+            self.assertEqual(points, [(law["chosen"], displayed)])
             self.assertGreater(painted(file, plot.GREEN), 300)
         self.assertNotIn(
             "law",
@@ -240,9 +240,9 @@ class Pictures(unittest.TestCase):
         )
         self.refused(done, "matplotlib", "install python3-matplotlib")
         self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
-        told = json.loads(done.stdout)
-        self.assertIs(told["ok"], False)
-        self.assertIn("install python3-matplotlib", told["problems"][0])
+        reported = json.loads(done.stdout)
+        self.assertIs(reported["ok"], False)
+        self.assertIn("install python3-matplotlib", reported["problems"][0])
         done = with_matplotlib_from(
             self.at / "broken.py", BIN / "voxtouch", "design", "--plot", self.at / "refused.png"
         )
@@ -337,13 +337,13 @@ class Pictures(unittest.TestCase):
         )
 
     def test_the_tool_says_the_version_of_the_build_that_it_belongs_to(self):
-        told, of_build = (
+        reported, of_build = (
             subprocess.run(
                 [BIN / program, "--version"], capture_output=True, text=True, timeout=60, check=True
             ).stdout
             for program in ("voxtouch_plot", "voxtouch")
         )
-        self.assertEqual(told, of_build)
+        self.assertEqual(reported, of_build)
 
     def test_runs_side_by_side_share_their_axes_and_an_empty_bag_is_refused(self):
         for scene in ("cup", "cup_virtual_tool"):
@@ -362,11 +362,12 @@ class Pictures(unittest.TestCase):
             )
             self.assertEqual(done.returncode, 0, done.stderr)
         with plot.matplotlib.rc_context(plot.STYLE):
-            figure, _ = plot.beside_figure([self.at / "cup", self.at / "cup_virtual_tool"])
+            figure, _ = plot.comparison_figure([self.at / "cup", self.at / "cup_virtual_tool"])
             self.judge(figure)
         self.assertEqual([len(axis.lines) for axis in figure.axes], [2, 2])
         self.refused(
-            tool("beside", self.at / "cup", self.at / "nothing", self.at / "refused.png"), "nothing"
+            tool("compare", self.at / "cup", self.at / "nothing", self.at / "refused.png"),
+            "nothing",
         )
 
     def test_what_cannot_be_drawn_is_refused_in_a_sentence(self):
@@ -384,7 +385,7 @@ class Pictures(unittest.TestCase):
         )
         self.refused(tool("design", self.at / "run.json", picture), "voxtouch design --json")
         self.refused(tool("accuracy", self.at / "told.json", picture), "the scene is not there")
-        (self.at / "old.json").write_text('{"rows": [], "wish": null}')
+        (self.at / "old.json").write_text('{"rows": [], "request": null}')
         self.refused(tool("accuracy", self.at / "old.json", picture), "version")
         self.refused(tool("forces", self.at / "empty", picture), str(self.at / "empty"))
         self.refused(tool("forces", self.at / "broken", picture), "read (")
@@ -468,7 +469,8 @@ class Pictures(unittest.TestCase):
             figure = plot.design_figure(design)[0]
             self.judge(figure)
             self.assertIn(
-                f"{design['translation']['shown_stiffness']:.4g} N/m ", figure._suptitle.get_text()
+                f"{design['translation']['displayed_stiffness']:.4g} N/m ",
+                figure._suptitle.get_text(),
             )
 
     def test_the_title_names_the_worst_depth(self):
@@ -516,16 +518,16 @@ class Pictures(unittest.TestCase):
         )
 
     def test_wishes_zeros_and_nothing_at_all_are_drawn_too(self):
-        wished = json.loads(json.dumps(self.run_json))
-        wished["wish"].update(direction_deg=0.5, noise=0.02, within_us=3.0)
-        wished["rows"][0].update(direction_mean_deg=0.0, magnitude_noise=0.0)
+        requested = json.loads(json.dumps(self.run_json))
+        requested["request"].update(direction_deg=0.5, noise=0.02, within_us=3.0)
+        requested["rows"][0].update(direction_mean_deg=0.0, magnitude_noise=0.0)
         nothing = json.loads(json.dumps(self.run_json))
         for row in nothing["rows"]:
             row.update(
                 median_us=None, direction_mean_deg=None, magnitude_noise=None, refused="too large"
             )
         nothing["advice"].update(row=None, front=[], knee=None, met=None)
-        for name, data in (("wished", wished), ("nothing", nothing)):
+        for name, data in (("wished", requested), ("nothing", nothing)):
             with self.subTest(name), plot.matplotlib.rc_context(plot.STYLE):
                 self.judge(plot.accuracy_figure(data)[0])
                 self.judge(plot.page_figure(data)[0])

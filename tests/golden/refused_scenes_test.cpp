@@ -87,7 +87,7 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
                            "locked.obj}]\ndynamic: {mesh: sphere.obj, scale: 0.01}\n"
                            "contact: {model: adapted, stiffness_n_per_m: 10}\n";
   const uid_t me = geteuid();
-  ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be nobody for this line
+  ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be none for this line
   const std::string sentence = refusal(locked);
   ASSERT_EQ(seteuid(me), 0);
   EXPECT_NE(sentence.find("locked.obj"), std::string::npos) << sentence;

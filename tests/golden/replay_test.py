@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""voxtouch replay: recorded runs give the same bits again, what was planted is found at its sample,
-and what cannot be replayed gets a sentence.
+"""voxtouch replay: recorded runs give bit-identical results again, what was planted is found at its
+sample, and what cannot be replayed gets a sentence.
 
 usage: replay_test.py BIN DEPLOY [arguments of unittest]
 """
@@ -157,9 +157,9 @@ class Storages(unittest.TestCase):
                 ["cup_0.mcap", "cup_1.mcap", "cup_2.mcap"],
             )
             self.assertEqual(list(bag.glob("*.db3")), [])
-            status, told, said = replay(bag)
+            status, reported, said = replay(bag)
             self.assertEqual(status, 0, said)
-            self.assertEqual(told["samples"], 1500, told)
+            self.assertEqual(reported["samples"], 1500, reported)
             ran = voxtouch("report", bag)
             self.assertEqual(ran.returncode, 0, ran.stderr + ran.stdout)
             self.assertIn("1500", (bag / "report.html").read_text())
@@ -217,8 +217,10 @@ class Replay(unittest.TestCase):
     def test_lockstep_gives_the_same_bits_and_the_text_says_so(self):
         said = self.equal(self.cup, 2000)
         self.assertTrue(said["ok"] and said["scene"]["same"] and said["lockstep"])
-        self.assertGreater(said["felt"]["returned"]["recorded"]["largest_n"], 0.1)
-        self.assertEqual(said["felt"]["returned"]["recorded"], said["felt"]["returned"]["replayed"])
+        self.assertGreater(said["forces"]["returned"]["recorded"]["largest_n"], 0.1)
+        self.assertEqual(
+            said["forces"]["returned"]["recorded"], said["forces"]["returned"]["replayed"]
+        )
         text = voxtouch("replay", self.cup).stdout
         for fact in (
             r"'cup'",
@@ -628,7 +630,7 @@ class Replay(unittest.TestCase):
         self.assertGreater(said["contact"]["differ"], 100)
         self.assertGreater(said["contact"]["largest_force"]["n"], 0.01)
         self.assertNotEqual(
-            said["felt"]["rendered"]["recorded"], said["felt"]["rendered"]["replayed"]
+            said["forces"]["rendered"]["recorded"], said["forces"]["rendered"]["replayed"]
         )
 
     def test_a_scene_file_that_has_changed_since_or_is_gone_is_said(self):
@@ -640,7 +642,7 @@ class Replay(unittest.TestCase):
         self.assertEqual(
             (status, said["scene"]["same"]),
             (0, False),
-            "it is another file, and gives the same bits",
+            "it is another file, and gives bit-identical results",
         )
         scene.unlink()
         self.assertIn("--scene", self.refused(self.folder / "bag"))

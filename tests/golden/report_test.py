@@ -248,14 +248,14 @@ class Reports(unittest.TestCase):
             self.assertAlmostEqual(figures["rate_hz"], value, 6)
         self.assertEqual(figures["samples"], self.summary["samples"])
         self.assertEqual(figures["contact_samples"], self.summary["contact_samples"])
-        self.assertEqual(figures["held_samples"], self.summary["held_samples"])
+        self.assertEqual(figures["latched_samples"], self.summary["latched_samples"])
         for name in ("capped_samples", "bounded_samples"):
             self.assertEqual(figures[name], self.summary["coupling"][name])
         (limit,) = {
             struct.unpack_from("<d", m, 8 + 4 + 12 + 8 + 0)[0]
             for m in rows(self.bag, "/haptic/device/description")
         }
-        self.assertAlmostEqual(figures["share_of_limit"], max(force) / limit, 9)
+        self.assertAlmostEqual(figures["ratio_to_limit"], max(force) / limit, 9)
         self.says(self.page, f"{max(force):.3g} N")
 
     def test_layouts_are_read_where_they_are_written_down(self):
@@ -361,7 +361,7 @@ class Reports(unittest.TestCase):
             "[%]",
         )
         run = run_data.Run(self.bag)
-        for name in ("force", "peak", "felt", "depth", "latency", "energy"):
+        for name in ("force", "peak", "distribution", "depth", "latency", "energy"):
             axes = getattr(run_pictures, name + "_picture")([run]).axes
             for axis in axes:
                 self.assertRegex(axis.get_ylabel(), r"\[[^ ]+\]$")
@@ -374,7 +374,7 @@ class Reports(unittest.TestCase):
             row
             for row in run_data.Run(self.bag).faults()
             if "hang" in row[4] or "stood still" in row[4]
-        ]  # a node tells that of another
+        ]  # a node reports that of another
         self.assertEqual(run_data.Run(self.bag).faults(), on_a_busy_machine)
         unsaid = self.copy(
             "unsaid",
@@ -389,7 +389,7 @@ class Reports(unittest.TestCase):
     def test_whether_it_was_a_good_run_stands_first(self):
         verdict = self.bag / "voxtouch_run.json"
         self.assertEqual(json.loads(verdict.read_text()), self.summary)
-        self.says(self.page, f"A good run: all {len(self.summary['limits'])} limits", "swing_s")
+        self.says(self.page, f"PASSED: all {len(self.summary['limits'])} limits", "swing_s")
         bad = self.at / "bad"
         ended = up(
             "--motion",
@@ -398,7 +398,7 @@ class Reports(unittest.TestCase):
             "0.5",
             "--lockstep",
             "--limit",
-            "validated_share=1.5",
+            "validated_ratio=1.5",
             "--record",
             bad,
         )
@@ -450,7 +450,7 @@ class Reports(unittest.TestCase):
             ).returncode,
             0,
         )
-        page = self.report_of(self.bag, "--beside", other)
+        page = self.report_of(self.bag, "--compare-with", other)
         self.assertEqual(page.problems, [])
         self.assertEqual([f["samples"] for f in page.figures], [2000, 3000])
         self.says(page, "a run: at most")
@@ -458,7 +458,7 @@ class Reports(unittest.TestCase):
         with plot.matplotlib.rc_context(run_pictures.ON_THE_PAGE):
             for picture in (
                 run_pictures.force_picture,
-                run_pictures.felt_picture,
+                run_pictures.distribution_picture,
                 run_pictures.depth_picture,
                 run_pictures.energy_picture,
             ):
@@ -622,7 +622,7 @@ class Reports(unittest.TestCase):
             132,
             bytes(4),
         )
-        self.says(self.report_of(in_real_time), "told none", "no latency", "which command")
+        self.says(self.report_of(in_real_time), "reported none", "no latency", "which command")
         page = self.report_of(
             self.copy(
                 "bare",
@@ -721,7 +721,7 @@ class Reports(unittest.TestCase):
         self.says(page, "half of")
         self.assertFalse((bag / "report.html").exists())
 
-    # -------------------- beside a run
+    # -------------------- next to a run
     def test_settings_of_the_users_python_change_nothing(self):
         packages = self.at / "packages"
         packages.mkdir()
@@ -735,9 +735,9 @@ class Reports(unittest.TestCase):
             "MATPLOTLIBRC": str(self.at),
         }
         page = self.at / "isolated.html"
-        told = voxtouch("report", self.bag, "--out", page, env=settings, cwd=self.at)
-        self.assertEqual(told.returncode, 0, told.stderr)
-        self.assertTrue(told.stdout.startswith(f"{page} "), told.stdout)
+        output = voxtouch("report", self.bag, "--out", page, env=settings, cwd=self.at)
+        self.assertEqual(output.returncode, 0, output.stderr)
+        self.assertTrue(output.stdout.startswith(f"{page} "), output.stdout)
         self.assertEqual(page.read_bytes(), self.report_of(self.bag).source.encode())
 
     def test_up_writes_it_and_leaves_it_out_and_is_no_worse_without_matplotlib(self):
@@ -755,9 +755,9 @@ class Reports(unittest.TestCase):
             self.at / "plain",
         )
         self.assertEqual(done.returncode, 0, done.stderr)
-        told = [line for line in done.stderr.splitlines() if "report" in line]
-        self.assertEqual(len(told), 1, done.stderr)
-        self.assertIn("install python3-matplotlib", told[0])
+        output = [line for line in done.stderr.splitlines() if "report" in line]
+        self.assertEqual(len(output), 1, done.stderr)
+        self.assertIn("install python3-matplotlib", output[0])
         self.assertTrue(json.loads(done.stdout)["ok"])
         self.assertFalse((self.at / "plain" / "report.html").exists())
 

@@ -1,5 +1,5 @@
-/// The same scene told in other ways gives the same forces: another unit in the file, another size,
-/// another place.
+/// The same scene reported in other ways gives the same forces: another unit in the file, another
+/// size, another place.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -39,9 +39,9 @@ constexpr double kStiffness = 30.0;  // of the shipped scenes, N/m
 struct Difference {
   std::size_t contacts = 0;
   std::size_t other_hits = 0;  ///< poses with other counts of surface or interior hits
-  double share_m =
+  double ratio_m =
       0.0;  ///< largest |difference of forces| / (N K), N the surface hits, over the others
-  double torque_share_m2 = 0.0;
+  double torque_ratio_m2 = 0.0;
 };
 
 /// `b` against `a`, once `b`'s forces and torques are divided by what they should be larger.
@@ -58,13 +58,13 @@ Difference difference(const std::vector<contact::ContactResult>& a,
     const double all = std::max(1U, a[n].surface_hits) * kStiffness;
     const Vec3 force = a[n].wrench.force - b[n].wrench.force / forces_larger;
     const Vec3 torque = a[n].wrench.torque - b[n].wrench.torque / torques_larger;
-    out.share_m = std::max(out.share_m, force.norm() / all);
-    out.torque_share_m2 = std::max(out.torque_share_m2, torque.norm() / all);
+    out.ratio_m = std::max(out.ratio_m, force.norm() / all);
+    out.torque_ratio_m2 = std::max(out.torque_ratio_m2, torque.norm() / all);
   }
   std::printf(
       "%zu poses, %zu in contact, %zu with other hits; force / (N K) off by %.2g m, torque by %.2g "
       "m^2\n",
-      a.size(), out.contacts, out.other_hits, out.share_m, out.torque_share_m2);
+      a.size(), out.contacts, out.other_hits, out.ratio_m, out.torque_ratio_m2);
   return out;
 }
 
@@ -77,8 +77,8 @@ TEST(SceneInMillimetres, GivesTheForcesOfTheSceneInMetres) {
   EXPECT_EQ(off.other_hits, 0U);
   const double spacing =
       0x1p-20 * 1e-3;  // of single precision at the sphere's 10 mm, in the STL file
-  EXPECT_LE(off.share_m, spacing);
-  EXPECT_LE(off.torque_share_m2, spacing * 0.01);
+  EXPECT_LE(off.ratio_m, spacing);
+  EXPECT_LE(off.torque_ratio_m2, spacing * 0.01);
 }
 
 TEST(SceneTenTimesAsLarge, GivesTenTimesTheForces) {
@@ -89,8 +89,8 @@ TEST(SceneTenTimesAsLarge, GivesTenTimesTheForces) {
     pose.position *= 10.0;
   const Difference off = difference(probed(cup, poses), probed(large, far), 10.0, 100.0);
   EXPECT_EQ(off.other_hits, 0U);
-  EXPECT_LE(off.share_m, 1e-15);  // rounding of numbers near 0.1
-  EXPECT_LE(off.torque_share_m2, 1e-17);
+  EXPECT_LE(off.ratio_m, 1e-15);  // rounding of numbers near 0.1
+  EXPECT_LE(off.torque_ratio_m2, 1e-17);
 }
 
 class SceneFarAway : public testing::TestWithParam<std::string> {};
@@ -116,8 +116,8 @@ TEST_P(SceneFarAway, GivesTheSameForcesToAFewUnitsInTheLastPlace) {
   EXPECT_GT(off.contacts, poses.size() / 4);
   EXPECT_EQ(off.other_hits, 0U);
   const double spacing = 0x1p-33;  // of double precision at 1e6 m
-  EXPECT_LE(off.share_m, 4 * spacing);
-  EXPECT_LE(off.torque_share_m2, 4 * spacing * (GetParam() == "cup_metre" ? 0.1 : 0.01));
+  EXPECT_LE(off.ratio_m, 4 * spacing);
+  EXPECT_LE(off.torque_ratio_m2, 4 * spacing * (GetParam() == "cup_metre" ? 0.1 : 0.01));
 }
 
 }  // namespace

@@ -1,10 +1,10 @@
 /// emulated_link: a network switch between cards with delay and loss, in user space. A frame that
 /// comes in at one card leaves after the delay, in order, at the card behind which its receiver was
-/// last heard, or at all others; each is lost with the probability, by a seeded generator. Lines on
-/// stdin change it while it runs: "cut" loses all, "heal" ends that (it says when each began, Unix
-/// time), "no multicast" loses what is multicast from then on (broadcasts, by which hosts find each
-/// other's cards, pass), "end" ends the program, which then says how many frames it carried and
-/// lost. usage: emulated_link DELAY_MS LOSS SEED CARD CARD...
+/// last received, or at all others; each is lost with the probability, by a seeded generator. Lines
+/// on stdin change it while it runs: "cut" loses all, "heal" ends that (it says when each began,
+/// Unix time), "no multicast" loses what is multicast from then on (broadcasts, by which hosts find
+/// each other's cards, pass), "end" ends the program, which then says how many frames it carried
+/// and lost. usage: emulated_link DELAY_MS LOSS SEED CARD CARD...
 #include <arpa/inet.h>
 #include <net/ethernet.h>
 #include <net/if.h>
@@ -163,7 +163,7 @@ class Link {
   std::bernoulli_distribution lost_;
   std::mt19937_64 random_;
   std::deque<Frame> queue_;
-  std::map<Address, std::size_t> behind_;  ///< which card a host was heard at
+  std::map<Address, std::size_t> behind_;  ///< which card a host was received at
   unsigned long carried_ = 0, dropped_ = 0;
   bool cut_ = false, no_multicast_ = false, ended_ = false;
 };

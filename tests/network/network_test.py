@@ -12,7 +12,7 @@ loss_1, _5, _10 percent of the frames, without multicast: stable, no step above 
 cut_0.5         seconds without a frame: zero within 30 ms of the device's own samples, back within
                 0.5 s of healing
 cut_3, _5       beyond DDS's lease of 2 s: zero likewise, the session ends with a sentence, and a
-                device that is started anew is felt
+                device that is started anew is displayed
 cut_peers       3 s without multicast
 Exit status 77, with a sentence: this machine allows no network namespaces.
 """
@@ -110,8 +110,8 @@ def whole_checksums(card):
 
 
 class Ring:
-    """`multicast`: the switch carries it; else all nodes are told of the other hosts. `cut`: from
-    the start on.
+    """`multicast`: the switch carries it; else all nodes are reported of the other hosts. `cut`:
+    from the start on.
     """
 
     def __init__(
@@ -169,9 +169,9 @@ class Ring:
             run(bin_folder / "voxtouch", "keys", "--out", keys)
             self.common += ["--security", keys]
         if not multicast:
-            self.tell("no multicast")
+            self.report("no multicast")
         if cut:
-            self.tell_when("cut")
+            self.report_at("cut")
         self.peers = not multicast
         scene = ("--scene", SCENE)
         self.start("rendering", "rendering", *scene)
@@ -242,7 +242,7 @@ class Ring:
                 process.wait()
 
     def status(self):
-        """Of the device, as `voxtouch status` on its host hears it; that takes 2.5 s."""
+        """Of the device, as `voxtouch status` on its host receives it; that takes 2.5 s."""
         end = subprocess.run(
             self.hosts["device"].inside(
                 self.bin / "voxtouch", "status", "--rig", "haptic", *self.joined("device"), "--json"
@@ -262,7 +262,7 @@ class Ring:
         while (
             time.monotonic() < end
             and not self.refusal()
-            and not (self.status().get("answered_share") or 0.0) > 0.5
+            and not (self.status().get("answered_ratio") or 0.0) > 0.5
         ):
             pass
 
@@ -276,13 +276,13 @@ class Ring:
         while time.monotonic() < end and not self.bag.exists():
             time.sleep(0.05)
 
-    def tell(self, word):
+    def report(self, word):
         self.link.stdin.write(word + "\n")
         self.link.stdin.flush()
 
-    def tell_when(self, word):
-        """Of "cut" and "heal": when it began, however late this program hears of it [s]."""
-        self.tell(word)
+    def report_at(self, word):
+        """Of "cut" and "heal": when it began, however late this program receives of it [s]."""
+        self.report(word)
         said, when = self.link.stdout.readline().split()
         assert said == word, said
         return float(when)
@@ -293,7 +293,7 @@ class Ring:
         for node in self.nodes.values():
             node.wait(timeout=30)
         carried, self.lost = map(int, re.findall(r"\d+", self.link.communicate("end\n")[0]))
-        self.lost_share = self.lost / max(1, carried + self.lost)
+        self.lost_ratio = self.lost / max(1, carried + self.lost)
         for host in self.hosts.values():
             host.end_it()
 
@@ -354,8 +354,8 @@ def statuses(bag):
     return out
 
 
-def heard_again(bag, healed_at):
-    """What is heard first of each other host, of the coupling also that it is ready for the
+def received_again(bag, healed_at):
+    """What is received first of each other host, of the coupling also that it is ready for the
     session; and when [s].
     """
 
@@ -402,13 +402,13 @@ def expect_met(ring, healed_at):
     """From the first frame that passed to the statuses by which all know each other, and to the
     first command, which comes when the coupling is designed.
     """
-    heard = statuses(ring.bag)
-    session = next(s for _, node, s in heard if node == "device" and s)
+    received = statuses(ring.bag)
+    session = next(s for _, node, s in received if node == "device" and s)
     met = {
         node: min(
             (
                 taken
-                for taken, name, s in heard
+                for taken, name, s in received
                 if name == node and s == session and taken > healed_at
             ),
             default=math.inf,
@@ -426,13 +426,13 @@ def expect_met(ring, healed_at):
 
 
 def steady(bin_folder, meet=False, seconds=3.0, **network):
-    """What the device said in the end, the share of samples with force in the contact, the
+    """What the device said in the end, the fraction of samples with force in the contact, the
     commands, and why the coupling refused.
     """
     ring = Ring(bin_folder, cut=meet, **network)
     if meet:
         ring.wait_until_all_have_joined()
-        healed_at = ring.tell_when("heal")
+        healed_at = ring.report_at("heal")
     ring.wait_for_answers()
     begun = time.time()
     time.sleep(seconds)
@@ -442,20 +442,20 @@ def steady(bin_folder, meet=False, seconds=3.0, **network):
         expect_met(ring, healed_at)
     else:
         expect(
-            abs(ring.lost_share - network.get("loss", 0.0)) < 0.005,
-            f"the network lost {100 * ring.lost_share:.1f} % of the frames",
+            abs(ring.lost_ratio - network.get("loss", 0.0)) < 0.005,
+            f"the network lost {100 * ring.lost_ratio:.1f} % of the frames",
         )
     samples = states(ring.bag)
     pressed = [sample for sample in samples if sample[0] > begun + 1.0]  # the force has ramped in
-    share = sum(on for _, _, on in pressed) / max(1, len(pressed))
-    return device, share, commands(ring.bag), ring.refusal()
+    fraction = sum(on for _, _, on in pressed) / max(1, len(pressed))
+    return device, fraction, commands(ring.bag), ring.refusal()
 
 
-def expect_felt(share, forces, least_share=0.95):
+def expect_force(fraction, forces, least_ratio=0.95):
     expect(
-        share > least_share,
+        fraction > least_ratio,
         (
-            f"force in {100 * share:.1f} % of the samples in contact,"
+            f"force in {100 * fraction:.1f} % of the samples in contact,"
             f" {max((f for _, f in forces), default=0.0):.2f} N at most"
         ),
     )
@@ -466,34 +466,36 @@ def expect_felt(share, forces, least_share=0.95):
 
 
 def case_plain(bin_folder, meet=True, **network):
-    _, share, forces, _ = steady(bin_folder, meet, **network)
-    expect_felt(share, forces)
-    expect(max(f for _, f in forces) > 0.5, "the contact is felt")
+    _, fraction, forces, _ = steady(bin_folder, meet, **network)
+    expect_force(fraction, forces)
+    expect(max(f for _, f in forces) > 0.5, "the contact is displayed")
 
 
 def case_delay(bin_folder, delay_ms):
     """Three ways make a round."""
-    device, share, _, _ = steady(bin_folder, delay_ms=delay_ms)
+    device, fraction, _, _ = steady(bin_folder, delay_ms=delay_ms)
     sentence = device.get("sentence", "")
     expect(
-        share < 0.05,
-        f"not designed for {delay_ms} ms each way: force in {100 * share:.1f} % of the samples",
+        fraction < 0.05,
+        f"not designed for {delay_ms} ms each way: force in {100 * fraction:.1f} % of the samples",
     )
     expect(
         "too late for any force" in sentence and "--network-delay" in sentence,
         f"the device says so: {sentence}",
     )
     network_ms = 3 * delay_ms + 2
-    _, share, forces, refusal = steady(bin_folder, delay_ms=delay_ms, network_delay_ms=network_ms)
+    _, fraction, forces, refusal = steady(
+        bin_folder, delay_ms=delay_ms, network_delay_ms=network_ms
+    )
     print(f"  designed for {network_ms} ms:", flush=True)
-    if refusal and share == 0.0:
+    if refusal and fraction == 0.0:
         return expect(True, f"refused with a sentence, {refusal[:200]}")
-    expect_felt(share, forces)
+    expect_force(fraction, forces)
 
 
 def case_loss(bin_folder, percent):
-    _, share, forces, _ = steady(bin_folder, loss=0.01 * percent, multicast=False)
-    expect_felt(share, forces, 0.95 if percent < 10 else 0.8)
+    _, fraction, forces, _ = steady(bin_folder, loss=0.01 * percent, multicast=False)
+    expect_force(fraction, forces, 0.95 if percent < 10 else 0.8)
 
 
 def expect_ended(ring):
@@ -514,9 +516,9 @@ def case_cut(bin_folder, seconds, **network):
     ring = Ring(bin_folder, **network)
     ring.wait_for_answers()
     time.sleep(1.5)
-    cut_at = ring.tell_when("cut")
+    cut_at = ring.report_at("cut")
     time.sleep(seconds)
-    healed_at = ring.tell_when("heal")
+    healed_at = ring.report_at("heal")
     if seconds > LEASE_S:
         expect_ended(ring)
         ring.start("device", "device", *ring.device)
@@ -539,7 +541,7 @@ def case_cut(bin_folder, seconds, **network):
         "  after healing the logger has "
         + ", ".join(
             f"{what} from {1e3 * (when - healed_at):.0f} ms on"
-            for what, when in heard_again(ring.bag, healed_at)
+            for what, when in received_again(ring.bag, healed_at)
         ),
         flush=True,
     )

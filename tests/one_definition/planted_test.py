@@ -138,15 +138,17 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             build = make(pathlib.Path(folder).resolve(), SOUND | changed, sys.argv[1])
             for check in ("headers", "objects"):
-                told = subprocess.run(
+                output = subprocess.run(
                     [sys.executable, "-B", CHECK, check, build], capture_output=True, text=True
                 )
-                wanted = check in finders
-                good = told.returncode == int(wanted) and (not wanted or name in told.stdout)
-                verdict, expected = "ok  " if good else "FAIL", "finds" if wanted else "passes"
+                must_find = check in finders
+                good = output.returncode == int(must_find) and (
+                    not must_find or name in output.stdout
+                )
+                verdict, expected = "ok  " if good else "FAIL", "finds" if must_find else "passes"
                 print(f"{verdict} {check:8} {expected} {fault}")
                 if not good:
-                    print(told.stdout, told.stderr)
+                    print(output.stdout, output.stderr)
                     failures += 1
     return 1 if failures else 0
 

@@ -55,7 +55,7 @@ def anchors(text):
     }
 
 
-def wrong_links(file, text):
+def bad_links(file, text):
     for target in re.findall(r"\]\(([^)\s]+)\)", text):
         if re.match(r"[a-z]+:", target):
             continue
@@ -67,7 +67,7 @@ def wrong_links(file, text):
             yield f"the link '{target}' names no heading of {aim.name}"
 
 
-def wrong_paths(root, folder, words):
+def bad_paths(root, folder, words):
     for word in words:
         word = word.rstrip(".,:;)").split("::")[0]
         if "/" in word and word.split("/")[0] in TOP:
@@ -80,7 +80,7 @@ def wrong_paths(root, folder, words):
             yield f"there is no file '{word}' below {folder.relative_to(root) or 'the top folder'}"
 
 
-def wrong_script_options(root, words):
+def bad_script_options(root, words):
     """Options of a script of the repository: its own text must know them."""
     script = root / words[0] if words else root
     if script.is_file() and words[0].split("/")[0] in TOP:
@@ -120,7 +120,7 @@ class Programs:
         return set(re.findall(r"^  ([a-z]+) ", listed, re.MULTILINE))
 
 
-def wrong_commands(programs, words):
+def bad_commands(programs, words):
     at = next(
         (n for n, word in enumerate(words) if word == "voxtouch" or word.startswith("build/bin/")),
         None,
@@ -147,7 +147,7 @@ def wrong_commands(programs, words):
             yield f"'{' '.join(called)}' has no option '{option}'"
 
 
-def wrong_sizes(text, most_lines):
+def bad_sizes(text, most_lines):
     """Lines of a page, and columns of its prose: tables, code and links may be longer."""
     lines, code = text.splitlines(), False
     if len(lines) > most_lines:
@@ -164,7 +164,7 @@ def wrong_sizes(text, most_lines):
             yield f"line {number} has {len(line)} columns, {COLUMNS} are allowed"
 
 
-def wrong_cells(text):
+def bad_cells(text):
     for number, line in enumerate(text.splitlines(), 1):
         for cell in re.split(r"(?<!\\)\|", line) if line.startswith("|") else []:
             if len(cell.strip()) > CELL:
@@ -188,7 +188,7 @@ def retired_words():
     return words
 
 
-def wrong_words(name, text):
+def retired_word_uses(name, text):
     """Words that the glossary replaces, outside code."""
     text = re.sub(
         r"^ *```.*?^ *```|`[^`]*`",
@@ -214,7 +214,7 @@ def times_of(page):
     }
 
 
-def wrong_times(text, times):
+def bad_times(text, times):
     """Times in a paragraph that begins with the command in bold: within 30 % of the
     measured one.
     """
@@ -235,20 +235,20 @@ def faults(root, programs):
     words_of_all = 0
     for file in readmes(root):
         text = file.read_text(encoding="utf-8")
-        found = list(wrong_links(file, text))
+        found = list(bad_links(file, text))
         for code in code_of(text):
             words = code.split()
-            found += wrong_paths(root, file.parent, words)
-            found += wrong_script_options(root, words)
-            found += wrong_commands(programs, words)
+            found += bad_paths(root, file.parent, words)
+            found += bad_script_options(root, words)
+            found += bad_commands(programs, words)
         is_top, name = file == root / "README.md", str(file.relative_to(root))
         if not name.startswith(GENERATED):
-            found += (fault.rstrip(".") for fault in wrong_words(name, text))
-            found += wrong_sizes(text, TOP_README_LINES if is_top else README_LINES)
+            found += (fault.rstrip(".") for fault in retired_word_uses(name, text))
+            found += bad_sizes(text, TOP_README_LINES if is_top else README_LINES)
             words_of_all += len(text.split())
         if is_top:
-            found += wrong_cells(text)
-            found += wrong_times(text, measured)
+            found += bad_cells(text)
+            found += bad_times(text, measured)
         yield from (f"{file.relative_to(root)}: {fault}." for fault in dict.fromkeys(found))
     if words_of_all > WORDS:
         yield f"All pages have {words_of_all} words, {WORDS} are allowed."

@@ -1,5 +1,5 @@
-// A ring that is changed while it runs: nothing is felt of it but the change itself, and in
-// lockstep it gives the same bits.
+// A ring that is changed while it runs: nothing is displayed of it but the change itself, and in
+// lockstep it gives bit-identical results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -32,7 +32,7 @@ std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
   std::vector<std::pair<std::string, std::string>> words = {
       {"effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]"},
       {"{design: auto, kind: shaping_filter}",
-       "{design: auto, kind: shaping_filter, damper_share: 0, damping_floor: 0, "
+       "{design: auto, kind: shaping_filter, damping_force_ratio: 0, damping_floor: 0, "
        "velocity_windows: false}"}};
   if (smooth)
     words.push_back(
@@ -83,7 +83,7 @@ class Asker {
       until([&] {
         if (looks++ % 50 == 0)
           send(change, request);
-        return take_answers(), heard_.contains(request);
+        return take_answers(), received_.contains(request);
       });
     }
     until([&] { return take_answers(), made_.size() == sent_ || !problems.empty(); });
@@ -102,7 +102,7 @@ class Asker {
   bus::Reader<msg::EffectChanged> answers_;
   void take_answers() {
     answers_.take_each([&](const msg::EffectChanged& a) {
-      heard_.insert(a.request);
+      received_.insert(a.request);
       if (a.result == msg::effect_changed::kResultRefused)
         problems += std::string(a.sentence) + "\n";
       if (a.result == msg::effect_changed::kResultDone)
@@ -110,7 +110,7 @@ class Asker {
     });
   }
   std::uint64_t sent_ = 0;
-  std::set<std::uint64_t> heard_, made_;
+  std::set<std::uint64_t> received_, made_;
 };
 
 /// A lockstep run of `scene` with `changes`, recorded under `name`.
@@ -221,14 +221,14 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   const double ramp = kDamping * 0.1 * 0.001 / 0.1,
                before = largest_step(plain, 1400, 3000, kEffects);
   EXPECT_LE(largest_step(changed, 1400, 3000, kEffects), before + ramp);
-  const double felt_before = largest_step(commands(folder, "plain"), 1400, 3000, kForce),
-               felt = largest_step(commands(folder, "first"), 1400, 3000, kForce);
-  RecordProperty("largest_step_n", std::to_string(felt));
-  RecordProperty("largest_step_without_a_change_n", std::to_string(felt_before));
+  const double step_without_change = largest_step(commands(folder, "plain"), 1400, 3000, kForce),
+               with_change = largest_step(commands(folder, "first"), 1400, 3000, kForce);
+  RecordProperty("largest_step_n", std::to_string(with_change));
+  RecordProperty("largest_step_without_a_change_n", std::to_string(step_without_change));
   std::printf(
-      "largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n", felt,
-      felt_before, ramp);
-  EXPECT_LE(felt, felt_before + ramp);
+      "largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n",
+      with_change, step_without_change, ramp);
+  EXPECT_LE(with_change, step_without_change + ramp);
   // Until the first change both runs are the same one, so its hundred samples can be compared,
   // where the hand keeps its height: a step of its encoder, which one of the hands makes and the
   // other not, is answered by the damping for some samples.
@@ -258,14 +258,14 @@ TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameB
   for (std::size_t i = 0; i < changed.size(); ++i)
     ASSERT_EQ((changed[i].flags & msg::contact_state::kFlagFading) != 0, i >= 1800 && i < 2000)
         << i;
-  const double way = std::abs(changed[2000].wrench.force.z - changed[1799].wrench.force.z);
+  const double displacement = std::abs(changed[2000].wrench.force.z - changed[1799].wrench.force.z);
   EXPECT_GT(changed[1799].wrench.force.z, 0.1) << "in contact";
   // The hand sinks or rises by the change, and each step of its encoder is a step of the force: the
   // run without a change has the like where the hand comes down. Where the height stays, nothing
   // but the fade may be seen, and the steps that `adapted` makes by itself at voxel borders (the
   // two scenes differ by up to twice as much on the way as from its begin to its end, for the hand
   // moves).
-  const double fade = 2.0 * way * 0.001 / 0.2,
+  const double fade = 2.0 * displacement * 0.001 / 0.2,
                before = largest_step_in_contact(plain, plain, kForce),
                after = largest_step(changed, 1790, 2010, kForce);
   const auto largest_at_one_height = [&](std::size_t from, std::size_t to) {
@@ -283,16 +283,19 @@ TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameB
       "%.5f N; a fade may add "
       "%.5f N\n",
       changed[1799].wrench.force.z, changed[2000].wrench.force.z, after, resting, before, fade);
-  EXPECT_GT(way, 2.0 * (before + fade)) << "the two scenes must differ, or nothing is shown";
+  EXPECT_GT(displacement, 2.0 * (before + fade))
+      << "the two scenes must differ, or nothing is shown";
   EXPECT_LE(after, before + fade);
   std::printf("steps of adapted alone at one height: %.5f N\n", of_adapted);
-  // The shares of both contacts are linear in time, and a spring is in series with their sum: the
-  // force changes faster while the stiffer contact has more of it (twice, for these two).
+  // The fractions of both contacts are linear in time, and a spring is in series with their sum:
+  // the force changes faster while the stiffer contact has more of it (twice, for these two).
   EXPECT_LE(resting, 2.0 * fade + of_adapted);
-  const double felt_before = largest_step_in_contact(plain, commands(folder, "plain"), kForce),
-               felt = largest_step(commands(folder, "first"), 1790, 2600, kForce);
-  std::printf("command: largest step %.5f N, without a change %.5f N\n", felt, felt_before);
-  EXPECT_LE(felt, felt_before + fade);
+  const double step_without_change =
+                   largest_step_in_contact(plain, commands(folder, "plain"), kForce),
+               with_change = largest_step(commands(folder, "first"), 1790, 2600, kForce);
+  std::printf("command: largest step %.5f N, without a change %.5f N\n", with_change,
+              step_without_change);
+  EXPECT_LE(with_change, step_without_change + fade);
   const auto first = hashes(folder / "first"), second = hashes(folder / "second");
   for (const auto& [topic, hash] : first)
     EXPECT_TRUE(hash == second.at(topic)) << topic;

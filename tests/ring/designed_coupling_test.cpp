@@ -51,16 +51,16 @@ Recorded touch_cup(const std::string& device, const std::string& motion,
 }
 
 /// What the passivity observer promises (core/coupling/passivity.hpp): no deeper in debt than five
-/// times the work that the largest force could do over the longest way of one period in contact.
+/// times the work that the largest force could do over the longest path of one period in contact.
 double energy_bound_j(const Recorded& r) {
-  double force = 0.0, way = 0.0;
+  double force = 0.0, displacement = 0.0;
   for (std::size_t i = 1; i < std::min(r.position.size(), r.force.size()); ++i) {
     if (r.force[i].isZero(0.0))
       continue;
     force = std::max(force, r.force[i].norm());
-    way = std::max(way, (r.position[i] - r.position[i - 1]).norm());
+    displacement = std::max(displacement, (r.position[i] - r.position[i - 1]).norm());
   }
-  return -5.0 * force * way;
+  return -5.0 * force * displacement;
 }
 
 /// The largest force of the first 100 ms of the first contact over the mean from 45 to 55 ms after
@@ -117,13 +117,13 @@ TEST_P(DesignedCoupling, TouchesTheCupWithoutASustainedOscillationAndWithinItsEn
   RecordProperty("energy_bound_j", std::to_string(energy_bound_j(r)));
   if (c.hand.empty()) {
     EXPECT_LE(first_peak_over_later(r.force), 1.5)
-        << "a touch is felt as the contact, not as the damper";
+        << "a touch is displayed as the contact, not as the damper";
     RecordProperty("first_peak_over_later", std::to_string(first_peak_over_later(r.force)));
   }
   // `hit` rests on the wall from about 2.9 to 5.4 s; a tool that was let go at 4.2 s comes to rest
   // wherever it is.
   if (std::string(c.motion) == "hit" || !c.hand.empty()) {
-    const bool let_go = !c.hand.empty() && c.hand.front() == "--let-go-at";
+    const bool let_go = !c.hand.empty() && c.hand.front() == "--release-time";
     if (std::string(c.motion) == "hit" || let_go) {
       const std::size_t from = let_go ? 5500 : 4300, to = let_go ? 6000 : 5300;
       const double left_m = peak_to_peak(r.position, from, to);
@@ -142,7 +142,7 @@ std::vector<Case> cases() {
       all.push_back({device, step_m, motion, {}});
       all.push_back({device, step_m, motion, {"--hand", "pen-light"}});
       all.push_back({device, step_m, motion, {"--hand", kind + "-firm"}});
-      all.push_back({device, step_m, motion, {"--let-go-at", "4.2"}});
+      all.push_back({device, step_m, motion, {"--release-time", "4.2"}});
     }
   return all;
 }

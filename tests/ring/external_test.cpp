@@ -21,7 +21,7 @@ constexpr double kSpringNPerM = 40.0, kMaxN = 1.5, kTimeoutS = 0.05, kFadeS = 0.
 constexpr double kCentre[] = {-0.09, -0.03,
                               0.08};  // 30 mm above where the hand of `rest` wants to be
 
-/// A node of somebody's own, as a thread: a spring from the tool's last pose to a point.
+/// A node of a person's own, as a thread: a spring from the tool's last pose to a point.
 class Remote {
  public:
   Remote()
@@ -65,7 +65,7 @@ double size(const msg::geometry_msgs_Wrench& w) {
 }
 
 /// Whether values came in time for half a second up to `at_ns`, so that a machine with other work
-/// has kept nobody waiting and the force stood for what was written.
+/// has kept none waiting and the force stood for what was written.
 bool was_fed(const std::vector<msg::ExternalSample>& taken, std::int64_t at_ns) {
   std::int64_t before = at_ns - 500'000'000;
   for (const msg::ExternalSample& one : taken) {
@@ -102,7 +102,7 @@ TEST(ExternalRing,
   EXPECT_NE(end.err.find("/sim/wrench"), std::string::npos) << end.err;
   EXPECT_NE(end.out.find("No certificate"), std::string::npos) << end.out;
   EXPECT_GT(summary["external"]["external_samples"], 100);
-  EXPECT_LE(summary["external"]["external_given_j"], 0.05 + 0.05 * 10.0)
+  EXPECT_LE(summary["external"]["external_energy_generated_j"], 0.05 + 0.05 * 10.0)
       << "energy_j and ten seconds of power_w";
 
   const auto contacts = read_ring_topic<msg::ContactState>(bag, "/haptic/rendering/contact");

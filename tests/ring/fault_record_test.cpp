@@ -1,4 +1,4 @@
-// What device and coupling saw before a fault is beside the bag, and nowhere after a good run.
+// What device and coupling saw before a fault is next to the bag, and nowhere after a good run.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -119,12 +119,12 @@ TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
   const TemporaryFolder folder;
   Process up(up_arguments(unstable_scene(folder.path()), {"--motion", "hit", "--duration", "0",
                                                           "--record", (folder / "bag").string()}));
-  const auto hears = [&](const char* words) {
+  const auto receives = [&](const char* words) {
     for (int i = 0; i < 1500 && up.err().find(words) == std::string::npos; ++i)
       std::this_thread::sleep_for(milliseconds(20));
     return up.err().find(words) != std::string::npos;
   };
-  ASSERT_TRUE(hears("voxtouch recover")) << up.err();
+  ASSERT_TRUE(receives("voxtouch recover")) << up.err();
   std::this_thread::sleep_for(milliseconds(1200));
   Process recover(
       std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--domain", fresh_domain()});

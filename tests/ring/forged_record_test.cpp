@@ -50,7 +50,8 @@ TEST(ForgedRecord, IsNotInTheBagAndItsReplayGivesTheSameBits) {
       {VOXTOUCH_BIN "/voxtouch", "change", "friction", "gain", "0.5", "--domain", fresh_domain()});
   const Finished changed = change.wait();
   EXPECT_EQ(changed.status, 0) << changed.err;
-  // Its status says so, and is in the bag: the logger hears itself before anybody else does.
+  // Its status says so, and is in the bag: the logger receives itself before any participant else
+  // does.
   ASSERT_TRUE(comes([&] {
     return figure("logger", "refused_records") == 1.0 && figure("rendering", "changes") == 1.0;
   })) << registry.find("logger")->message;
@@ -63,14 +64,14 @@ TEST(ForgedRecord, IsNotInTheBagAndItsReplayGivesTheSameBits) {
 
   Process again({VOXTOUCH_BIN "/voxtouch", "replay", bag.string(), "--json"});
   const Finished replayed = again.wait(std::chrono::seconds(120));
-  const auto told = nlohmann::json::parse(replayed.out, nullptr, false);
+  const auto reported = nlohmann::json::parse(replayed.out, nullptr, false);
   EXPECT_EQ(replayed.status, 0) << replayed.out << replayed.err;
-  EXPECT_EQ(told["changes"], 1) << replayed.out;
-  EXPECT_GT(told["contact"]["compared"], 1500);
-  EXPECT_EQ(told["contact"]["differ"], 0) << replayed.out;
-  EXPECT_EQ(told["command"]["differ"], 0) << replayed.out;
-  EXPECT_EQ(told["missing"].size(), 0U) << replayed.out;
-  EXPECT_NE(told["notes"].dump().find("refused 1 records"), std::string::npos) << replayed.out;
+  EXPECT_EQ(reported["changes"], 1) << replayed.out;
+  EXPECT_GT(reported["contact"]["compared"], 1500);
+  EXPECT_EQ(reported["contact"]["differ"], 0) << replayed.out;
+  EXPECT_EQ(reported["command"]["differ"], 0) << replayed.out;
+  EXPECT_EQ(reported["missing"].size(), 0U) << replayed.out;
+  EXPECT_NE(reported["notes"].dump().find("refused 1 records"), std::string::npos) << replayed.out;
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // A node that hangs is named, by `up` and by the other nodes, and the run is no good one; in
-// lockstep nobody waits for it for ever.
+// lockstep none waits for it for ever.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -90,7 +90,7 @@ TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
               others_ms);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1) << end.err;
-  EXPECT_NE(end.err.find(node + " is heard"), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find(node + " is received"), std::string::npos) << end.err;
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
   EXPECT_EQ(summary["ok"], false);
@@ -118,10 +118,10 @@ TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
   std::vector<std::string> more = {"--motion", "slide",        "--duration",
                                    "4",        "--record",     (folder / "bag").string(),
                                    "--limit",  "silence_s=inf"};
-  const std::map<std::string, std::string> values = {{"rate_share", "0.95"},
-                                                     {"overrun_share", "0.05"},
-                                                     {"answered_share", "0.95"},
-                                                     {"deadline_miss_share", "0.0001"}};
+  const std::map<std::string, std::string> values = {{"rate_ratio", "0.95"},
+                                                     {"overrun_ratio", "0.05"},
+                                                     {"answered_ratio", "0.95"},
+                                                     {"deadline_miss_ratio", "0.0001"}};
   more.insert(more.end(), {"--limit", std::string(limit) + "=" + values.at(limit)});
   Process up(up_arguments(shipped_scene("cup"), more));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
@@ -138,14 +138,14 @@ TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
   EXPECT_EQ(summary["ok"], false);
   EXPECT_EQ(summary["limits"][limit]["met"], false) << summary["limits"].dump();
   EXPECT_EQ(summary["guard"]["refused"], summary["guard"]["refused_late"])
-      << "nobody else sent a command";
+      << "none else sent a command";
 }
 
 INSTANTIATE_TEST_SUITE_P(RealTime, StoppedForAWhile,
-                         testing::Values(Broken{"device", "rate_share"},
-                                         Broken{"device", "overrun_share"},
-                                         Broken{"rendering", "answered_share"},
-                                         Broken{"coupling", "deadline_miss_share"}),
+                         testing::Values(Broken{"device", "rate_ratio"},
+                                         Broken{"device", "overrun_ratio"},
+                                         Broken{"rendering", "answered_ratio"},
+                                         Broken{"coupling", "deadline_miss_ratio"}),
                          [](const auto& one) {
                            return std::string(one.param.node) + "_" + one.param.limit;
                          });
@@ -202,7 +202,7 @@ TEST(HungDisk, ThatIsStoppedMeanwhileLosesNothing) {
 
 class StoppedInLockstep : public testing::TestWithParam<const char*> {};
 
-/// `up` has told of samples: before the first of them all nodes are there, but the ring has not
+/// `up` has reported of samples: before the first of them all nodes are there, but the ring has not
 /// begun.
 bool has_samples(const Process& up) {
   return std::regex_search(up.err(), std::regex(" [1-9][0-9]* samples  force"));

@@ -64,7 +64,7 @@ TEST(Options, ThatAreNoneAreRefusedAtOnce) {
       {"--rig", {"a/b", "../x", std::string(100'000, 'x')}},
       {"--interface", {"<x>", "a b", std::string(100'000, 'x')}},
       {"--topic", {"a b", "a\x1b[2J", std::string(100'000, 'x')}},
-      {"--let-go-at", {"nan", "-1"}},
+      {"--release-time", {"nan", "-1"}},
       {"--grip-factor", {"nan", "-1", "1e308"}}};
   for (const auto& [option, values] : bad)
     for (const std::string& value : values) {
@@ -89,13 +89,13 @@ TEST(Missed, ARunInWhichAWallMayHaveBeenPassedUnseenIsNoGoodOne) {
   const RingResult run =
       run_ring(scene, {"--motion", "hit", "--duration", "2", "--lockstep", "--no-record"});
   EXPECT_EQ(run.process.status, 1);
-  EXPECT_GT(run.summary["missed_samples"], 10);
-  EXPECT_GT(run.summary["fast_samples"], run.summary["missed_samples"])
+  EXPECT_GT(run.summary["tunnelling_suspected_samples"], 10);
+  EXPECT_GT(run.summary["fast_samples"], run.summary["tunnelling_suspected_samples"])
       << "above the plane nothing can have been passed";
-  bool told = false;
+  bool reported = false;
   for (const auto& problem : run.summary["problems"])
-    told |= problem.get<std::string>().find("passed something unseen") != std::string::npos;
-  EXPECT_TRUE(told) << run.process.out;
+    reported |= problem.get<std::string>().find("passed something unseen") != std::string::npos;
+  EXPECT_TRUE(reported) << run.process.out;
 }
 
 /// A ball of 10 mm on a plate of 2 mm, where the hand wants through at 20 mm/s; on a voxel grid of
@@ -118,28 +118,28 @@ std::string pressed_plate(const TemporaryFolder& folder, const std::string& cont
   return file;
 }
 
-TEST(ModelAlone, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
+TEST(Memoryless, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
   for (const char* model : {"original", "adapted"}) {
     SCOPED_TRACE(model);
     const TemporaryFolder folder;
     const RingResult run = run_ring(
         pressed_plate(folder, std::string("model: ") + model +
-                                  ", stiffness_n_per_m: 30, rendering: model_alone"),
+                                  ", stiffness_n_per_m: 30, rendering: memoryless"),
         {"--motion", "it", "--duration", "3", "--lockstep", "--one-process", "--no-record"});
     EXPECT_EQ(run.process.status, 1);
     EXPECT_LE(run.summary["fast_samples"], 2)
         << "the tool behind the spring may snap through the plate";
-    EXPECT_EQ(run.summary["held_samples"], 0);
-    EXPECT_GT(run.summary["passing_samples"], 10);
+    EXPECT_EQ(run.summary["latched_samples"], 0);
+    EXPECT_GT(run.summary["passed_through_samples"], 10);
     EXPECT_EQ(run.summary["validator"]["disagree"], 0) << run.summary["problems"];
-    EXPECT_FALSE(run.summary["limits"]["passing_samples"]["met"]);
+    EXPECT_FALSE(run.summary["limits"]["passed_through_samples"]["met"]);
   }
 }
 
-TEST(ModelAlone, ARunThatOnlyTouchesIsAGoodOne) {
+TEST(Memoryless, ARunThatOnlyTouchesIsAGoodOne) {
   const TemporaryFolder folder;
   std::string scene =
-      pressed_plate(folder, "model: adapted, stiffness_n_per_m: 30, rendering: model_alone");
+      pressed_plate(folder, "model: adapted, stiffness_n_per_m: 30, rendering: memoryless");
   std::stringstream text;
   text << std::ifstream(scene).rdbuf();
   std::string touched = text.str();
@@ -149,7 +149,7 @@ TEST(ModelAlone, ARunThatOnlyTouchesIsAGoodOne) {
       scene, {"--motion", "it", "--duration", "2", "--lockstep", "--one-process", "--no-record"});
   EXPECT_EQ(run.process.status, 0) << run.process.out;
   EXPECT_GT(run.summary["contact_samples"], 500);
-  EXPECT_EQ(run.summary["passing_samples"], 0);
+  EXPECT_EQ(run.summary["passed_through_samples"], 0);
 }
 
 }  // namespace

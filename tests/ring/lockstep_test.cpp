@@ -1,5 +1,5 @@
-// Lockstep: the same run gives the same bits, whatever else the machine does and however the nodes
-// are spread.
+// Lockstep: the same run gives bit-identical results, whatever else the machine does and however
+// the nodes are spread.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -115,14 +115,14 @@ TEST(Lockstep, GivesTheSameBitsAloneBesideABurnerAndInOneProcess) {
       while (burn.load(std::memory_order_relaxed))
         x = x * 1.0000001;
     });
-  const auto beside = lockstep_run(folder, "beside", {});
+  const auto loaded = lockstep_run(folder, "beside", {});
   burn = false;
   for (std::thread& burner : burners)
     burner.join();
   const auto together = lockstep_run(folder, "together", {"--one-process"});
   for (const auto& [topic, hash] : alone) {
     EXPECT_GT(hash.messages, 0U) << topic;
-    EXPECT_TRUE(hash == beside.at(topic)) << topic << " differs beside a CPU burner";
+    EXPECT_TRUE(hash == loaded.at(topic)) << topic << " differs next to a CPU burner";
     EXPECT_TRUE(hash == together.at(topic)) << topic << " differs in one process";
   }
   for (const char* topic : {"device/state", "rendering/contact", "coupling/command"})
@@ -244,8 +244,8 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(all_cases()), [](c
   return rig.param.scene + (rig.param.device == "sim-lwr" ? "_lwr" : "_phantom");
 });
 
-/// Every effect has a scene; each is felt, harms nothing, and what the contact does is still what
-/// the reference says.
+/// Every effect has a scene; each is displayed, harms nothing, and what the contact does is still
+/// what the reference says.
 class EffectScene : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(EffectScene, IsFeltAndTheContactBesideItIsTheReferences) {

@@ -1,4 +1,4 @@
-// What a ring shows beside its own topics: ROS standard types on demand, topics recorded on
+// What a ring shows next to its own topics: ROS standard types on demand, topics recorded on
 // request, a start inside a contact.
 #include <gtest/gtest.h>
 

@@ -35,11 +35,11 @@ double mean(const std::vector<double>& x, std::size_t at) {
   return std::accumulate(middle - kHalf, middle + kHalf, 0.0) / (2.0 * kHalf);
 }
 
-/// Wants 1 to 40 mm; what the hand gets is at least `share` of the certified stiffness times its
+/// Wants 1 to 40 mm; what the hand gets is at least `fraction` of the certified stiffness times its
 /// depth, and rises, down to `most_m` deep. A ball of facets and points begins `late_m` deep.
-/// Behind the spring of K_c a contact of K displays K K_c/(K + K_c): these give `share` of K_c at
-/// least.
-void presses(const std::string& contact, double most_m, double late_m, double share = 0.5) {
+/// Behind the spring of K_c a contact of K displays K K_c/(K + K_c): these give `fraction` of K_c
+/// at least.
+void presses(const std::string& contact, double most_m, double late_m, double fraction = 0.5) {
   SCOPED_TRACE(contact);
   const TemporaryFolder folder;
   const RingResult ring =
@@ -47,7 +47,7 @@ void presses(const std::string& contact, double most_m, double late_m, double sh
                {"--one-process", "--lockstep", "--device", "sim-phantom", "--motion", "it",
                 "--duration", "5.5", "--record", (folder / "bag").string()});
   ASSERT_EQ(ring.process.status, 0) << ring.process.err << ring.process.out;
-  const double certified = ring.summary["coupling"]["shown_stiffness_n_per_m"];
+  const double certified = ring.summary["coupling"]["displayed_stiffness_n_per_m"];
   std::vector<double> depth, force;
   for (const auto& m : read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state"))
     depth.push_back(kRadius - m.pose.position.z);
@@ -58,15 +58,15 @@ void presses(const std::string& contact, double most_m, double late_m, double sh
   double last = 0.0, deepest = 0.0, worst = 10.0, worst_m = 0.0, at_10_mm = 0.0;
   int measured = 0;
   for (std::size_t i = 400; i + 30 < depth.size(); i += 25) {
-    const double d = mean(depth, i), f = mean(force, i), wanted = d + f / kHandNPerM;
-    if (wanted < 0.001 || wanted > 0.04 || d > most_m)
+    const double d = mean(depth, i), f = mean(force, i), expected = d + f / kHandNPerM;
+    if (expected < 0.001 || expected > 0.04 || d > most_m)
       continue;
-    if (wanted < 0.01)
+    if (expected < 0.01)
       at_10_mm = f;
     if (const double here = f / (certified * d); here < worst)
       worst = here, worst_m = d;
     EXPECT_LE(f, 1.01 * certified * d) << "hand " << d << " m deep";
-    EXPECT_GE(f, share * certified * (d - late_m)) << "hand " << d << " m deep";
+    EXPECT_GE(f, fraction * certified * (d - late_m)) << "hand " << d << " m deep";
     if (d > deepest) {
       EXPECT_GE(f, last * (1.0 - 1e-3)) << "rises all the way; hand " << d << " m deep";
       last = f, deepest = d;
@@ -74,7 +74,8 @@ void presses(const std::string& contact, double most_m, double late_m, double sh
     ++measured;
   }
   std::printf(
-      "%s: certified %.4g N/m, least share %.4f at %.4g m deep, %.3f N at 10 mm wanted, %.3f N at "
+      "%s: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.3f N at 10 mm wanted, %.3f N "
+      "at "
       "%.4g m deep, %d places\n",
       contact.c_str(), certified, worst, worst_m, at_10_mm, last, deepest, measured);
   EXPECT_GT(measured, 50);

@@ -1,5 +1,5 @@
 // Who runs before all else on a machine, and when: a ring in real time while it has samples to
-// answer, and nobody else.
+// answer, and none else.
 #include <gtest/gtest.h>
 
 #include <pthread.h>

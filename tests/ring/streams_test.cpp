@@ -1,5 +1,5 @@
 // `voxtouch up` whose stderr or stdout takes nothing: the run is as good as any other, and a result
-// that nobody gets is a failure.
+// that none gets is a failure.
 #include <gtest/gtest.h>
 
 #include <fcntl.h>

@@ -81,7 +81,7 @@ TEST(TopicTable, SaysWhoWritesAndWhoReadsInARunningRing) {
   ASSERT_EQ(node_of.size(), 5U);
   for (const qos::Topic& topic : qos::kTopics) {
     const std::string name = qos::dds_name(topic, "haptic");
-    // This scene follows nobody outside the ring, and no page leads the hand: there is no end of
+    // This scene follows none outside the ring, and no page leads the hand: there is no end of
     // the rendering, and none of the device.
     const auto here = [&](qos::Nodes nodes) {
       return topic.with_external   ? nodes & ~qos::kRendering

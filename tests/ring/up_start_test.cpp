@@ -72,13 +72,13 @@ INSTANTIATE_TEST_SUITE_P(Ways, UpRefuses,
 /// A scene that takes a second: what the device does before would be without force, and counts to
 /// the run's duration.
 TEST(UpStart, TheDeviceBeginsWhenTheSceneIsBuilt) {
-  for (const char* way : {"--no-report", "--one-process"}) {
+  for (const char* option : {"--no-report", "--one-process"}) {
     const TemporaryFolder folder;
     const bus::Participant participant(
         {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "onlooker"});
     runtime::NodeRegistry registry(participant, "haptic");
     Process up(up_arguments(scene_with(folder, "cup_field", "voxel_size:", "voxel_size: 0.0005"),
-                            {"--motion", "slide", "--duration", "0.2", "--no-record", way}));
+                            {"--motion", "slide", "--duration", "0.2", "--no-record", option}));
     const auto device = runtime::look_for(
         registry, [](const runtime::NodeReport& report) { return report.node == "device"; },
         std::chrono::seconds(60));

@@ -317,7 +317,7 @@ TEST(Nodes, MayStartInAnyOrder) {
     return std::make_unique<Process>(a);
   };
   const auto device =
-      node("device", {"--motion", "slide", "--duration", "6"});  // first, with nobody to answer it
+      node("device", {"--motion", "slide", "--duration", "6"});  // first, with none to answer it
   std::this_thread::sleep_for(seconds(1));
   const auto coupling = node("coupling");
   std::this_thread::sleep_for(milliseconds(500));

@@ -28,17 +28,17 @@ bool is_running(const Process& up) {
 }
 std::uint32_t domain() { return static_cast<std::uint32_t>(std::stoul(fresh_domain())); }
 
-struct Told {
+struct Ended {
   Finished end;
   nlohmann::json summary;
   bool problem(const char* words) const {
     return summary.is_object() && summary["problems"].dump().find(words) != std::string::npos;
   }
 };
-Told finish(Process& up) {
-  Told told{up.wait(std::chrono::seconds(60)), {}};
-  told.summary = parse_summary(told.end.out);
-  return told;
+Ended finish(Process& up) {
+  Ended reported{up.wait(std::chrono::seconds(60)), {}};
+  reported.summary = parse_summary(reported.end.out);
+  return reported;
 }
 
 /// Ctrl-Z, and fg after the device has ended: it is not known what the rest of the samples was.
@@ -57,10 +57,10 @@ TEST(Verdict, OfAnUpThatStoodStillIsFailed) {
   }));
   std::this_thread::sleep_for(milliseconds(2500));
   ::kill(up.pid(), SIGCONT);
-  const Told told = finish(up);
-  EXPECT_EQ(told.end.status, 1) << told.end.out;
-  EXPECT_TRUE(told.problem("final status of device never came")) << told.end.out;
-  EXPECT_GT(told.summary["limits"]["silence_s"]["value"], 2.0) << told.end.out;
+  const Ended reported = finish(up);
+  EXPECT_EQ(reported.end.status, 1) << reported.end.out;
+  EXPECT_TRUE(reported.problem("final status of device never came")) << reported.end.out;
+  EXPECT_GT(reported.summary["limits"]["silence_s"]["value"], 2.0) << reported.end.out;
 }
 
 TEST(Verdict, OfARemovedBagIsFailedAndSaidAtOnce) {
@@ -71,9 +71,9 @@ TEST(Verdict, OfARemovedBagIsFailedAndSaidAtOnce) {
   ASSERT_TRUE(std::filesystem::remove(folder / "bag/bag_0.mcap"));
   EXPECT_TRUE(comes([&] { return up.err().find("was removed") != std::string::npos; })) << up.err();
   EXPECT_TRUE(up.running()) << "it is said when it happens";
-  const Told told = finish(up);
-  EXPECT_EQ(told.end.status, 1) << told.end.out;
-  EXPECT_GT(told.summary["recording"]["dropped"], 0) << told.end.out;
+  const Ended reported = finish(up);
+  EXPECT_EQ(reported.end.status, 1) << reported.end.out;
+  EXPECT_GT(reported.summary["recording"]["dropped"], 0) << reported.end.out;
 }
 
 TEST(Verdict, NamesForeignContactsAndDescriptions) {
@@ -86,14 +86,14 @@ TEST(Verdict, NamesForeignContactsAndDescriptions) {
     stranger.write(msg::ContactState{}), std::this_thread::sleep_for(milliseconds(2));
   for (std::uint64_t i = 0; i < 20; ++i)
     stranger.write(msg::Recover{i, i});
-  const Told told = finish(up);
-  EXPECT_EQ(told.end.status, 1) << told.end.out;
-  EXPECT_TRUE(told.problem("second writer")) << told.end.out;
-  EXPECT_TRUE(told.problem("coupling refused ")) << told.end.out;
-  EXPECT_NE(told.summary["notes"].dump().find("rendering/contact"), std::string::npos)
-      << told.end.out;
-  EXPECT_NE(told.summary["notes"].dump().find("Recover messages"), std::string::npos)
-      << told.end.out;
+  const Ended reported = finish(up);
+  EXPECT_EQ(reported.end.status, 1) << reported.end.out;
+  EXPECT_TRUE(reported.problem("second writer")) << reported.end.out;
+  EXPECT_TRUE(reported.problem("coupling refused ")) << reported.end.out;
+  EXPECT_NE(reported.summary["notes"].dump().find("rendering/contact"), std::string::npos)
+      << reported.end.out;
+  EXPECT_NE(reported.summary["notes"].dump().find("Recover messages"), std::string::npos)
+      << reported.end.out;
 }
 
 /// A coupling that hangs for longer than its lease is lost; a stranger that claims its role in the
@@ -127,11 +127,11 @@ TEST(Roles, OfALostCouplingGoToNoStranger) {
   ASSERT_EQ(::kill(coupling, SIGSTOP), 0);
   push(3500);
   ::kill(coupling, SIGCONT);
-  const Told told = finish(up);
-  EXPECT_EQ(told.end.status, 1) << told.end.out;
-  ASSERT_TRUE(told.summary.is_object()) << told.end.out << told.end.err;
-  EXPECT_LT(told.summary["max_force_n"], 1.0) << "the stranger's 3 N reached the device";
-  EXPECT_TRUE(told.problem("second writer")) << told.end.out;
+  const Ended reported = finish(up);
+  EXPECT_EQ(reported.end.status, 1) << reported.end.out;
+  ASSERT_TRUE(reported.summary.is_object()) << reported.end.out << reported.end.err;
+  EXPECT_LT(reported.summary["max_force_n"], 1.0) << "the stranger's 3 N reached the device";
+  EXPECT_TRUE(reported.problem("second writer")) << reported.end.out;
 }
 
 }  // namespace

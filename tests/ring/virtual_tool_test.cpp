@@ -1,6 +1,6 @@
 // A scene with a virtual tool through the whole ring, in lockstep: what comes back to a hand that
 // presses and slides. In one process, which is twice as fast; the last case holds that five give
-// the same bits.
+// bit-identical results.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -77,7 +77,7 @@ Recorded run(const std::string& scene, const std::string& motion, const std::str
   }
   Recorded out;
   out.summary = ring.summary;
-  out.certified = ring.summary["coupling"]["shown_stiffness_n_per_m"];
+  out.certified = ring.summary["coupling"]["displayed_stiffness_n_per_m"];
   for (const auto& m : read_ring_topic<msg::DeviceState>(folder / "bag", "/haptic/device/state"))
     out.hand.push_back(runtime::from_msg(m.pose).position),
         out.pose.push_back(in_plane(runtime::from_msg(m.pose)));
@@ -94,7 +94,8 @@ Recorded run(const std::string& scene, const std::string& motion, const std::str
   return out;
 }
 
-/// Means over 50 ms unless said, at rest or nearly: what the hand feels beside the encoder's steps.
+/// Means over 50 ms unless said, at rest or nearly: what the hand feels next to the encoder's
+/// steps.
 double mean(const std::vector<double>& x, std::size_t at, std::size_t half = 25) {
   return std::accumulate(x.begin() + static_cast<std::ptrdiff_t>(at - half),
                          x.begin() + static_cast<std::ptrdiff_t>(at + half), 0.0) /
@@ -118,34 +119,34 @@ void presses(double thick_m, const std::string& device, double hand_n_per_m, dou
   int measured = 0;
   for (std::size_t i = 400; i + half + 5 < depth.size(); i += 25) {
     const double d = mean(depth, i, half), f = mean(force, i, half),
-                 wanted = d + f / hand_n_per_m;  // slow: the hand's spring holds the force
-    if (wanted < 0.001)
+                 expected = d + f / hand_n_per_m;  // slow: the hand's spring holds the force
+    if (expected < 0.001)
       continue;
-    if (wanted < 0.01)
+    if (expected < 0.01)
       at_10_mm = f;
-    const double share = f / (r.certified * d);
-    if (share < worst)
-      worst = share, worst_depth = d;
+    const double fraction = f / (r.certified * d);
+    if (fraction < worst)
+      worst = fraction, worst_depth = d;
     if (f >= 1.0)
-      worst_from_1_n = std::min(worst_from_1_n, share);
+      worst_from_1_n = std::min(worst_from_1_n, fraction);
     EXPECT_GE(f, 0.95 * r.certified * (d - 1e-4))
-        << "wanted " << wanted << " m, hand " << d << " m deep, " << f << " N";
+        << "wanted " << expected << " m, hand " << d << " m deep, " << f << " N";
     if (d >
         deepest_so_far) {  // dry friction of the device lets it go back a little between two places
       EXPECT_GE(f, last * (1.0 - 1e-3) - r.certified * encoder_m)
-          << "rises all the way; wanted " << wanted;
+          << "rises all the way; wanted " << expected;
       last = f, deepest_so_far = d;
     }
     ++measured;
   }
   const double deepest = mean(force, force.size() - 30);
   testing::Test::RecordProperty("certified_n_per_m", std::to_string(r.certified));
-  testing::Test::RecordProperty("worst_share", std::to_string(worst));
+  testing::Test::RecordProperty("worst_ratio", std::to_string(worst));
   testing::Test::RecordProperty("worst_share_at_depth_m", std::to_string(worst_depth));
   testing::Test::RecordProperty("force_at_10_mm_wanted_n", std::to_string(at_10_mm));
   testing::Test::RecordProperty("force_at_40_mm_wanted_n", std::to_string(deepest));
   std::printf(
-      "%s, %.4g m thick: certified %.4g N/m, least share %.4f at %.4g m deep, %.4f from 1 N on, "
+      "%s, %.4g m thick: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.4f from 1 N on, "
       "%.3f N at 10 mm wanted, %.3f N at 40 mm wanted, %d places\n",
       device.c_str(), thick_m, r.certified, worst, worst_depth, worst_from_1_n, at_10_mm, deepest,
       measured);
@@ -180,7 +181,7 @@ void holds(double edges, double speed, const std::string& device, const Quat& up
       write_scene(folder, (folder / "plate.obj").string(), at(0.03) + ", " + at(-0.02), speed);
   // A blow at 3 m/s is steeper than the guard lets a force rise.
   const Recorded r = run(scene, "it", device, 0.3 + 0.1 / speed + 0.5,
-                         {"--one-process", "--limit", "clamped_share=0.01"}, judged);
+                         {"--one-process", "--limit", "clamped_ratio=0.01"}, judged);
   if (r.summary["validator"]["disagree"] != 0)
     std::printf("%.3g e at %.3g m/s, %s: %s\n", edges, speed, device.c_str(),
                 r.summary["problems"].dump().c_str());
@@ -206,7 +207,7 @@ TEST(VirtualToolRing, IsHeldByAnOpenSheet) {
 
 /// Ten minutes, by --gtest_also_run_disabled_tests. Plates of any thickness and place, half of them
 /// askew by up to 20 degrees; where walls of about a voxel are askew, the direction may be some
-/// degrees farther off than the validator allows, which is told and not judged here.
+/// degrees farther off than the validator allows, which is reported and not judged here.
 TEST(VirtualToolRing, DISABLED_IsHeldByTwoHundredPlates) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -246,14 +247,14 @@ void gives_torque(
       << "contact: {model: field, rendering: virtual_tool}\ntool: {lever_m: " << kLever
       << "}\ncoupling: {design: auto}\nmotions: {it: {" << motion << "}}\n";
   const Recorded r = run(file, "it", "sim-lwr", duration_s);
-  std::vector<double> wanted;
+  std::vector<double> expected;
   for (const virtual_tool::PlanePose& hand : r.pose)
-    wanted.push_back(r.certified * kLever * kLever * (exact(hand).turn - hand.turn));
-  const double last = mean(wanted, wanted.size() - 30);
+    expected.push_back(r.certified * kLever * kLever * (exact(hand).turn - hand.turn));
+  const double last = mean(expected, expected.size() - 30);
   double worst = 0.0;
   int measured = 0;
-  for (std::size_t i = 400; i + 30 < wanted.size(); i += 25) {
-    const double is = mean(r.torque_y, i), of = mean(wanted, i);
+  for (std::size_t i = 400; i + 30 < expected.size(); i += 25) {
+    const double is = mean(r.torque_y, i), of = mean(expected, i);
     if (of / last < 0.2)
       continue;
     worst = std::max(worst, std::abs(is / of - 1.0)), ++measured;

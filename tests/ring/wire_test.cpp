@@ -34,8 +34,8 @@ void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
 class WireTouchesTheCup : public testing::TestWithParam<Case> {};
 
-/// An arm whose connection is never good enough follows, and is felt nowhere: that is said at once,
-/// and is no good run.
+/// An arm whose connection is never good enough follows, and is displayed nowhere: that is said at
+/// once, and is no good run.
 TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
   const RingResult r = run_ring(
       shipped_scene("cup"), {"--device", "emulated-lwr", "--device-option", "fault=quality@0:60:1",
@@ -51,7 +51,7 @@ TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
   EXPECT_NE(r.process.err.find(why), std::string::npos) << r.process.err;
 }
 
-// Nothing about deadlines: on a busy machine samples come late, and what is felt stays right.
+// Nothing about deadlines: on a busy machine samples come late, and what is displayed stays right.
 TEST_P(WireTouchesTheCup, AndTheHandFeelsIt) {
   const Case& c = GetParam();
   std::vector<std::string> more = {"--device",   c.device,     "--motion",
@@ -116,7 +116,7 @@ TEST_P(WireLockstep, GivesTheSameBitsTwiceAndInOneProcess) {
   };
   run("first", {}), run("second", {});
   if (!arm)
-    run("together", {"--one-process"}), run("other", {"--grip-harder-at", "1"});
+    run("together", {"--one-process"}), run("other", {"--grip-change-time", "1"});
   for (const char* topic : {"device/state", "rendering/contact", "coupling/command"}) {
     const bag::TopicHash first = hash_of(folder / "first", topic);
     EXPECT_EQ(first.messages, arm ? 2000U : 3000U) << topic;
@@ -206,7 +206,7 @@ TEST_P(ControllerKilled, InTheMiddleEndsTheDeviceWithASentenceAtZeroForce) {
   const std::string problem = summary["problems"].dump();
   EXPECT_NE(problem.find("signal 9"), std::string::npos) << problem;
   EXPECT_NE(problem.find("controller"), std::string::npos) << problem;
-  EXPECT_GT(summary["max_force_n"], 0.1) << "it was felt before";
+  EXPECT_GT(summary["max_force_n"], 0.1) << "it was displayed before";
   EXPECT_EQ(last_figure(folder / "bag", "force_n"), 0.0);
 }
 
@@ -214,7 +214,7 @@ INSTANTIATE_TEST_SUITE_P(Time, ControllerKilled, testing::Bool(), [](const auto&
   return lockstep.param ? "lockstep" : "real_time";
 });
 
-TEST(WireLwr, TakesItsControllerWithItWhenItIsKilled) {
+TEST(EmulatedLwr, TakesItsControllerWithItWhenItIsKilled) {
   Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain",
                   fresh_domain(), "--device", "emulated-lwr"});
   pid_t controller = 0;
@@ -225,7 +225,7 @@ TEST(WireLwr, TakesItsControllerWithItWhenItIsKilled) {
   EXPECT_TRUE(wait_until([&] { return ::kill(controller, 0) != 0; }, std::chrono::seconds(5)));
 }
 
-TEST(WireLwr, SaysWhyItWaitsAndEndsItsController) {
+TEST(EmulatedLwr, SaysWhyItWaitsAndEndsItsController) {
   Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain",
                   fresh_domain(), "--device", "emulated-lwr", "--device-option",
                   "fault=quality@0:1.5:1", "--duration", "3"});
@@ -256,7 +256,7 @@ TEST_P(LibraryFault, OfCommunicationEndsTheDeviceWithASentenceAtZeroForce) {
   EXPECT_EQ(r.summary["ok"], false);
   const std::string problem = r.summary["problems"].dump();
   EXPECT_NE(problem.find("error 0x0302"), std::string::npos) << problem;
-  EXPECT_GT(r.summary["max_force_n"], 0.1) << "it was felt before";
+  EXPECT_GT(r.summary["max_force_n"], 0.1) << "it was displayed before";
   EXPECT_LT(r.summary["samples"], 2100);
   EXPECT_EQ(last_figure(folder / "bag", "force_n"), 0.0);
 }

@@ -16,7 +16,9 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DPKG = pathlib.Path("/var/lib/dpkg")
 BINARIES = ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin", "/sbin", "/bin")
-MINIMAL = ("required",)  # the priority of what debootstrap's variant minbase installs, besides apt
+MINIMAL = (
+    "required",
+)  # the priority of what debootstrap's variant minbase installs, in addition to apt
 
 
 def listed(text):
@@ -56,14 +58,14 @@ def names_in(field):
     ]
 
 
-def closure(packages, wanted):
+def closure(packages, expected):
     """The minimal system, `wanted`, and all that these depend on, as far as it is installed."""
     provided = {}
     for name, fields in packages.items():
         for alternatives in names_in(fields.get("Provides", "")):
             provided.setdefault(alternatives[0], []).append(name)
     found = set()
-    waiting = list(wanted) + ["apt"]
+    waiting = list(expected) + ["apt"]
     waiting += [
         name
         for name, fields in packages.items()

@@ -5,10 +5,11 @@ usage: run_tests.py BUILD [arguments of ctest]
        run_tests.py BUILD --case FILTER     the cases of this name of every test program, by a
                                             filter of GoogleTest such as 'Guard.*'
 
-A test of the ring in real time needs its share of the processor; on a machine of unknown load one
-failure says little, two say much. So up to MOST tests that fail beside others run once more, one
-after the other, and the end of the output says which failed then too and which passed. Both outputs
-of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST failed.
+A test of the ring in real time needs its fraction of the processor; on a machine of unknown load
+one failure says little, two say much. So up to MOST tests that fail next to others run once more,
+one after the other, and the end of the output says which failed then too and which passed. Both
+outputs of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST
+failed.
 
 Tests find the programs of the packages in deploy/packages.txt and no others: PATH is
 BUILD/listed_programs (listed_programs.py). """
@@ -73,13 +74,13 @@ def all_cases(build):
     return found
 
 
-def run_cases(build, wanted):
+def run_cases(build, expected):
     """Runs what a filter of GoogleTest names, in every program that has it. True if something ran
     and nothing failed.
     """
     parts = [
         re.compile("".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in part))
-        for part in wanted.split("-")[0].split(":")
+        for part in expected.split("-")[0].split(":")
     ]
     with_it = [
         program
@@ -87,12 +88,13 @@ def run_cases(build, wanted):
         if program and any(part.fullmatch(case) for part in parts for case in cases)
     ]
     good = [
-        subprocess.run([program, f"--gtest_filter={wanted}"]).returncode == 0 for program in with_it
+        subprocess.run([program, f"--gtest_filter={expected}"]).returncode == 0
+        for program in with_it
     ]
     if not with_it:
         print(
             (
-                f"No test program has a case '{wanted}'. 'Suite.*' are all cases of a suite,"
+                f"No test program has a case '{expected}'. 'Suite.*' are all cases of a suite,"
                 " '*/Suite.*' those of one with parameters."
             ),
             file=sys.stderr,
@@ -256,7 +258,7 @@ def main(build, *arguments):
         os.environ["PATH"] = str(build / "listed_programs")
     status, first = ctest(build, junit, "-j", "2", *arguments)
     if status and first:
-        lines = keep(kept, first, "beside_others")
+        lines = keep(kept, first, "with_others")
         if len(first) > MOST:
             end = [
                 (
@@ -271,9 +273,9 @@ def main(build, *arguments):
             again = keep(kept, second, "alone")
             passed = [line for line, name in zip(lines, first) if name not in second]
             if passed:
-                end += ["these failed beside others and passed alone:", *passed]
+                end += ["these failed next to others and passed alone:", *passed]
             if second:
-                end += ["these FAILED twice, beside others and alone:", *again]
+                end += ["these FAILED twice, next to others and alone:", *again]
     if junit.exists():
         subprocess.run(
             [sys.executable, HERE / "time_report.py", build, "--tests", junit, "--rows", "20"],

@@ -53,17 +53,17 @@ class Runner(unittest.TestCase):
         return done.returncode, done.stderr, build
 
     def test_says_nothing_more_where_all_is_well(self):
-        status, told, build = self.run_with(devices_test=GOOD, wire_test=GOOD)
+        status, output, build = self.run_with(devices_test=GOOD, wire_test=GOOD)
         self.assertEqual(
-            (status, "fail" in told.lower().replace("0 failed", ""), (build / "failed").exists()),
+            (status, "fail" in output.lower().replace("0 failed", ""), (build / "failed").exists()),
             (0, False, False),
-            told,
+            output,
         )
-        self.assertIn("2 passed, 0 failed", told)
+        self.assertIn("2 passed, 0 failed", output)
 
     def test_prints_the_plan_at_once(self):
-        _, told, _ = self.run_with(devices_test=GOOD, wire_test=GOOD)
-        self.assertTrue(told.startswith("running 2 tests"), told)
+        _, output, _ = self.run_with(devices_test=GOOD, wire_test=GOOD)
+        self.assertTrue(output.startswith("running 2 tests"), output)
 
     def test_remaining_time_is_that_of_the_longer_queue(self):
         tests = {"a": (30.0, True), "b": (50.0, True), "c": (20.0, False), "d": (None, False)}
@@ -103,54 +103,54 @@ class Runner(unittest.TestCase):
             planted.write_text("#!/bin/sh\nexit 0\n")
             planted.chmod(0o755)
             with unittest.mock.patch.dict(os.environ, {"PATH": f"{folder}:{os.environ['PATH']}"}):
-                status, told, _ = self.run_with(devices_test="planted")
-        self.assertEqual(status, 1, told)
+                status, output, _ = self.run_with(devices_test="planted")
+        self.assertEqual(status, 1, output)
 
     def test_names_the_case_that_fails_twice(self):
-        status, told, build = self.run_with(devices_test=BAD, wire_test=GOOD)
-        self.assertEqual(status, 1, told)
-        last = told[told.index("FAILED twice") :]
+        status, output, build = self.run_with(devices_test=BAD, wire_test=GOOD)
+        self.assertEqual(status, 1, output)
+        last = output[output.index("FAILED twice") :]
         self.assertIn("devices_test: Guard.Fails ", last)
         self.assertNotIn("Guard.Holds", last)
         self.assertNotIn("was running", last)
-        self.assertNotIn("passed alone", told)
+        self.assertNotIn("passed alone", output)
         self.assertEqual(
             sorted(f.name for f in (build / "failed").iterdir()),
-            ["devices_test.alone.txt", "devices_test.beside_others.txt"],
+            ["devices_test.alone.txt", "devices_test.with_others.txt"],
         )
 
     def test_knows_a_last_case_that_fails_from_one_that_crashes(self):
-        _, told, _ = self.run_with(devices_test=LAST)
-        self.assertIn("devices_test: Guard.Fails ", told)
-        self.assertNotIn("was running", told)
+        _, output, _ = self.run_with(devices_test=LAST)
+        self.assertIn("devices_test: Guard.Fails ", output)
+        self.assertNotIn("was running", output)
 
     def test_names_the_case_in_which_a_program_crashes(self):
-        status, told, _ = self.run_with(devices_test=CRASHING)
-        self.assertEqual(status, 1, told)
-        self.assertIn("devices_test: Guard.Crashes (", told[told.index("FAILED twice") :])
+        status, output, _ = self.run_with(devices_test=CRASHING)
+        self.assertEqual(status, 1, output)
+        self.assertIn("devices_test: Guard.Crashes (", output[output.index("FAILED twice") :])
 
     def test_tells_of_a_test_that_fails_once_and_keeps_what_it_said(self):
-        status, told, build = self.run_with(ring_test=ONCE, devices_test=GOOD)
-        self.assertEqual(status, 0, told)
-        self.assertIn("ring_test: Guard.OfALateRing ", told[told.index("passed alone:") :])
-        self.assertNotIn("twice", told)
-        self.assertIn(
-            "Guard.OfALateRing", (build / "failed/ring_test.beside_others.txt").read_text()
-        )
+        status, output, build = self.run_with(ring_test=ONCE, devices_test=GOOD)
+        self.assertEqual(status, 0, output)
+        self.assertIn("ring_test: Guard.OfALateRing ", output[output.index("passed alone:") :])
+        self.assertNotIn("twice", output)
+        self.assertIn("Guard.OfALateRing", (build / "failed/ring_test.with_others.txt").read_text())
 
     def test_tells_of_both_kinds_and_fails(self):
-        status, told, _ = self.run_with(ring_test=ONCE, devices_test=BAD)
-        self.assertEqual(status, 1, told)
-        self.assertIn("ring_test", told[told.index("passed alone:") : told.index("FAILED twice")])
-        self.assertIn("devices_test", told[told.index("FAILED twice") :])
+        status, output, _ = self.run_with(ring_test=ONCE, devices_test=BAD)
+        self.assertEqual(status, 1, output)
+        self.assertIn(
+            "ring_test", output[output.index("passed alone:") : output.index("FAILED twice")]
+        )
+        self.assertIn("devices_test", output[output.index("FAILED twice") :])
 
     def test_runs_none_again_where_many_fail(self):
-        status, told, build = self.run_with(
+        status, output, build = self.run_with(
             **{f"ring_{n}": ONCE.replace("been", f"been{n}") for n in range(6)}
         )
-        self.assertEqual(status, 1, told)
-        self.assertIn("6 tests failed", told)
-        self.assertEqual(len(list((build / "failed").glob("*.beside_others.txt"))), 6)
+        self.assertEqual(status, 1, output)
+        self.assertIn("6 tests failed", output)
+        self.assertEqual(len(list((build / "failed").glob("*.with_others.txt"))), 6)
         self.assertEqual(list((build / "failed").glob("*.alone.txt")), [])
 
 

@@ -1,6 +1,6 @@
-// voxtouch_asker DOMAIN GAIN [KEYS ROLE]: asks a ring's services, plain or with somebody's
+// voxtouch_asker DOMAIN GAIN [KEYS ROLE]: asks a ring's services, plain or with a person's
 // certificate: reads `friction.gain`, sets it, and changes it to half of that by change_effect.
-// Prints a line for each; `no server` and exit status 1 where nobody is found or may be asked.
+// Prints a line for each; `no server` and exit status 1 where none is found or may be asked.
 #include <fmt/format.h>
 
 #include <optional>
@@ -28,8 +28,8 @@ ServiceClient<Service> client_of(const bus::Participant& participant, const qos:
 
 /// Whether it was answered.
 template <class Service, class F>
-void ask(ServiceClient<Service>& client, const typename Service::Request& request, F&& told) {
-  if (!client.call(request, seconds(10), told))
+void ask(ServiceClient<Service>& client, const typename Service::Request& request, F&& reported) {
+  if (!client.call(request, seconds(10), reported))
     throw bus::Error("no answer");
 }
 
@@ -41,27 +41,27 @@ void run(const bus::Participant& participant, double gain) {
   msg::rcl_interfaces_Parameter parameter{};
   parameter.name = name, parameter.value.string_value = none;
   parameter.value.type = kDouble, parameter.value.double_value = gain;
-  msg::rcl_interfaces_SetParameters::Request wanted{};
-  wanted.parameters._buffer = &parameter,
-  wanted.parameters._length = wanted.parameters._maximum = 1;
+  msg::rcl_interfaces_SetParameters::Request expected{};
+  expected.parameters._buffer = &parameter,
+  expected.parameters._length = expected.parameters._maximum = 1;
   char* names[] = {name};
   msg::rcl_interfaces_GetParameters::Request named{};
   named.names._buffer = names, named.names._length = named.names._maximum = 1;
-  const auto tell = [&] {
+  const auto report = [&] {
     ask(get, named, [](const auto& r) {
       fmt::print("is {}\n", r.values._length == 1 ? r.values._buffer[0].double_value : -1.0);
     });
   };
-  tell();
-  ask(set, wanted, [](const auto& r) {
+  report();
+  ask(set, expected, [](const auto& r) {
     fmt::print("set {}\n", r.results._length == 1 && r.results._buffer[0].successful);
   });
-  tell();
+  report();
   msg::ChangeEffect::Request half{};
   half.action = msg::effect_change::kActionGain;
   half.effect = effect, half.parameter = half.model = none, half.value[0] = 0.5 * gain;
   ask(change, half, [](const auto& r) { fmt::print("changed {}\n", r.done); });
-  tell();
+  report();
 }
 
 }  // namespace

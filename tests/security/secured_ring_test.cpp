@@ -1,4 +1,4 @@
-// The ring under --security, in real time and in contact, beside those whom it has to keep out.
+// The ring under --security, in real time and in contact, next to those whom it has to keep out.
 #include <gtest/gtest.h>
 
 #include "nodes/runtime/node_registry.hpp"
@@ -29,7 +29,7 @@ bus::ParticipantOptions with(const security::Properties& properties) {
   return {domain(), "lo", "adversary", {}, {}, properties};
 }
 
-/// What the ring's own readers had of others than those that they follow; -1: nobody says.
+/// What the ring's own readers had of others than those that they follow; -1: none says.
 double foreign(const runtime::NodeRegistry& registry) {
   double all = 0;
   for (const auto& [node, figure] :
@@ -64,7 +64,7 @@ struct Strangers {
   std::vector<std::unique_ptr<Process>> processes;
 };
 
-/// A ring of cup_friction in contact, beside `strangers`, who claim its roles before it starts and
+/// A ring of cup_friction in contact, next to `strangers`, who claim its roles before it starts and
 /// write everything while it runs.
 struct RunBesideStrangers {
   RunBesideStrangers(const std::vector<std::string>& options,
@@ -124,7 +124,7 @@ TEST(SecuredRing, RunsInContactWithAllItsLinksAndTakesNothingOfStrangers) {
   const auto summary = parse_summary(end.out);
   EXPECT_EQ(end.status, 0) << end.out << end.err;
   EXPECT_EQ(run.foreign_samples, 0.0) << run.said;
-  EXPECT_GE(run.seen, 6U) << "the ring's nodes and `up` as a tool hears them: " << run.said;
+  EXPECT_GE(run.seen, 6U) << "the ring's nodes and `up` as a tool receives them: " << run.said;
   EXPECT_GT(run.samples, 1000U);
   const auto contacts = read_ring_topic<msg::ContactState>(bag, "/haptic/rendering/contact");
   EXPECT_GT(
@@ -164,7 +164,7 @@ TEST(SecuredRing, AnswersServicesOfAToolWithItsKeysAndOfNobodyElse) {
   EXPECT_EQ(up.wait().status, 0);
 }
 
-/// A plain stranger beside the same ring without --security: that the test above would see it.
+/// A plain stranger next to the same ring without --security: that the test above would see it.
 TEST(SecuredRing, IsNeededPlainStrangersKeepAPlainRingFromStarting) {
   const TemporaryFolder folder;
   security::make_keys(
@@ -217,7 +217,7 @@ TEST(SecuredRing, TakesNobodyInWhoIsRevoked) {
   security::make_keys(keys, kRig, 30);
   struct Listener {
     explicit Listener(const security::Properties& properties) : participant(with(properties)) {}
-    bool hears(milliseconds patience = seconds(15)) {
+    bool receives(milliseconds patience = seconds(15)) {
       msg::DeviceState state{};
       while (reader.take(state)) {
       }
@@ -230,14 +230,14 @@ TEST(SecuredRing, TakesNobodyInWhoIsRevoked) {
   const security::Properties tool = security::properties_of(keys, "tool", kRig);
   Listener before(tool);
   const Strangers lost({{keys.string(), "device"}});
-  EXPECT_TRUE(before.hears()) << "its certificate is good";
+  EXPECT_TRUE(before.receives()) << "its certificate is good";
   security::revoke_keys(keys, "device");
-  EXPECT_TRUE(before.hears()) << "who runs is not told";
+  EXPECT_TRUE(before.receives()) << "who runs is not reported";
   Listener after(tool);
-  EXPECT_FALSE(after.hears(seconds(4))) << "who started since takes nothing of the revoked one";
+  EXPECT_FALSE(after.receives(seconds(4))) << "who started since takes nothing of the revoked one";
   security::renew_keys(keys, "device", 30);
   const Strangers renewed({{keys.string(), "device"}});
-  EXPECT_TRUE(after.hears());
+  EXPECT_TRUE(after.receives());
 }
 
 }  // namespace

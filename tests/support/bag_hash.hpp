@@ -1,6 +1,6 @@
 #pragma once
-/// One number for what was said on a topic, equal for two runs that gave the same bits, whatever
-/// the recorder's timing was.
+/// One number for what was said on a topic, equal for two runs that gave bit-identical results,
+/// whatever the recorder's timing was.
 #include <functional>
 #include <optional>
 

@@ -4,10 +4,10 @@
 
 namespace voxtouch::test {
 
-/// A declared primitive may differ from its mesh by this share of a voxel edge. A chord error
+/// A declared primitive may differ from its mesh by this fraction of a voxel edge. A chord error
 /// widens the band in which the validator decides nothing, on both sides; a quarter of an edge
 /// costs about a tenth of it.
-inline constexpr double kChordShareOfEdge = 0.25;
+inline constexpr double kChordRatioOfEdge = 0.25;
 
 /// How far both are apart at most [m]; 0 where none are declared.
 inline double primitives_off_m(const scene::MeshSpec& spec) {

@@ -1,15 +1,15 @@
 """How much of the machine other programs take: a test judges times only where that is little, and
-tells them with the share otherwise.
+reports them with the fraction otherwise.
 """
 import os
 import pathlib
 import time
 
-QUIET = 0.1  # the share that programs of others may take
+QUIET = 0.1  # the fraction that programs of others may take
 
 
 class Processors:
-    """Which share of the processors programs of others take, from now on: of all time that they
+    """Which fraction of the processors programs of others take, from now on: of all time that they
     worked what is not this program's and its children's.
     """
 
@@ -21,7 +21,7 @@ class Processors:
         user, nice, system, *_, steal = (
             int(ticks)
             for ticks in pathlib.Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:9]
-        )  # not interrupts: nobody's
+        )  # not interrupts: none's
         processes = {}
         for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
             try:

@@ -18,11 +18,11 @@ namespace voxtouch::testing {
 inline std::uint64_t seed(std::uint64_t standard) {
   std::uint64_t chosen = standard;
   if (const char* text = std::getenv("VOXTOUCH_SEED")) {
-    const auto wanted = parse_number<std::uint64_t>(text);
-    if (!wanted)
+    const auto expected = parse_number<std::uint64_t>(text);
+    if (!expected)
       throw std::runtime_error("VOXTOUCH_SEED is '" + std::string(text) +
                                "', not a whole number from 0 to 2^64 - 1.");
-    chosen = *wanted;
+    chosen = *expected;
   }
   ::testing::Test::RecordProperty("seed", std::to_string(chosen));
   return chosen;

@@ -19,9 +19,9 @@ namespace voxtouch::test {
 
 /// By a wait set; by a listener that wakes the thread; by a listener that answers in the thread of
 /// DDS that received.
-inline const std::vector<std::string>& ways_to_be_woken() {
-  static const std::vector<std::string> ways = {"waitset", "listener_wakes", "listener_answers"};
-  return ways;
+inline const std::vector<std::string>& wake_methods() {
+  static const std::vector<std::string> methods = {"waitset", "listener_wakes", "listener_answers"};
+  return methods;
 }
 
 /// A reader of a stream that calls `answer` for each sample.
@@ -30,12 +30,12 @@ class Woken {
  public:
   using Answer = std::function<void(const T&)>;
   Woken(const bus::Participant& participant, const qos::Topic& row, std::string_view rig,
-        const std::string& way, Answer answer)
+        const std::string& method, Answer answer)
       : reader_(participant, row, rig, qos::profile(qos::ProfileId::kStream)),
         answer_(std::move(answer)),
-        answers_in_listener_(way == ways_to_be_woken()[2]) {
+        answers_in_listener_(method == wake_methods()[2]) {
     sem_init(&waiting_, 0, 0);
-    if (way == ways_to_be_woken()[0]) {
+    if (method == wake_methods()[0]) {
       wait_set_.emplace(participant);
       wait_set_->attach(reader_.condition());
       return;

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "core/reference/reference_scene.hpp"
-#include "tests/support/decided_share.hpp"
+#include "tests/support/decided_ratio.hpp"
 #include "tests/unit/reference/test_scenes.hpp"
 #include "tests/validator/synthetic_contact.hpp"
 
@@ -108,7 +108,7 @@ TEST_P(PlantedFaults, NoneMeansNoAlarmAndAFifthDecided) {
   std::string sentence;
   const reference::Judge judge = judged(GetParam()(), {}, &sentence);
   EXPECT_EQ(judge.counts().disagree, 0U) << sentence;
-  EXPECT_GT(test::decided_share(judge.counts()), test::kMinDecidedShare);
+  EXPECT_GT(test::decided_ratio(judge.counts()), test::kMinDecidedRatio);
   EXPECT_EQ(judge.counts().checked, judge.counts().agree + judge.counts().in_band);
 }
 

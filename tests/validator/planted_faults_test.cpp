@@ -10,7 +10,7 @@
 
 #include "core/rendering/contact_parameters.hpp"
 #include "core/voxmap/grid_mesh.hpp"
-#include "tests/support/decided_share.hpp"
+#include "tests/support/decided_ratio.hpp"
 #include "tests/validator/shipped_scenes.hpp"
 #include "tests/validator/walks.hpp"
 
@@ -64,11 +64,11 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
     EXPECT_EQ(c.checked, walk.gaps.size());
     EXPECT_EQ(c.checked, c.agree + c.in_band);
     if (walk.name.find(',') == std::string::npos) {
-      EXPECT_GE(test::decided_share(c), test::kMinDecidedShare) << walk.name;
+      EXPECT_GE(test::decided_ratio(c), test::kMinDecidedRatio) << walk.name;
     }
     std::printf("%-12s %-18s %4zu checked, %4zu in contact, %3.0f %% decided, %zu disagree\n",
                 GetParam().c_str(), walk.name.c_str(), walk.gaps.size(), walk.contacts(),
-                100 * test::decided_share(c), static_cast<std::size_t>(c.disagree));
+                100 * test::decided_ratio(c), static_cast<std::size_t>(c.disagree));
   }
 }
 
@@ -107,7 +107,7 @@ Fault tampered(const std::string& name, std::function<void(reference::ReportedCo
           }};
 }
 
-/// Axes a shift of the grid cannot be told along, and why. A shift counts by its part along the
+/// Axes a shift of the grid cannot be reported along, and why. A shift counts by its part along the
 /// normals of the faces that are touched; below 1.5 e it may hide in the rules' tolerances
 /// (judgement.hpp), at 0 there is nothing to see at all.
 const std::map<std::string, std::string> kBlindAxes = {

@@ -47,7 +47,7 @@ TEST(ShippedPrimitives, StandForTheirMeshes) {
   for (const std::string& name : shipped_scene_names()) {
     const scene::Scene scene = shipped_scene(name);
     for (const scene::MeshSpec& mesh : meshes_of(scene)) {
-      EXPECT_LE(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m)
+      EXPECT_LE(primitives_off_m(mesh), kChordRatioOfEdge * scene.voxel_size_m)
           << name << ": " << mesh.path;
       checked += mesh.primitives.size();
     }
@@ -65,7 +65,7 @@ TEST(ShippedPrimitives, WouldBeSeenIfTheyWereATenthOffOrAnEdgeAway) {
           << "of several parts, one that is wrong may hide behind another";
       for (const scene::Primitive& one : wrong(mesh.primitives.front(), scene.voxel_size_m)) {
         mesh.primitives = {one};
-        EXPECT_GT(primitives_off_m(mesh), kChordShareOfEdge * scene.voxel_size_m)
+        EXPECT_GT(primitives_off_m(mesh), kChordRatioOfEdge * scene.voxel_size_m)
             << name << ": " << mesh.path;
       }
     }

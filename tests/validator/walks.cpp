@@ -49,7 +49,7 @@ reference::ReportedContact to_report(const contact::StageResult& result, const P
   report.coherence = c.coherence;
   report.surface_hits = c.surface_hits;
   report.interior_hits = c.interior_hits;
-  report.retained = result.retained;
+  report.latched = result.latched;
   report.fallback = c.fallback;
   return report;
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """A bag of a version whose messages were laid out otherwise is refused with a sentence by `voxtouch
-view` and `report`; one that tells no hashes is read.
+view` and `report`; one that reports no hashes is read.
 
 usage: old_bag.py VOXTOUCH DOMAIN
 """
@@ -46,22 +46,24 @@ def main(program, domain):
             domain,
             patience=120,
         )
-        told_file = bag / "voxtouch_recording.json"
-        told = json.loads(told_file.read_text())
-        if status != 0 or told.get("voxtouch", "").count(".") != 2:
-            wrong.append(f"the bag does not tell its version: {told.get('voxtouch')} {said}")
+        recording_file = bag / "voxtouch_recording.json"
+        reported = json.loads(recording_file.read_text())
+        if status != 0 or reported.get("voxtouch", "").count(".") != 2:
+            wrong.append(f"the bag does not tell its version: {reported.get('voxtouch')} {said}")
         hashed = [
             one
-            for one in told["topics"]
+            for one in reported["topics"]
             if one.get("type_hash", "").startswith("RIHS01_") and one.get("type")
         ]
-        if len(hashed) != len(told["topics"]):
-            wrong.append(f"only {len(hashed)} of {len(told['topics'])} topics tell their layout")
+        if len(hashed) != len(reported["topics"]):
+            wrong.append(
+                f"only {len(hashed)} of {len(reported['topics'])} topics tell their layout"
+            )
         for one in hashed:
             if one["type"].endswith("/ContactState"):
                 one["type_hash"] = HASH
-        told["voxtouch"] = "0.0.9"
-        told_file.write_text(json.dumps(told))
+        reported["voxtouch"] = "0.0.9"
+        recording_file.write_text(json.dumps(reported))
         for verb in ("view", "report"):
             status, said = run(program, verb, bag)
             for words in (
@@ -70,13 +72,13 @@ def main(program, domain):
             ):
                 if status != 1 or words not in said:
                     wrong.append(f"{verb}: '{words}' is not said ({status}): {said}")
-        for one in told["topics"]:
+        for one in reported["topics"]:
             one.pop("type_hash", None)
-        del told["voxtouch"]
-        told_file.write_text(json.dumps(told))
+        del reported["voxtouch"]
+        recording_file.write_text(json.dumps(reported))
         status, said = run(program, "view", bag, patience=4)
         if status is not None:
-            wrong.append(f"a bag that tells no hashes is not shown: {status} {said}")
+            wrong.append(f"a bag that reports no hashes is not shown: {status} {said}")
     print("\n".join(wrong) or "another layout is refused, an untold one is read")
     return 1 if wrong else 0
 

@@ -52,15 +52,15 @@ def faults(root):
     newest = re.search(r"^## ([\d.]+).*?(?=^## \d|\Z)", log, re.MULTILINE | re.DOTALL)
     if newest[1] != build:
         yield f"deploy/CHANGELOG.md begins with version {newest[1]}, CMakeLists.txt has {build}"
-    told = dict(re.findall(r"^\| (\w+) \| `(RIHS01_\w+)` \|$", newest[0], re.MULTILINE))
+    reported = dict(re.findall(r"^\| (\w+) \| `(RIHS01_\w+)` \|$", newest[0], re.MULTILINE))
     now = hashes(root)
-    for name in sorted(now.keys() | told.keys()):
-        if now.get(name) != told.get(name):
+    for name in sorted(now.keys() | reported.keys()):
+        if now.get(name) != reported.get(name):
             yield (
-                f"deploy/CHANGELOG.md: {name} has another layout than version {build} tells, so"
-                " bags and nodes of before do not fit: say so there as BREAKING, raise the version"
-                " once that one is released, and write the table by tests/versions/versions.py"
-                " --write"
+                f"deploy/CHANGELOG.md: {name} has another layout than version {build} reports, so"
+                f" bags and nodes of before do not fit: say so there as BREAKING, raise the version"
+                f" once that one is released, and write the table by tests/versions/versions.py"
+                f" --write"
             )
 
 

@@ -86,11 +86,17 @@ def drags(browser, count):
             touched, largest = touched + (force > 0.05), max(largest, force)
         up.process.send_signal(signal.SIGINT)
         up.process.wait(60)
-        told = up.told()
-    summary = json.loads(told[told.index("\n{") :])
+        output = up.output()
+    summary = json.loads(output[output.index("\n{") :])
     limits = summary.get("limits", {})
-    wanted = ("passing_samples", "missed_samples", "slewed_samples", "swing_s", "clamped_share")
-    met = {name: limits.get(name) for name in wanted}
+    expected = (
+        "passed_through_samples",
+        "tunnelling_suspected_samples",
+        "slewed_samples",
+        "swing_s",
+        "clamped_ratio",
+    )
+    met = {name: limits.get(name) for name in expected}
     return {"drags": count, "in_contact": touched, "largest_n": round(largest, 2), "met": met}
 
 

@@ -26,7 +26,7 @@ def led_ring(name, *more):
 
 
 def rigid_plane(folder):
-    """The shipped plane, with a virtual tool: what is felt stays outside."""
+    """The shipped plane, with a virtual tool: what is displayed stays outside."""
     text = pathlib.Path(scene("plane")).read_text().replace("../meshes", str(DEPLOY / "meshes"))
     soft = "contact: {model: adapted, stiffness_n_per_m: 30}"
     assert soft in text
@@ -154,11 +154,11 @@ class Led(unittest.TestCase):
                     self.assertGreater(hand_of(socket)["page"], 0)
                 up.process.send_signal(signal.SIGINT)
                 up.process.wait(60)
-                told = up.told()
+                output = up.output()
             metadata = (pathlib.Path(bag) / "metadata.yaml").read_text()
             entry = metadata[metadata.index("/operator/target") :]
             count = int(re.search(r"message_count: (\d+)", entry).group(1))
-            self.assertGreater(count, 100, told)
+            self.assertGreater(count, 100, output)
             replay = subprocess.run(
                 [BIN / "voxtouch", "replay", bag], capture_output=True, text=True, check=False
             )

@@ -74,7 +74,7 @@ def until(holds, patience_s, what):
 
 
 class Process:
-    """A verb of voxtouch; `told` is what it has said on stdout and stderr so far."""
+    """A verb of voxtouch; `reported` is what it has said on stdout and stderr so far."""
 
     def __init__(self, *arguments):
         self.file = tempfile.NamedTemporaryFile(suffix=".log")
@@ -82,12 +82,12 @@ class Process:
             [BIN / "voxtouch", *arguments], stdout=self.file, stderr=subprocess.STDOUT
         )
 
-    def told(self):
+    def output(self):
         return pathlib.Path(self.file.name).read_text(errors="replace")
 
     def address(self):
         return until(
-            lambda: re.search(r"http://\S+", self.told()), 20, f"an address in: {self.told()}"
+            lambda: re.search(r"http://\S+", self.output()), 20, f"an address in: {self.output()}"
         ).group()
 
     def end(self):
@@ -110,10 +110,10 @@ def until_it_runs(up):
 
     def runs():
         if up.process.poll() is not None:
-            raise AssertionError(f"the ring has ended:\n{up.told()}")
-        return " samples  force" in up.told()
+            raise AssertionError(f"the ring has ended:\n{up.output()}")
+        return " samples  force" in up.output()
 
-    until(runs, 60, lambda: f"a ring that runs:\n{up.told()}")
+    until(runs, 60, lambda: f"a ring that runs:\n{up.output()}")
 
 
 def ring(name, *more, motion="slide"):

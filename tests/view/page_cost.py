@@ -87,7 +87,7 @@ def main():
     with Process(
         "up", scene("cup"), "--motion", "slide", "--domain", str(DOMAIN), "--no-record"
     ) as up:
-        until(lambda: up.told().count(" samples  force") > 3, 60, up.told())
+        until(lambda: up.output().count(" samples  force") > 3, 60, up.output())
         for n in range(rounds):
             for how in (
                 ("without", "with") if n % 2 == 0 else ("with", "without")

@@ -151,7 +151,7 @@ class Guards(unittest.TestCase):
         port = str(self.parts.port)
         with Process("view", "--domain", DOMAIN, "--port", port) as second:
             self.assertEqual(second.process.wait(10), 1)
-            self.assertIn("is taken", second.told())
+            self.assertIn("is taken", second.output())
         with Process("view", "--domain", DOMAIN) as one, Process(
             "view", "--domain", DOMAIN
         ) as other:
@@ -174,7 +174,7 @@ class Live(unittest.TestCase):
                 self.assertEqual({m["role"] for m in drawn["meshes"]}, {"static", "dynamic"})
                 # The page may join while the tool leaves its first contact: the next one counts
                 # too.
-                felt = socket.frame(
+                force = socket.frame(
                     lambda m: m.get("hits", 0) > 0 and size(m.get("force")) > 0.05,
                     20,
                     "force in contact",
@@ -235,7 +235,7 @@ class Live(unittest.TestCase):
                     lambda m: state_of(m, "coupling") == "running", 30, "the node's return"
                 )
                 socket.frame(
-                    lambda m: m["session"] != felt["session"] and size(m.get("force")) > 0.05,
+                    lambda m: m["session"] != force["session"] and size(m.get("force")) > 0.05,
                     20,
                     "force of the next session",
                 )
@@ -243,8 +243,8 @@ class Live(unittest.TestCase):
 
 class Slices(unittest.TestCase):
     def test_cut_the_voxels_of_the_scene(self):
-        """The plane's block fills 0 > z > -20 mm: what the page is told of it is checked against
-        that, cell by cell.
+        """The plane's block fills 0 > z > -20 mm: what the page is reported of it is checked
+        against that, cell by cell.
         """
         with page() as shown, WebSocket(shown.address()) as socket, ring("plane"):
             socket.frame(lambda m: m.get("tool"), 20, "samples")
@@ -291,7 +291,7 @@ class Large(unittest.TestCase):
             facts = 0
             while not (message := socket.receive()).get("meshes"):
                 facts += message["type"] == "facts"
-            self.assertGreater(facts, 0, "the page hears nothing while a mesh is read")
+            self.assertGreater(facts, 0, "the page receives nothing while a mesh is read")
             count = [(m["triangles"], m["shown"]) for m in message["meshes"]]
             self.assertEqual(count[0][0], 12 * 160 * 160)
             self.assertEqual(count[1], (1280, 1280), "what is small is drawn whole")
@@ -324,34 +324,36 @@ class Together(unittest.TestCase):
                 words = pathlib.Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
                 if words[1:2] == [b"view"]:
                     os.kill(int(child), signal.SIGKILL)
-            until(lambda: "the page was ended by signal 9" in run.told(), 20, run.told())
+            until(lambda: "the page was ended by signal 9" in run.output(), 20, run.output())
 
 
 class Status(unittest.TestCase):
     @staticmethod
     def status(*more):
         with Process("status", "--domain", DOMAIN, *more) as run:
-            return run.process.wait(20), run.told()
+            return run.process.wait(20), run.output()
 
     def test_names_all_rigs_with_their_nodes(self):
-        code, told = self.status()
-        self.assertEqual((code, "no node" in told), (1, True), told)
+        code, output = self.status()
+        self.assertEqual((code, "no node" in output), (1, True), output)
         with ring("cup") as here, ring("plane", "--rig", "left"):
-            until(lambda: here.told().count("samples") > 2, 30, here.told())
-            code, told = self.status("--json")
-            found = json.loads(told)
-            self.assertEqual((code, found["ok"]), (0, True), told)
+            until(lambda: here.output().count("samples") > 2, 30, here.output())
+            code, output = self.status("--json")
+            found = json.loads(output)
+            self.assertEqual((code, found["ok"]), (0, True), output)
             self.assertEqual(sorted(found["rigs"]), ["haptic", "left"])
             device = found["rigs"]["left"][0]
             self.assertEqual((device["node"], device["state"]), ("device", "running"))
             self.assertGreater(device["rate_hz"], 300)
-            self.assertGreater(device["answered_share"], 0.1)
+            self.assertGreater(device["answered_ratio"], 0.1)
             self.assertNotIn("haptic", self.status("--rig", "left")[1])
             dead = found["rigs"]["haptic"]
             os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGSTOP)
-            told = self.status()[1]  # who hangs says nothing to who comes later; the others name it
+            output = self.status()[
+                1
+            ]  # who hangs says nothing to who comes later; the others name it
             os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGCONT)
-            self.assertIn("validator hangs", told)
+            self.assertIn("validator hangs", output)
 
 
 class Recorded(unittest.TestCase):
@@ -380,12 +382,12 @@ class Recorded(unittest.TestCase):
                     30,
                     "the end",
                 )
-                told = json.loads((pathlib.Path(bag) / "voxtouch_run.json").read_text())
+                output = json.loads((pathlib.Path(bag) / "voxtouch_run.json").read_text())
                 self.assertEqual(
-                    facts["bag"]["verdict"], {"good": told["ok"], "problems": told["problems"]}
+                    facts["bag"]["verdict"], {"good": output["ok"], "problems": output["problems"]}
                 )
             self.assertGreater(
-                facts["counts"]["latency_p50_us"], 0, "what the device measured stands beside it"
+                facts["counts"]["latency_p50_us"], 0, "what the device measured stands next to it"
             )
             taken = {"/haptic/device/state": {}, "/haptic/coupling/command": {}}
             for file in pathlib.Path(bag).glob("*.db3"):
@@ -427,7 +429,7 @@ class Recorded(unittest.TestCase):
                 "--record-split-s",
                 "2.5",
             ) as run:  # in MCAP; the case above plays one in sqlite3
-                self.assertEqual(run.process.wait(60), 0, run.told())
+                self.assertEqual(run.process.wait(60), 0, run.output())
             with page(bag) as shown, WebSocket(shown.address()) as socket:
                 socket.frame(lambda m: size(m.get("force")) > 0.05, 10, "force")
                 socket.order(speed=4)

@@ -18,11 +18,12 @@ constexpr double kInsteadOfNoLimit = 100.0;
 
 bool is_series(const CouplingSpec& spec) { return spec.kind == "spring_damper"; }
 
-/// The largest slope that the design lets the contact of one axis have, as it is felt.
-double displayed(const ShownStiffness& at) { return at.coupling * at.shown; }
+/// The largest slope that the design lets the contact of one axis have, as displayed.
+double displayed(const DisplayedStiffness& at) { return at.coupling * at.displayed; }
 
 /// Slope of the contact before a spring-damper; infinity where nothing bounds it.
-double before_series(const CouplingSpec& spec, const AxisProblem& axis, const ShownStiffness& at) {
+double before_series(const CouplingSpec& spec, const AxisProblem& axis,
+                     const DisplayedStiffness& at) {
   const bool rotation = axis.units == &kRotationUnits;
   const double cap = rotation ? spec.stiffness_cap_nm_per_rad : spec.stiffness_cap_n_per_m;
   return std::isfinite(cap) ? at.coupling * at.contact : kInfinity;
@@ -32,16 +33,16 @@ double before_series(const CouplingSpec& spec, const AxisProblem& axis, const Sh
 /// on the slow one.
 struct Axis {
   AxisProblem problem;
-  ShownStiffness at;
+  DisplayedStiffness at;
   std::vector<LoopController> laws;
 };
 
 std::vector<Axis> axes_of(const DesignProblem& request, const CouplingSpec& spec) {
   const std::vector<AxisProblem> problems = axis_problems(request);
-  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
+  const std::vector<DisplayedStiffness> displayed = displayed_stiffness(request, problems, spec);
   std::vector<Axis> axes;
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    Axis axis{problems[a], shown[a], {controller_of(spec, problems[a], arm_squared(request))}};
+    Axis axis{problems[a], displayed[a], {controller_of(spec, problems[a], arm_squared(request))}};
     if (a == 0 && damps_on_slow_velocity(spec)) {
       axis.laws.push_back(axis.laws.front());
       axis.laws.back().use({spec.slow_velocity_hz, 0});
@@ -56,7 +57,8 @@ double linear_limit(const Axis& axis, const CouplingSpec& spec) {
   for (const LoopController& law : axis.laws) {
     if (is_series(spec)) {
       const double contact = before_series(spec, axis.problem, axis.at);
-      least = std::min(least, axis.at.shown * critical_scale(axis.problem, law, contact).stiffness);
+      least =
+          std::min(least, axis.at.displayed * critical_scale(axis.problem, law, contact).stiffness);
       continue;
     }
     for (const DesignCase& one : axis.problem.cases)
@@ -71,16 +73,16 @@ std::vector<ContactLoop> loops_of(const std::vector<Axis>& axes, const CouplingS
   for (std::size_t a = 0; a < axes.size(); ++a)
     for (LoopController law : axes[a].laws) {
       double compliance = 1.0 / stiffness[a];
-      double felt = compliance;
+      double total = compliance;
       if (is_series(spec)) {
-        const double scale = stiffness[a] / axes[a].at.shown;
+        const double scale = stiffness[a] / axes[a].at.displayed;
         law.stiffness *= scale;
         law.damping *= scale;
         compliance = 1.0 / (scale * before_series(spec, axes[a].problem, axes[a].at));
-        felt = compliance + 1.0 / law.stiffness;
+        total = compliance + 1.0 / law.stiffness;
       }
       for (const DesignCase& one : axes[a].problem.cases)
-        loops.push_back({loop_over_arc(one.plant, law), compliance, kMultiplierFloor * felt});
+        loops.push_back({loop_over_arc(one.plant, law), compliance, kMultiplierFloor * total});
     }
   return loops;
 }
@@ -135,7 +137,7 @@ std::vector<CertificateGap> gaps_of(const DesignProblem& request, const Coupling
   if (proof != MonotoneProof::kPassivity) {
     if (spec.injected_damping_ns_per_m > 0.0 || spec.injected_damping_nms_per_rad > 0.0)
       out.push_back(kDamperGate);
-    if (spec.injected_damping_ns_per_m > 0.0 && spec.damper_share > 0.0)
+    if (spec.injected_damping_ns_per_m > 0.0 && spec.damping_force_ratio > 0.0)
       out.push_back(kDamperBound);
     if (damps_on_slow_velocity(spec))
       out.push_back(kVelocityBand);

@@ -38,7 +38,7 @@ enum class CertificateGap : std::uint8_t {
                     ///< losses
   kBetweenCorners,  ///< the ends of the ranges of device and hand are certified, not all between
   kReleasedFrictionless,  ///< out of contact nothing stops a device without viscous damping
-  kForceOnlyLever,  ///< a contact beside the hand of a device without torque is no gradient for it
+  kForceOnlyLever,  ///< a contact next to the hand of a device without torque is no gradient for it
   kCurvedContact,   ///< a force that turns with the surface: a stiffness of -F/R across it
   kVoxelSteps,      ///< a force that steps where a point crosses into a voxel
   kEncoderSteps,

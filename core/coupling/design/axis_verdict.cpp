@@ -41,7 +41,7 @@ LoopController scaled(LoopController law, double scale) {
 
 /// Critical stiffness, margin and where.
 void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law,
-                 const ShownStiffness& at, const WorstCase* known, AxisDesign& out) {
+                 const DisplayedStiffness& at, const WorstCase* known, AxisDesign& out) {
   if (problem.hand.any_passive)
     out.worst_case_text = "some passive hand";
   const double limit = passive_limit(problem, law);
@@ -51,12 +51,12 @@ void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const Loo
     const bool capped = std::isfinite(cap_of(spec, is_rotation(problem)));
     worst = critical_scale(problem, law, capped ? at.coupling * at.contact : kInfinity);
     out.gain_margin = problem.hand.any_passive ? std::min(limit, worst.stiffness) : worst.stiffness;
-    out.critical_stiffness = out.gain_margin * at.shown;
+    out.critical_stiffness = out.gain_margin * at.displayed;
     out.passive = limit * kRounding >= 1.0;
-    out.passive_stiffness = limit * at.shown;
+    out.passive_stiffness = limit * at.displayed;
   } else {
     worst = known ? *known : critical_case(problem, law);
-    const double load = at.coupling * at.shown;
+    const double load = at.coupling * at.displayed;
     out.critical_stiffness =
         problem.hand.any_passive ? std::min(limit, worst.stiffness) : worst.stiffness;
     out.gain_margin = load > 0.0 ? out.critical_stiffness / load : 0.0;
@@ -69,9 +69,9 @@ void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const Loo
 }
 
 /// At the margin; and, into `low`, at a hundredth of it.
-double radius(const AxisProblem& problem, const LoopController& law, const ShownStiffness& at,
+double radius(const AxisProblem& problem, const LoopController& law, const DisplayedStiffness& at,
               double& low) {
-  const double k = at.coupling * (law.law == Law::kSpringDamper ? at.contact : at.shown);
+  const double k = at.coupling * (law.law == Law::kSpringDamper ? at.contact : at.displayed);
   const LoopController harder = scaled(law, problem.margin),
                        softer = scaled(law, 0.01 * problem.margin);
   low = worst_radius(problem, softer, 0.01 * problem.margin * k);
@@ -79,7 +79,7 @@ double radius(const AxisProblem& problem, const LoopController& law, const Shown
 }
 
 void find_faults(const AxisProblem& problem, const LoopController& law, const CouplingSpec& spec,
-                 const ShownStiffness& at, double low_radius, AxisVerdict& verdict) {
+                 const DisplayedStiffness& at, double low_radius, AxisVerdict& verdict) {
   const AxisUnits& u = *problem.units;
   const AxisDesign& d = verdict.design;
   const auto fault = [&](std::string sentence) {
@@ -89,15 +89,15 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
     fault(
         fmt::format("{:.4g} {} is shown, and {} becomes unstable at {:.4g}: a margin of {:.3g} "
                     "where {:.3g} is asked.",
-                    at.shown, u.stiffness, d.worst_case_text, d.critical_stiffness, d.gain_margin,
-                    problem.margin));
+                    at.displayed, u.stiffness, d.worst_case_text, d.critical_stiffness,
+                    d.gain_margin, problem.margin));
   else if (!(d.spectral_radius < 1.0 && low_radius < 1.0))
     fault(fmt::format("at {} the loop's slowest motion does not decay (spectral radius {:.9g}).",
                       d.spectral_radius < 1.0 ? "a hundredth of the margin" : "the margin",
                       std::max(d.spectral_radius, low_radius)));
-  if (at.shown > problem.model.max_stiffness * kRounding)
-    fault(fmt::format("{:.4g} {} is shown, and the device can show {:.4g}.", at.shown, u.stiffness,
-                      problem.model.max_stiffness));
+  if (at.displayed > problem.model.max_stiffness * kRounding)
+    fault(fmt::format("{:.4g} {} is shown, and the device can show {:.4g}.", at.displayed,
+                      u.stiffness, problem.model.max_stiffness));
   if (law.injected_damping <= 0.0)
     return;
   if (problem.hand.any_passive)
@@ -115,26 +115,26 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
     fault(
         fmt::format("damped on the slow velocity of {:.3g} Hz alone, as movements within its band "
                     "of {:.3g} m/s are, {:.4g} {} does not keep {:.3g} of the margin.",
-                    spec.slow_velocity_hz, spec.velocity_band_m_per_s, at.shown, u.stiffness,
-                    slow_share(problem, spec)));
+                    spec.slow_velocity_hz, spec.velocity_band_m_per_s, at.displayed, u.stiffness,
+                    slow_ratio(problem, spec)));
 }
 
 }  // namespace
 
-std::vector<ShownStiffness> shown_stiffness(const DesignProblem& request,
-                                            const std::vector<AxisProblem>& problems,
-                                            const CouplingSpec& spec) {
+std::vector<DisplayedStiffness> displayed_stiffness(const DesignProblem& request,
+                                                    const std::vector<AxisProblem>& problems,
+                                                    const CouplingSpec& spec) {
   bool matrix_capped =
       true;  // K6 <= diag(caps), and neither cap is looser than what coupling can double
   for (const AxisProblem& axis : problems)
     matrix_capped =
         matrix_capped && cap_of(spec, is_rotation(axis)) <= 2.0 * axis.contact.all_points;
-  std::vector<ShownStiffness> out;
+  std::vector<DisplayedStiffness> out;
   for (const AxisProblem& axis : problems) {
     const double cap = cap_of(spec, is_rotation(axis));
-    ShownStiffness at;
+    DisplayedStiffness at;
     at.contact = std::min(axis.contact.all_points, cap);
-    at.shown =
+    at.displayed =
         after_coupling(controller_of(spec, axis, arm_squared(request)), spec.gain, at.contact);
     if (problems.size() > 1)
       at.coupling = matrix_capped ? std::min(cap, 2.0 * at.contact) / at.contact : 2.0;
@@ -148,7 +148,7 @@ std::vector<ShownStiffness> shown_stiffness(const DesignProblem& request,
 }
 
 AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
-                       const CouplingSpec& spec, const ShownStiffness& shown,
+                       const CouplingSpec& spec, const DisplayedStiffness& displayed,
                        const WorstCase* worst) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
   AxisVerdict verdict;
@@ -156,21 +156,21 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
   out.injected_damping = law.injected_damping;
   if (law.injected_damping > 0.0)
     out.velocity = velocity_of(spec);
-  out.wanted_stiffness = problem.wanted;
-  out.shown_stiffness = shown.shown;
-  find_margin(problem, spec, law, shown, worst, out);
+  out.requested_stiffness = problem.requested;
+  out.displayed_stiffness = displayed.displayed;
+  find_margin(problem, spec, law, displayed, worst, out);
   double low = 0.0;
-  out.spectral_radius = radius(problem, law, shown, low);
-  find_faults(problem, law, spec, shown, low, verdict);
+  out.spectral_radius = radius(problem, law, displayed, low);
+  find_faults(problem, law, spec, displayed, low, verdict);
   return verdict;
 }
 
 void describe_axis(const DesignProblem& request, const AxisProblem& problem,
-                   const CouplingSpec& spec, const ShownStiffness& shown, AxisDesign& out) {
+                   const CouplingSpec& spec, const DisplayedStiffness& displayed, AxisDesign& out) {
   const LoopController law = controller_of(spec, problem, arm_squared(request));
-  const double contact = law.law == Law::kSpringDamper ? shown.contact : shown.shown;
+  const double contact = law.law == Law::kSpringDamper ? displayed.contact : displayed.displayed;
   out.limit_cycle_bound = limit_cycle_bound(
-      problem, law, contact, shown.shown,
+      problem, law, contact, displayed.displayed,
       !is_rotation(problem) && damps_on_slow_velocity(spec) ? spec.velocity_band_m_per_s : 0.0);
   if (law.law == Law::kSpringDamper) {
     out.damping_required = out.damping_required_any_cutoff =
@@ -199,7 +199,7 @@ double passive_damping_required_series(const AxisProblem& problem) {
   const double stiffness =
       llewellyn_optimum(1.0, slow.period_s, whole_delay(slow, effort_lag_s(problem.model)))
           .stiffness;
-  return problem.margin * problem.target * kSeriesShare / (1.0 - kSeriesShare) / stiffness;
+  return problem.margin * problem.target * kSeriesRatio / (1.0 - kSeriesRatio) / stiffness;
 }
 
 double max_approach(const AxisProblem& problem, const CouplingSpec& spec, double depth_m) {

@@ -16,16 +16,16 @@ constexpr double kPi = std::numbers::pi;
 /// Place of the one maximum of `f` in [low, high], by golden section.
 template <class Function>
 double place_of_maximum(const Function& f, double low, double high) {
-  constexpr double kShare = 1.0 / std::numbers::phi;
-  double left = high - kShare * (high - low), right = low + kShare * (high - low);
+  constexpr double kFraction = 1.0 / std::numbers::phi;
+  double left = high - kFraction * (high - low), right = low + kFraction * (high - low);
   double at_left = f(left), at_right = f(right);
   for (int i = 0; i < 90 && right > left; ++i) {
     if (at_left > at_right) {
       high = right, right = left, at_right = at_left;
-      left = high - kShare * (high - low), at_left = f(left);
+      left = high - kFraction * (high - low), at_left = f(left);
     } else {
       low = left, left = right, at_left = at_right;
-      right = low + kShare * (high - low), at_right = f(right);
+      right = low + kFraction * (high - low), at_right = f(right);
     }
   }
   return 0.5 * (low + high);
@@ -195,8 +195,8 @@ double linear_passive_stiffness_filter(double w0, double d, double device_dampin
   return stiffness_for(device_damping, largest(NeededDamping(w0, d, timing, effort_lag_s), d));
 }
 
-double limit_cycle_friction(double d, double shown_stiffness, double resolution) {
-  return 0.5 * overshoot_shape(d) * shown_stiffness * resolution;
+double limit_cycle_friction(double d, double displayed_stiffness, double resolution) {
+  return 0.5 * overshoot_shape(d) * displayed_stiffness * resolution;
 }
 
 double colgate_stiffness(double device_damping, double injected_damping, double period_s,

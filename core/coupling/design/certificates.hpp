@@ -54,7 +54,7 @@ double linear_passive_stiffness_filter(double w0_rad_per_s, double damping_ratio
                                        double device_damping, const LoopTiming& timing,
                                        double effort_lag_s);
 /// Dry friction below which a limit cycle of about one encoder step remains: S K k q / 2.
-double limit_cycle_friction(double damping_ratio, double shown_stiffness, double resolution);
+double limit_cycle_friction(double damping_ratio, double displayed_stiffness, double resolution);
 
 /// Colgate: largest stiffness without filter, b > k T/2 (1 + 2 n) + |B|, n whole samples of delay.
 /// 0 where |B| >= b.

@@ -24,8 +24,8 @@ double resonance_of(const LoopPlant& p) {
 }
 
 /// An undamped hand's resonance stands on the unit circle, where L passes through infinity. Moved
-/// inside by this share of critical damping it passes on the side of the eigenvalue that is still
-/// stable; whether it is for small gains is asked of goes_inwards.
+/// inside by this fraction of critical damping it passes on the side of the eigenvalue that is
+/// still stable; whether it is for small gains is asked of goes_inwards.
 LoopPlant with_a_hair_of_damping(LoopPlant p) {
   constexpr double kHair = 1e-9;
   if (swings_undamped(p))

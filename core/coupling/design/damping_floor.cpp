@@ -17,28 +17,28 @@ namespace {
 
 constexpr int kHalvings = 12;
 /// Of the most that may be injected, at which a case may swing least: more is late as well.
-constexpr std::array kDampingShares{1.0, 0.5, 0.25};
+constexpr std::array kDampingFractions{1.0, 0.5, 0.25};
 
 double ratio(const LoopPlant& plant, const LoopController& law, double contact) {
   try {
     return slowest_damping_ratio(plant, law, contact);
   } catch (const std::runtime_error&) {
-    return 0.0;  // eigenvalues that do not converge tell of no damping
+    return 0.0;  // eigenvalues that do not converge give no damping
   }
 }
 
-/// The law at a share of what it shows, and the contact before it.
+/// The law at a fraction of what it shows, and the contact before it.
 struct Loop {
   LoopController law;
   double contact;
 };
 Loop loop_of(const DesignProblem& request, const AxisProblem& problem, const CouplingSpec& spec,
-             const ShownStiffness& shown, double share) {
+             const DisplayedStiffness& displayed, double fraction) {
   LoopController law = controller_of(spec, problem, arm_squared(request));
   if (law.law != LoopController::Law::kSpringDamper)
-    return {law, share * shown.shown};
-  law.stiffness *= share, law.damping *= share;
-  return {law, shown.contact};
+    return {law, fraction * displayed.displayed};
+  law.stiffness *= fraction, law.damping *= fraction;
+  return {law, displayed.contact};
 }
 
 /// The best that injected damping makes of the case in the softest useful contact.
@@ -48,11 +48,11 @@ double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_da
   law.law = LoopController::Law::kDirect;
   double best = ratio(one.plant, law, contact);
   for (const VelocityEstimate& velocity : velocity_estimates(windows))
-    for (const double share : kDampingShares) {
+    for (const double fraction : kDampingFractions) {
       if (!may_damp || best >= one.least_damping_ratio)
         return best;
       law.use(velocity);
-      law.injected_damping = share * damping_limit(problem, velocity);
+      law.injected_damping = fraction * damping_limit(problem, velocity);
       best = std::max(best, ratio(one.plant, law, contact));
     }
   return best;
@@ -73,12 +73,12 @@ double largest(const std::function<bool(double)>& keeps) {
 
 }  // namespace
 
-SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                            const CouplingSpec& spec) {
-  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
-  SlowestSwing out;
+  const std::vector<DisplayedStiffness> displayed = displayed_stiffness(request, problems, spec);
+  DominantMode out;
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    const Loop loop = loop_of(request, problems[a], spec, shown[a], 1.0);
+    const Loop loop = loop_of(request, problems[a], spec, displayed[a], 1.0);
     for (const DesignCase& one : problems[a].cases) {
       const double here = ratio(one.plant, loop.law, loop.contact);
       double& least = one.held ? out.held : out.released;
@@ -149,10 +149,10 @@ bool keeps_floors(const AxisProblem& problem, const LoopController& law, double 
 }
 
 bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                  const CouplingSpec& spec, double share) {
-  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
+                  const CouplingSpec& spec, double fraction) {
+  const std::vector<DisplayedStiffness> displayed = displayed_stiffness(request, problems, spec);
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    const Loop loop = loop_of(request, problems[a], spec, shown[a], share);
+    const Loop loop = loop_of(request, problems[a], spec, displayed[a], fraction);
     if (!keeps_floors(problems[a], loop.law, loop.contact))
       return false;
   }
@@ -161,13 +161,14 @@ bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& 
 
 double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most) {
   std::size_t first = 0;
-  return most *
-         largest([&](double share) { return keeps_floors(problem, law, share * most, first); });
+  return most * largest([&](double fraction) {
+           return keeps_floors(problem, law, fraction * most, first);
+         });
 }
 
-double damped_share(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                    const CouplingSpec& spec) {
-  return largest([&](double share) { return keeps_floors(request, problems, spec, share); });
+double damped_fraction(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                       const CouplingSpec& spec) {
+  return largest([&](double fraction) { return keeps_floors(request, problems, spec, fraction); });
 }
 
 }  // namespace voxtouch::coupling::design

@@ -14,13 +14,13 @@ namespace voxtouch::coupling::design {
 
 /// As `spec` (at the hand, as `Design::spec`) makes the loop, at the stiffness that it shows. Some
 /// milliseconds.
-SlowestSwing slowest_swing(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                            const CouplingSpec& spec);
 
 /// Gives each case of `problems` its floor by the request's goals. Out of reach is the floor of a
 /// case that swings with less even in the softest useful contact and with the most damping that may
 /// be injected. Where that is so for one hand, none has a floor: stiffness given up for the others
-/// would not make the worst swing shorter; of devices that nobody holds likewise. Returns the worst
+/// would not make the worst swing shorter; of released devices likewise. Returns the worst
 /// that is out of reach, "Translation: held (0.2 kg, ...) swings with a damping ratio of 0.2 at
 /// best"; empty where there is none. Some milliseconds.
 std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems);
@@ -32,16 +32,16 @@ bool keeps_floors(const AxisProblem& problem, const LoopController& law, double 
 /// which is likely not to keep it next time.
 bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact,
                   std::size_t& first);
-/// The same for all axes of what `spec` shows, its share `share` of it: a spring-damper with all of
-/// its law, another with the contact.
+/// The same for all axes of what `spec` shows, its fraction `fraction` of it: a spring-damper with
+/// all of its law, another with the contact.
 bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                  const CouplingSpec& spec, double share = 1.0);
+                  const CouplingSpec& spec, double fraction = 1.0);
 
 /// The stiffest contact up to `most` at which all floors are kept, to a four-thousandth of it; 0
 /// where none is. For filter and direct.
 double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most);
-/// The largest share of a spring-damper at which all floors are kept; likewise.
-double damped_share(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                    const CouplingSpec& spec);
+/// The largest fraction of a spring-damper at which all floors are kept; likewise.
+double damped_fraction(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                       const CouplingSpec& spec);
 
 }  // namespace voxtouch::coupling::design

@@ -14,8 +14,8 @@ namespace {
 
 using Law = LoopController::Law;
 
-/// Share of a strong device's force that is hardly felt as noise.
-constexpr double kQuietShare = 0.005;
+/// Fraction of a strong device's force that is hardly perceived as noise.
+constexpr double kQuietRatio = 0.005;
 /// Torque in place of a force [m], where device limits do not say how one stands to the other.
 constexpr double kHandsArm = 0.05;
 
@@ -25,10 +25,10 @@ double noise_limit(const DesignProblem& request, bool rotation) {
   const double asked = request.goals.max_injected_damping_effort;
   const double of_force =
       asked > 0.0 ? asked
-                  : std::max(kQuietForceN, std::isfinite(force) ? kQuietShare * force : 0.0);
+                  : std::max(kQuietForceN, std::isfinite(force) ? kQuietRatio * force : 0.0);
   if (!rotation)
     return of_force;
-  // A torque may be noisy to the same share of the device's range as a force.
+  // A torque may be noisy to the same fraction of the device's range as a force.
   return of_force * (std::isfinite(force) && std::isfinite(torque) ? torque / force : kHandsArm);
 }
 
@@ -41,12 +41,13 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   out.contact = rotation ? request.contact_rotation : request.contact;
   out.cases = design_cases(out.model, out.timing, out.hand);
   out.margin = request.goals.gain_margin;
-  out.wanted = std::min(out.contact.all_points, out.model.max_stiffness);
+  out.requested = std::min(out.contact.all_points, out.model.max_stiffness);
   out.useful =
       rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
   out.noise_limit = noise_limit(request, rotation);
   out.large_swing = std::max(kLargeSwing, 1.0 / out.margin);
-  out.damper_share = rotation ? 0.0 : request.goals.damper_share.value_or(kDamperShare);
+  out.damping_force_ratio =
+      rotation ? 0.0 : request.goals.damping_force_ratio.value_or(kDefaultDampingForceRatio);
   return out;
 }
 
@@ -70,7 +71,7 @@ double critical_for(const AxisProblem& problem, const DesignCase& one, const Loo
           ? one.inner->of(plant, law.velocity_filter_rad_per_s, law.velocity_window)
           : InnerLimit{};
   double least = critical_stiffness(plant, law, inner).stiffness;
-  if (!(problem.damper_share > 0.0 && law.injected_damping > 0.0))
+  if (!(problem.damping_force_ratio > 0.0 && law.injected_damping > 0.0))
     return least;
   const LoopResponse whole(plant, law);
   LoopController less = law;
@@ -79,8 +80,8 @@ double critical_for(const AxisProblem& problem, const DesignCase& one, const Loo
     const CriticalStiffness here = critical_stiffness(plant, less, inner);
     const double counts = here.stiffness / problem.large_swing;
     if (counts < least &&
-        whole.damper_left(here.stiffness, problem.damper_share,
-                          Phasor(here.frequency_rad_per_s * plant.period_s)) <= part.up_to)
+        whole.residual_damping(here.stiffness, problem.damping_force_ratio,
+                               Phasor(here.frequency_rad_per_s * plant.period_s)) <= part.up_to)
       least = counts;
   }
   return least;
@@ -107,16 +108,16 @@ std::vector<AxisProblem> axis_problems(const DesignProblem& request) {
   double gain =
       1.0;  // the most that one gain can show on all axes without overreaching the device on one
   for (const AxisProblem& axis : axes)
-    gain = std::min(gain, axis.wanted / axis.contact.all_points);
+    gain = std::min(gain, axis.requested / axis.contact.all_points);
   for (AxisProblem& axis : axes)
-    axis.target = request.goals.free_cap ? axis.wanted
-                                         : std::min(axis.wanted, gain * axis.contact.all_points);
+    axis.target = request.goals.free_cap ? axis.requested
+                                         : std::min(axis.requested, gain * axis.contact.all_points);
   if (axes.size() > 1) {
     const double of_force = axes[1].model.damping,
                  of_torque = arm_squared(request) * axes[0].model.damping;
     const double both = of_force + of_torque;
-    axes[0].series_share = both > 0.0 ? of_force / both : 0.0;
-    axes[1].series_share = both > 0.0 ? of_torque / both : 0.0;
+    axes[0].series_ratio = both > 0.0 ? of_force / both : 0.0;
+    axes[1].series_ratio = both > 0.0 ? of_torque / both : 0.0;
   }
   return axes;
 }
@@ -145,8 +146,8 @@ LoopController controller_of(const CouplingSpec& spec, const AxisProblem& proble
   return law;
 }
 
-double step_share(double velocity_filter_rad_per_s, int velocity_window, double period_s) {
-  return velocity_window > 0 ? window_step_share(velocity_window)
+double step_ratio(double velocity_filter_rad_per_s, int velocity_window, double period_s) {
+  return velocity_window > 0 ? window_step_ratio(velocity_window)
                              : 1.0 - std::exp(-velocity_filter_rad_per_s * period_s);
 }
 
@@ -160,7 +161,7 @@ double critical_damping(const AxisProblem& problem, const VelocityEstimate& velo
 
 double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity) {
   return problem.model.resolution / problem.timing.period_s *
-         step_share(velocity.filter_rad_per_s(), velocity.window, problem.timing.period_s);
+         step_ratio(velocity.filter_rad_per_s(), velocity.window, problem.timing.period_s);
 }
 
 double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity) {
@@ -239,7 +240,7 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
   for (const LoopTiming& when : {problem.timing, slow})
     needed = std::max(needed, llewellyn_damping(law.stiffness, law.damping, when.period_s,
                                                 whole_delay(when, lag)));
-  return needed > 0.0 ? problem.series_share * damping / needed : kInfinity;
+  return needed > 0.0 ? problem.series_ratio * damping / needed : kInfinity;
 }
 
 double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough) {

@@ -31,17 +31,18 @@ struct AxisProblem {
   double margin = 2.0;
   double large_swing = kLargeSwing;  ///< of `margin`, what is kept also in a swing so large that
                                      ///< the bound on injected damping acts; at least 1 over it
-  double wanted = 0.0;               ///< min(contact's total, the device's limit)
-  double target = 0.0;  ///< K k at which the goal counts as met; below `wanted` where one gain has
-                        ///< to serve two axes
+  double requested = 0.0;            ///< min(contact's total, the device's limit)
+  double target = 0.0;  ///< K k at which the goal counts as met; below `requested` where one gain
+                        ///< has to serve two axes
   double useful = 0.0;  ///< below it, and below the target, the design is called infeasible
   /// Of the device's damping, what a spring-damper's law may count on here. One law acts along a
   /// wrench [n; arm n], so force and torque draw on both dampings at once: beta (1/b + arm^2/br) <=
   /// 1 for a law that needs beta.
-  double series_share = 1.0;
-  double damper_share = 0.0;  ///< of the law's force, that injected damping may add: stable also
-                              ///< with what is left of it (`damper_left`); 0: not bounded
-  double noise_limit = 0.0;   ///< noise that the injected damping may make, as an effort
+  double series_ratio = 1.0;
+  double damping_force_ratio =
+      0.0;                   ///< of the law's force, that injected damping may add: stable also
+                             ///< with what is left of it (`residual_damping`); 0: not bounded
+  double noise_limit = 0.0;  ///< noise that the injected damping may make, as an effort
 };
 
 /// Translation, and rotation where the device gives torque.
@@ -77,8 +78,8 @@ double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity);
 
 /// Largest error of the velocity estimate that positions off by up to q / 2 either way may make, in
 /// q / T: 1 - exp(-w_v T), which is also what a single step of the encoder makes; with a window
-/// `window_step_share`, of which a single step makes less.
-double step_share(double velocity_filter_rad_per_s, int velocity_window, double period_s);
+/// `window_step_ratio`, of which a single step makes less.
+double step_ratio(double velocity_filter_rad_per_s, int velocity_window, double period_s);
 /// Largest injected damping on this velocity: half of what the inner loop bears in the worst case,
 /// and no more noise than allowed.
 double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity);
@@ -99,8 +100,8 @@ WorstCase critical_scale(const AxisProblem& problem, const LoopController& law,
                          double contact_stiffness);
 
 /// K k that is stable with every passive hand; for the spring-damper the factor on its law.
-/// Injected damping never helps here: late, it may push for part of a period, so its share of the
-/// device's damping is taken off.
+/// Injected damping never helps here: late, it may push for part of a period, so its fraction of
+/// the device's damping is taken off.
 double passive_limit(const AxisProblem& problem, const LoopController& law);
 
 /// What the design may promise: the limit by rule P for a hand of which only passivity is known, by

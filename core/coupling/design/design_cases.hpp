@@ -28,7 +28,7 @@ class InnerLimits {
 /// One vertex of the box of what may be.
 struct DesignCase {
   LoopPlant plant;
-  bool held = false;                 ///< false: nobody holds the device
+  bool held = false;                 ///< false: the device is released
   bool slow = false;                 ///< the slowest timing instead of the nominal one
   double least_damping_ratio = 0.0;  ///< that the slowest swing in contact is to have; 0: any
   std::shared_ptr<InnerLimits> inner =

@@ -89,8 +89,8 @@ void check_goals(const DesignProblem& request) {
     require(floor >= 0.0 && floor < 1.0, field, floor, "0 or above, and below 1");
   not_negative("useful_stiffness_n_per_m", w.useful_stiffness_n_per_m);
   not_negative("useful_stiffness_nm_per_rad", w.useful_stiffness_nm_per_rad);
-  if (w.damper_share)
-    not_negative("damper_share", *w.damper_share);
+  if (w.damping_force_ratio)
+    not_negative("damping_force_ratio", *w.damping_force_ratio);
   not_negative("max_injected_damping_effort", w.max_injected_damping_effort);
   not_negative("force_layer_depth_m", w.force_layer_depth_m);
 }

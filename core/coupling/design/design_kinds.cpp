@@ -16,7 +16,7 @@ void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
 }
 
 void set_damping(CouplingSpec& spec, const AxisProblem& translation, const FilterChoice& choice) {
-  spec.damper_share = translation.damper_share;
+  spec.damping_force_ratio = translation.damping_force_ratio;
   // A step of the encoder makes a pulse of damping. More of it than this, where the contact gives
   // little, throws a device without friction from one wall of a slot to the other, again and again.
   spec.damper_free_n = kQuietForceN;
@@ -46,10 +46,10 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
 }  // namespace
 
 Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                        Searched& searched) {
+                        CandidateCache& cache) {
   const FilterChoice choice =
       search_filter(problems, filter_settings(request), request.goals.allow_injected_damping,
-                    request.goals.velocity_windows, searched);
+                    request.goals.velocity_windows, cache);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(problems, choice, out.worst);
   out.spec.kind = "shaping_filter";
@@ -70,13 +70,13 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
 }
 
 Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                        Searched& searched) {
+                        CandidateCache& cache) {
   std::vector<AxisProblem> whole = problems;
   for (AxisProblem& axis : whole)
-    axis.target = axis.wanted;
+    axis.target = axis.requested;
   const FilterChoice choice =
       search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping,
-                    request.goals.velocity_windows, searched);
+                    request.goals.velocity_windows, cache);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(whole, choice, out.worst);
   out.spec.kind = "direct";

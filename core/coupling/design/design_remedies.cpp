@@ -13,14 +13,13 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-// What a laboratory can do: no delay is brought to nothing, nobody holds a device as firmly as
-// hands can all the time, and a damper that goes onto a handle is no stronger than the hand that
-// holds it.
-constexpr std::array kDelayShares{0.75, 0.5, 0.25};
-constexpr std::array kGripShares{0.25, 0.5};
+// What a laboratory can do: no delay is brought to nothing, no hand grips as firmly as it can all
+// the time, and a damper that goes onto a handle is no stronger than the hand that holds it.
+constexpr std::array kDelayRatios{0.75, 0.5, 0.25};
+constexpr std::array kGripRatios{0.25, 0.5};
 
 /// The goal, tried under another circumstance: all axes reach their targets with one of the laws.
-struct Trial {
+struct RemedyCandidate {
   std::vector<std::vector<LoopController>> laws;  ///< [attempt][axis]
 
   bool holds(const std::vector<AxisProblem>& problems) const {
@@ -37,23 +36,23 @@ struct Trial {
 
 /// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or
 /// damping added, the goal's.
-Trial trial_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-               const Design& design, bool short_of) {
-  Trial trial;
+RemedyCandidate candidate_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                             const Design& design, bool short_of) {
+  RemedyCandidate candidate;
   if (short_of || design.spec.kind != "shaping_filter") {
-    trial.laws.emplace_back();
+    candidate.laws.emplace_back();
     for (const AxisProblem& p : problems) {
       LoopController law = controller_of(design.spec, p, arm_squared(request));
       if (!short_of)
         law.injected_damping = 0.0;
-      trial.laws.back().push_back(law);
+      candidate.laws.back().push_back(law);
     }
-    return trial;
+    return candidate;
   }
   for (const FilterSetting& shape : filter_settings(request))
     if (shape.cutoff_hz == request.goals.cutoff_hz)
-      trial.laws.emplace_back(problems.size(), law_of(shape));
-  return trial;
+      candidate.laws.emplace_back(problems.size(), law_of(shape));
+  return candidate;
 }
 
 class Remedies {
@@ -64,7 +63,7 @@ class Remedies {
         problems_(problems),
         design_(design),
         short_of_(is_short()),
-        trial_(trial_of(request, problems, design, short_of_)) {
+        candidate_(candidate_of(request, problems, design, short_of_)) {
     for (const AxisProblem& problem : problems)
       damped_ = damped_ || std::ranges::any_of(problem.cases, [](const DesignCase& one) {
                   return one.least_damping_ratio > 0.0;
@@ -93,7 +92,7 @@ class Remedies {
   }
   std::string goal() const {
     if (short_of_)
-      return "the stiffness wanted would be shown by this coupling";
+      return "the requested stiffness would be displayed by this coupling";
     if (design_.spec.kind == "direct")
       return "no damping would have to be injected";
     return fmt::format("{:.3g} Hz would do without injected damping", request_.goals.cutoff_hz);
@@ -103,7 +102,7 @@ class Remedies {
   /// nothing.
   void last_resort() {
     if (!short_of_ && design_.spec.kind == "shaping_filter")
-      out_.push_back(fmt::format("A wish for {:.3g} Hz instead of {:.3g} would be met as it is.",
+      out_.push_back(fmt::format("A request of {:.3g} Hz instead of {:.3g} would be met as it is.",
                                  design_.spec.cutoff_hz, request_.goals.cutoff_hz));
     else
       out_.push_back(
@@ -123,28 +122,28 @@ class Remedies {
         continue;
       if (least <= 0.0) {
         out_.push_back(
-            fmt::format("{}: the wish would be stable with every passive hand as the device is "
+            fmt::format("{}: the request would be stable with every passive hand as the device is "
                         "damped, with the cut-off as high as it may be.",
                         p.units->name));
         continue;
       }
-      out_.push_back(
-          fmt::format("{}: a damper of {:.3g} {} at the tool would make the wish stable with every "
-                      "passive hand{}.",
-                      p.units->name, least, p.units->damping,
-                      d.damping_required_any_cutoff < 0.99 * d.damping_required
-                          ? ", with the cut-off as high as it may be"
-                          : ""));
+      out_.push_back(fmt::format(
+          "{}: a damper of {:.3g} {} at the tool would make the request stable with every "
+          "passive hand{}.",
+          p.units->name, least, p.units->damping,
+          d.damping_required_any_cutoff < 0.99 * d.damping_required
+              ? ", with the cut-off as high as it may be"
+              : ""));
     }
   }
 
   void injection() {
     if (request_.goals.allow_injected_damping || design_.spec.kind != "shaping_filter")
       return;
-    Searched searched;
+    CandidateCache cache;
     const FilterChoice choice = search_filter(problems_, filter_settings(request_), true,
-                                              request_.goals.velocity_windows, searched);
-    std::string allowed, shown;
+                                              request_.goals.velocity_windows, cache);
+    std::string allowed, displayed;
     bool helps = false;
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
@@ -154,26 +153,27 @@ class Remedies {
       helps = helps || choice.damping[a] > 0.0;
       allowed +=
           fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ", choice.damping[a], p.units->damping);
-      shown += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ",
-                           std::min(p.target, certified_stiffness(p, law)), p.units->stiffness);
+      displayed += fmt::format("{}{:.3g} {}", a == 0 ? "" : " and ",
+                               std::min(p.target, certified_stiffness(p, law)), p.units->stiffness);
     }
     if (helps)
-      out_.push_back(fmt::format("Allowing {} of injected damping would show {}.", allowed, shown));
+      out_.push_back(
+          fmt::format("Allowing {} of injected damping would show {}.", allowed, displayed));
   }
 
   void delay() {
     const double now = request_.device.timing.delay_s;
     if (now <= 0.0)
       return;
-    for (const double share : kDelayShares) {
+    for (const double fraction : kDelayRatios) {
       DesignProblem other = request_;
-      other.device.timing.delay_s = share * now;
-      if (!trial_.holds(same_targets(other)))
+      other.device.timing.delay_s = fraction * now;
+      if (!candidate_.holds(same_targets(other)))
         continue;
       out_.push_back(
           fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}: a bus without hubs, a card of "
                       "its own, a real-time kernel.",
-                      1e3 * share * now, 1e3 * now, goal()));
+                      1e3 * fraction * now, 1e3 * now, goal()));
       return;
     }
   }
@@ -181,7 +181,7 @@ class Remedies {
   void rate() {
     DesignProblem other = request_;
     other.device.timing.period_s *= 0.5;
-    if (!trial_.holds(same_targets(other)))
+    if (!candidate_.holds(same_targets(other)))
       return;
     out_.push_back(fmt::format("At {:.4g} Hz (now {:.4g}), if the device can, {}.",
                                1.0 / other.device.timing.period_s,
@@ -197,8 +197,8 @@ class Remedies {
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
       const double fits =
-          damped_stiffness(p, trial_.laws.front()[a],
-                           std::min(p.target, certified_stiffness(p, trial_.laws.front()[a])));
+          damped_stiffness(p, candidate_.laws.front()[a],
+                           std::min(p.target, certified_stiffness(p, candidate_.laws.front()[a])));
       if (fits < std::min(p.useful, p.target) || fits < p.contact.one_point)
         return;
       caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", fits, p.units->stiffness);
@@ -214,7 +214,7 @@ class Remedies {
     for (std::size_t a = 0; a < problems_.size(); ++a) {
       const AxisProblem& p = problems_[a];
       double fits = 0.0;
-      for (const auto& laws : trial_.laws)
+      for (const auto& laws : candidate_.laws)
         fits = std::max(fits, certified_stiffness(p, laws[a], fits));
       if (fits < p.useful)
         return;
@@ -237,14 +237,14 @@ class Remedies {
     const bool released = request_.hand.translation.may_release ||
                           (problems_.size() > 1 && request_.hand.rotation.may_release);
     other.hand.translation.may_release = other.hand.rotation.may_release = false;
-    if (released && trial_.holds(same_targets(other))) {
+    if (released && candidate_.holds(same_targets(other))) {
       out_.push_back(fmt::format("If the device is never released in contact, {}.", goal()));
       return;
     }
-    for (const double share : kGripShares) {
-      tighten(other.hand.translation, request_.hand.translation, share);
-      tighten(other.hand.rotation, request_.hand.rotation, share);
-      if (!trial_.holds(same_targets(other)))
+    for (const double fraction : kGripRatios) {
+      tighten(other.hand.translation, request_.hand.translation, fraction);
+      tighten(other.hand.rotation, request_.hand.rotation, fraction);
+      if (!candidate_.holds(same_targets(other)))
         continue;
       out_.push_back(fmt::format(
           "If the device is never released and always gripped firmly, with at least {}, {}.",
@@ -252,10 +252,10 @@ class Remedies {
       return;
     }
   }
-  static void tighten(HandRange& hand, const HandRange& from, double share) {
-    hand.mass_min = std::lerp(from.mass_min, from.mass_max, share);
-    hand.damping_min = std::lerp(from.damping_min, from.damping_max, share);
-    hand.stiffness_min = std::lerp(from.stiffness_min, from.stiffness_max, share);
+  static void tighten(HandRange& hand, const HandRange& from, double fraction) {
+    hand.mass_min = std::lerp(from.mass_min, from.mass_max, fraction);
+    hand.damping_min = std::lerp(from.damping_min, from.damping_max, fraction);
+    hand.stiffness_min = std::lerp(from.stiffness_min, from.stiffness_max, fraction);
   }
   std::string grips(const DesignProblem& other) const {
     std::string out;
@@ -281,7 +281,7 @@ class Remedies {
   const std::vector<AxisProblem>& problems_;
   const Design& design_;
   bool short_of_, damped_ = false;
-  Trial trial_;
+  RemedyCandidate candidate_;
   std::vector<std::string> out_;
 };
 

@@ -21,19 +21,19 @@ struct Proposal {
 /// stand at what the contact promises: they do not act on force alone, but keep force and torque
 /// together below both (see `axis_problems`).
 Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                        Searched& searched);
+                        CandidateCache& cache);
 
 /// No filter: the contact as it is, with a cap where one is free. It has no gain: without a cap
 /// that is free, all or nothing.
 Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                        Searched& searched);
+                        CandidateCache& cache);
 
 /// The stiffer of two pairs (c, r): the discrete Llewellyn optimum, good for any passive hand and
 /// world; and, where the range of hands is known, the stiffest that holds on all its cases for a
 /// contact of any stiffness. What is shown stays below the device's limit. As requested where the
 /// series shows nine tenths of the target.
 Proposal propose_spring_damper(const DesignProblem& request,
-                               const std::vector<AxisProblem>& problems, Searched& searched);
+                               const std::vector<AxisProblem>& problems, CandidateCache& cache);
 
 /// `spec` with all that it shows times `factor`.
 CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor);

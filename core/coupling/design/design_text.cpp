@@ -16,21 +16,21 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
   if (p.hand.any_passive)
     return fmt::format(
         "{}: up to {:.3g} {} no passive hand can make the loop unstable; with a margin of {:.3g}, "
-        "{:.3g} of the {:.4g} "
-        "{} wanted are shown.",
-        p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin, d.shown_stiffness,
-        p.wanted, p.units->stiffness);
+        "{:.3g} of the requested {:.4g} {} are displayed.",
+        p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin,
+        d.displayed_stiffness, p.requested, p.units->stiffness);
   if (d.gain_margin > 1.01 * p.margin)  // another bound than stability
     return fmt::format(
-        "{}: more would swing longer than it may; {:.3g} of the {:.4g} {} wanted are shown, and {} "
+        "{}: more would swing longer than it may; {:.3g} of the requested {:.4g} {} are displayed, "
+        "and {} "
         "becomes unstable at {:.3g}.",
-        p.units->name, d.shown_stiffness, p.wanted, p.units->stiffness, d.worst_case_text,
+        p.units->name, d.displayed_stiffness, p.requested, p.units->stiffness, d.worst_case_text,
         d.critical_stiffness);
   return fmt::format(
-      "{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the {:.4g} {} "
-      "wanted are shown.",
+      "{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the requested "
+      "{:.4g} {} are displayed.",
       p.units->name, d.worst_case_text, d.critical_stiffness, p.units->stiffness, d.gain_margin,
-      d.shown_stiffness, p.wanted, p.units->stiffness);
+      d.displayed_stiffness, p.requested, p.units->stiffness);
 }
 
 /// What is injected; and what the bound on it costs, with all else as it is.
@@ -41,8 +41,8 @@ std::string damping_reason(const DesignProblem& request, const AxisProblem& p, c
       "injected.",
       p.units->name, d.injected_damping, p.units->damping, describe(d.velocity));
   AxisProblem unbounded = p;
-  unbounded.damper_share = 0.0;
-  if (design.spec.kind == "spring_damper" || !(d.shown_stiffness < 0.999 * p.target))
+  unbounded.damping_force_ratio = 0.0;
+  if (design.spec.kind == "spring_damper" || !(d.displayed_stiffness < 0.999 * p.target))
     return out;
   const double with = d.critical_stiffness / p.margin,
                without = certified_stiffness(unbounded,
@@ -50,9 +50,9 @@ std::string damping_reason(const DesignProblem& request, const AxisProblem& p, c
   if (without > 1.01 * with)
     out += fmt::format(
         " It adds no more than {:.2g} of the contact's force, so that a touch begins with the "
-        "contact; unbounded (damper_share: 0) it would let "
+        "contact; unbounded (damping_force_ratio: 0) it would let "
         "{:.4g} instead of {:.4g} {} hold.",
-        design.spec.damper_share, without, with, p.units->stiffness);
+        design.spec.damping_force_ratio, without, with, p.units->stiffness);
   return out;
 }
 
@@ -76,10 +76,10 @@ std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisPr
 }  // namespace
 
 std::string describe_bound(const CouplingSpec& spec) {
-  if (!(spec.damper_share > 0.0 && spec.injected_damping_ns_per_m > 0.0))
+  if (!(spec.damping_force_ratio > 0.0 && spec.injected_damping_ns_per_m > 0.0))
     return "";
   return fmt::format("adds at most {:.3g} of what contact and effects give, and {:.2g} N",
-                     spec.damper_share, spec.damper_free_n);
+                     spec.damping_force_ratio, spec.damper_free_n);
 }
 
 std::string describe_slow_velocity(const CouplingSpec& spec) {
@@ -100,7 +100,7 @@ std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& 
   std::string of_axes;
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const double cost = a == 0 ? design.floors.cost_n_per_m : design.floors.cost_nm_per_rad,
-                 left = axis_of(design, a).shown_stiffness;
+                 left = axis_of(design, a).displayed_stiffness;
     if (cost > 0.001 * left)
       of_axes += fmt::format("{}{:.4g} of {:.4g} {}", of_axes.empty() ? "" : " and ", cost,
                              left + cost, problems[a].units->stiffness);
@@ -121,7 +121,7 @@ std::vector<std::string> reasons_of(const DesignProblem& request,
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const AxisProblem& p = problems[a];
     const AxisDesign& d = axis_of(design, a);
-    if (d.shown_stiffness < 0.999 * p.target)
+    if (d.displayed_stiffness < 0.999 * p.target)
       out.push_back(shortfall(p, d));
     if (p.contact.all_points > p.model.max_stiffness)
       out.push_back(fmt::format(

@@ -21,35 +21,34 @@ namespace {
 
 /// What the last verification may take off, little by little, before the design counts as not
 /// holding.
-constexpr std::array kShrinks{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
+constexpr std::array kBackoffFactors{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
 /// Another kind has to show that much more than the filter, which smooths what the contact does:
 /// the search takes for as good what shows nine tenths.
-constexpr double kWorthNoFilter = 1.1;
-/// Floors that take such a share of what is shown without them are what limits, and are told first;
-/// less is told behind what limits with and without them.
+constexpr double kObjectiveWithoutFilter = 1.1;
+/// Floors that take such a fraction of what is shown without them are what limits, and are reported
+/// first; less is reported after what limits with and without them.
 constexpr double kLimitingFloor = 0.1;
-/// A bound on injected damping has to leave this of what is shown without it: the standard share,
-/// or one that was asked for; and a larger one, which is taken for the stiffness that it gives
-/// back.
-constexpr double kWorthABound = 2.0 / 3.0, kWorthALargerShare = 0.9;
+/// A bound on injected damping has to leave this of what is shown without it: the default ratio, or
+/// one that was asked for; and a larger one, which is taken for the stiffness that it gives back.
+constexpr double kObjectiveOfBound = 2.0 / 3.0, kObjectiveOfLargerRatio = 0.9;
 
 /// A coupling that was judged. What a person reads of it is worked out for the one that is taken
-/// alone: see `told`.
-struct Judged {
+/// alone: see `finalize`.
+struct Evaluation {
   Design design;
   std::vector<std::string> faults;
   std::vector<std::string> behind;  ///< what stands after the reasons
 };
 
 /// Certificates and what follows from them; status and sentences are the caller's.
-Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-              const CouplingSpec& spec, const std::vector<WorstCase>& worst = {}) {
-  Judged out;
+Evaluation evaluated(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                     const CouplingSpec& spec, const std::vector<WorstCase>& worst = {}) {
+  Evaluation out;
   out.design.spec = spec;
-  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, spec);
+  const std::vector<DisplayedStiffness> displayed = displayed_stiffness(request, problems, spec);
   for (std::size_t a = 0; a < problems.size(); ++a) {
     AxisVerdict verdict =
-        judge_axis(request, problems[a], spec, shown[a], worst.empty() ? nullptr : &worst[a]);
+        judge_axis(request, problems[a], spec, displayed[a], worst.empty() ? nullptr : &worst[a]);
     (a == 0 ? out.design.translation : out.design.rotation) = std::move(verdict.design);
     out.faults.insert(out.faults.end(), verdict.faults.begin(), verdict.faults.end());
   }
@@ -59,35 +58,36 @@ Judged judged(const DesignProblem& request, const std::vector<AxisProblem>& prob
 /// What holds of the spec whether it is certified or not.
 void describe_spec(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                    Design& design) {
-  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, design.spec);
+  const std::vector<DisplayedStiffness> displayed =
+      displayed_stiffness(request, problems, design.spec);
   for (std::size_t a = 0; a < problems.size(); ++a)
-    describe_axis(request, problems[a], design.spec, shown[a],
+    describe_axis(request, problems[a], design.spec, displayed[a],
                   a == 0 ? design.translation : design.rotation);
   design.lag_s = lag_s(design.spec);
   design.max_approach_m_per_s =
       max_approach(problems[0], design.spec, request.goals.force_layer_depth_m);
-  design.swing = slowest_swing(request, problems, design.spec);
+  design.swing = dominant_mode(request, problems, design.spec);
 }
 
 bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
   for (std::size_t a = 0; a < problems.size(); ++a)
-    if (axis_of(design, a).shown_stiffness <
+    if (axis_of(design, a).displayed_stiffness <
         std::min(problems[a].useful, 0.999 * problems[a].target))
       return true;
   return false;
 }
 
 /// Step 5.
-Judged certified(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                 const Proposal& proposal) {
-  Judged result;
+Evaluation certified(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                     const Proposal& proposal) {
+  Evaluation result;
   // Filter and direct keep the floors as they were proposed, axis by axis.
   const bool series = proposal.spec.kind == "spring_damper";
   const CouplingSpec spec =
-      series ? shrunk(request, proposal.spec, damped_share(request, problems, proposal.spec))
+      series ? shrunk(request, proposal.spec, damped_fraction(request, problems, proposal.spec))
              : proposal.spec;
-  for (const double factor : kShrinks) {
-    result = judged(request, problems, shrunk(request, spec, factor), proposal.worst);
+  for (const double factor : kBackoffFactors) {
+    result = evaluated(request, problems, shrunk(request, spec, factor), proposal.worst);
     if (result.faults.empty())
       break;
   }
@@ -100,7 +100,8 @@ Judged certified(const DesignProblem& request, const std::vector<AxisProblem>& p
 
 /// Step 6: the design that is taken, with what follows from it. `problems`: those that it was made
 /// for.
-Design told(const DesignProblem& request, const std::vector<AxisProblem>& problems, Judged result) {
+Design finalize(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                Evaluation result) {
   Design& design = result.design;
   describe_spec(request, problems, design);
   design.reasons = reasons_of(request, problems, design);
@@ -111,67 +112,68 @@ Design told(const DesignProblem& request, const std::vector<AxisProblem>& proble
   return std::move(design);
 }
 
-/// Shown over wanted, of the axis that is worse off; 0 for what does not hold.
-double worth(const std::vector<AxisProblem>& problems, const Design& design) {
+/// Displayed over requested, of the axis that is worse off; 0 for what does not hold.
+double objective(const std::vector<AxisProblem>& problems, const Design& design) {
   if (design.status == DesignStatus::kInfeasible)
     return 0.0;
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < problems.size(); ++a)
-    least = std::min(least, axis_of(design, a).shown_stiffness / problems[a].wanted);
+    least = std::min(least, axis_of(design, a).displayed_stiffness / problems[a].requested);
   return least;
 }
 
-/// As `worth`, if the proposal were certified as it is: no more comes of it.
-double hoped(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-             const Proposal& proposal) {
-  const std::vector<ShownStiffness> shown = shown_stiffness(request, problems, proposal.spec);
+/// As `objective`, if the proposal were certified as it is: no more comes of it.
+double upper_bound(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                   const Proposal& proposal) {
+  const std::vector<DisplayedStiffness> displayed =
+      displayed_stiffness(request, problems, proposal.spec);
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t a = 0; a < problems.size(); ++a)
-    least = std::min(least, shown[a].shown / problems[a].wanted);
+    least = std::min(least, displayed[a].displayed / problems[a].requested);
   return least;
 }
 
-Judged best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                   Searched& searched) {
-  const Proposal filter = propose_filter(request, problems, searched);
-  Judged best = certified(request, problems, filter);
+Evaluation best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                       CandidateCache& cache) {
+  const Proposal filter = propose_filter(request, problems, cache);
+  Evaluation best = certified(request, problems, filter);
   if (best.design.status == DesignStatus::kAsRequested)
     return best;
-  const double with_filter = worth(problems, best.design);
-  double to_beat = kWorthNoFilter * with_filter;
+  const double with_filter = objective(problems, best.design);
+  double to_beat = kObjectiveWithoutFilter * with_filter;
   for (const auto propose : {propose_spring_damper, propose_direct}) {
-    const Proposal proposal = propose(request, problems, searched);
-    if (hoped(request, problems, proposal) < to_beat)
+    const Proposal proposal = propose(request, problems, cache);
+    if (upper_bound(request, problems, proposal) < to_beat)
       continue;
-    Judged other = certified(request, problems, proposal);
-    const double shows = worth(problems, other.design);
+    Evaluation other = certified(request, problems, proposal);
+    const double shows = objective(problems, other.design);
     if (shows <= 0.0 || shows < to_beat)
       continue;
-    other.behind = {
-        fmt::format("Without the shaping filter the hand feels {:.3g} % of the stiffness wanted, "
-                    "with it {:.3g} %.",
-                    100.0 * shows, 100.0 * with_filter)};
+    other.behind = {fmt::format(
+        "Without the shaping filter the hand displays {:.3g} % of the requested stiffness, "
+        "with it {:.3g} %.",
+        100.0 * shows, 100.0 * with_filter)};
     best = std::move(other);
     to_beat = shows * (1.0 + 1e-12);
   }
   return best;
 }
 
-Judged designed(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                Searched& searched) {
+Evaluation designed(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                    CandidateCache& cache) {
   const std::string& kind = request.goals.kind;
   if (kind == "shaping_filter")
-    return certified(request, problems, propose_filter(request, problems, searched));
+    return certified(request, problems, propose_filter(request, problems, cache));
   if (kind == "spring_damper")
-    return certified(request, problems, propose_spring_damper(request, problems, searched));
+    return certified(request, problems, propose_spring_damper(request, problems, cache));
   if (kind == "direct")
-    return certified(request, problems, propose_direct(request, problems, searched));
-  return best_of_all(request, problems, searched);
+    return certified(request, problems, propose_direct(request, problems, cache));
+  return best_of_all(request, problems, cache);
 }
 
 /// A design with the floors of the goals, as far as they can be kept.
 struct Damped {
-  Judged judged;
+  Evaluation evaluated;
   std::vector<AxisProblem> problems;       ///< that it was made for
   std::array<double, 2> without_floors{};  ///< shown by each axis
   enum class Floors { kNotAsked, kKept, kTakeAll } floors = Floors::kNotAsked;
@@ -179,54 +181,56 @@ struct Damped {
 
 /// `floored`: `problems` with their floors.
 Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-              const std::vector<AxisProblem>& floored, Searched& searched) {
-  const DampingFloors &floors = request.goals.floors, &turning = request.goals.rotation_floors;
-  Judged found = designed(request, problems, searched);
-  const std::array shown{found.design.translation.shown_stiffness,
-                         found.design.rotation.shown_stiffness};
-  if (!(floors.released + floors.held + turning.released + turning.held > 0.0) ||
+              const std::vector<AxisProblem>& floored, CandidateCache& cache) {
+  const DampingFloors &floors = request.goals.floors, &of_rotation = request.goals.rotation_floors;
+  Evaluation found = designed(request, problems, cache);
+  const std::array displayed{found.design.translation.displayed_stiffness,
+                             found.design.rotation.displayed_stiffness};
+  if (!(floors.released + floors.held + of_rotation.released + of_rotation.held > 0.0) ||
       found.design.status == DesignStatus::kInfeasible)
-    return {std::move(found), problems, shown, Damped::Floors::kNotAsked};
+    return {std::move(found), problems, displayed, Damped::Floors::kNotAsked};
   if (keeps_floors(request, floored, found.design.spec))
-    return {std::move(found), problems, shown, Damped::Floors::kKept};
-  Judged again = designed(request, floored, searched);
+    return {std::move(found), problems, displayed, Damped::Floors::kKept};
+  Evaluation again = designed(request, floored, cache);
   if (again.design.status == DesignStatus::kInfeasible)
-    return {std::move(found), problems, shown, Damped::Floors::kTakeAll};
-  return {std::move(again), floored, shown, Damped::Floors::kKept};
+    return {std::move(found), problems, displayed, Damped::Floors::kTakeAll};
+  return {std::move(again), floored, displayed, Damped::Floors::kKept};
 }
 
-/// What the hand feels of the stiffness wanted with the share that was taken, with the standard one
+/// What is displayed of the requested stiffness with the ratio that was taken, with the default one
 /// and without a bound, each over all.
-std::string share_sentence(double share, double standard, double first, double last, double none) {
+std::string ratio_sentence(double fraction, double standard, double first, double last,
+                           double none) {
   return fmt::format(
       "Injected damping adds up to {:.2g} of the contact's force: with {:.2g}, the standard, "
-      "{:.3g} % of the stiffness wanted would be shown "
+      "{:.3g} % of the requested stiffness would be displayed "
       "instead of {:.3g} %, and without a bound {:.3g} %.",
-      share, standard, 100.0 * first, 100.0 * last, 100.0 * none);
+      fraction, standard, 100.0 * first, 100.0 * last, 100.0 * none);
 }
-std::string no_share_sentence(std::span<const double> shares, double first, double last,
+std::string no_ratio_sentence(std::span<const double> fractions, double first, double last,
                               double none) {
-  const std::string largest =
-      shares.size() > 1 ? fmt::format(" and with {:.2g} {:.3g} %", shares.back(), 100.0 * last)
-                        : "";
+  const std::string largest = fractions.size() > 1 ? fmt::format(" and with {:.2g} {:.3g} %",
+                                                                 fractions.back(), 100.0 * last)
+                                                   : "";
   return fmt::format(
-      "Injected damping is not bounded by a share of the contact's force (damper_share {:.2g}), "
-      "which would show {:.3g} %{} of the stiffness "
-      "wanted instead of {:.3g} %: a blow is felt as hard as its speed, not as the contact.",
-      shares.front(), 100.0 * first, largest, 100.0 * none);
+      "Injected damping is not bounded by a ratio of the contact's force (damping_force_ratio "
+      "{:.2g}), "
+      "which would display {:.3g} %{} of the requested stiffness instead of {:.3g} %: the impact "
+      "force then depends on the impact velocity, not on the contact stiffness.",
+      fractions.front(), 100.0 * first, largest, 100.0 * none);
 }
 
-Design told(const DesignProblem& request, Damped&& taken, const std::vector<AxisProblem>& floored,
-            const std::string& out_of_reach) {
+Design finalize(const DesignProblem& request, Damped&& taken,
+                const std::vector<AxisProblem>& floored, const std::string& out_of_reach) {
   const DampingFloors& floors = request.goals.floors;
-  if (CouplingSpec& spec = taken.judged.design.spec;
-      taken.judged.design.status != DesignStatus::kInfeasible) {
+  if (CouplingSpec& spec = taken.evaluated.design.spec;
+      taken.evaluated.design.status != DesignStatus::kInfeasible) {
     AxisProblem translation =
         taken.floors == Damped::Floors::kKept ? floored[0] : taken.problems[0];
-    translation.damper_share = spec.damper_share;
-    choose_slow_velocity(translation, shown_stiffness(request, taken.problems, spec)[0], spec);
+    translation.damping_force_ratio = spec.damping_force_ratio;
+    choose_slow_velocity(translation, displayed_stiffness(request, taken.problems, spec)[0], spec);
   }
-  Design design = told(request, taken.problems, std::move(taken.judged));
+  Design design = finalize(request, taken.problems, std::move(taken.evaluated));
   if (taken.floors == Damped::Floors::kNotAsked)
     return design;
   if (taken.floors == Damped::Floors::kTakeAll) {
@@ -236,8 +240,8 @@ Design told(const DesignProblem& request, Damped&& taken, const std::vector<Axis
                     floors.released, floors.held));
   } else {
     design.floors.released = floors.released, design.floors.held = floors.held;
-    design.floors.cost_n_per_m = taken.without_floors[0] - design.translation.shown_stiffness;
-    design.floors.cost_nm_per_rad = taken.without_floors[1] - design.rotation.shown_stiffness;
+    design.floors.cost_n_per_m = taken.without_floors[0] - design.translation.displayed_stiffness;
+    design.floors.cost_nm_per_rad = taken.without_floors[1] - design.rotation.displayed_stiffness;
     const std::string cost = floors_cost(taken.problems, design);
     const bool first = design.floors.cost_n_per_m > kLimitingFloor * taken.without_floors[0] ||
                        design.floors.cost_nm_per_rad > kLimitingFloor * taken.without_floors[1];
@@ -272,49 +276,52 @@ Design design_coupling(const DesignProblem& asked) {
   DesignProblem request = asked;
   std::vector<AxisProblem> problems = axis_problems(request), floored = problems;
   const std::string out_of_reach = set_floors(request, floored);
-  Searched searched;
-  const auto with_share = [&](double share) {
-    request.goals.damper_share = problems[0].damper_share = floored[0].damper_share = share;
-    return damped(request, problems, floored, searched);
+  CandidateCache cache;
+  const auto with_ratio = [&](double fraction) {
+    request.goals.damping_force_ratio = problems[0].damping_force_ratio =
+        floored[0].damping_force_ratio = fraction;
+    return damped(request, problems, floored, cache);
   };
-  const std::optional<double>& given = asked.goals.damper_share;
-  const std::span<const double> shares =
-      given ? std::span(&*given, 1) : std::span<const double>(kDamperShares);
+  const std::optional<double>& given = asked.goals.damping_force_ratio;
+  const std::span<const double> fractions =
+      given ? std::span(&*given, 1) : std::span<const double>(kDampingForceRatios);
   std::optional<Damped> unbounded;
   double none = 1.0, first = 0.0,
-         last = 0.0;  // shown over wanted, without a bound (no more than all), and with the first
-                      // and the last share that was tried
-  for (const double share : shares) {
-    Damped bounded = with_share(share);
-    last = worth(problems, bounded.judged.design);
-    if (share == shares.front())
+         last = 0.0;  // displayed over requested, without a bound (no more than all), and with the
+                      // first and the last ratio that was tried
+  for (const double fraction : fractions) {
+    Damped bounded = with_ratio(fraction);
+    last = objective(problems, bounded.evaluated.design);
+    if (fraction == fractions.front())
       first = last;
-    const double worth_it = share == shares.front() ? kWorthABound : kWorthALargerShare;
-    if (!unbounded && share > 0.0 && last < worth_it &&
-        bounded.judged.design.status != DesignStatus::kAsRequested)
-      unbounded = with_share(0.0), none = worth(problems, unbounded->judged.design),
-      request.goals.damper_share = share;
-    if (unbounded && last < worth_it * none)
+    const double enough =
+        fraction == fractions.front() ? kObjectiveOfBound : kObjectiveOfLargerRatio;
+    if (!unbounded && fraction > 0.0 && last < enough &&
+        bounded.evaluated.design.status != DesignStatus::kAsRequested)
+      unbounded = with_ratio(0.0), none = objective(problems, unbounded->evaluated.design),
+      request.goals.damping_force_ratio = fraction;
+    if (unbounded && last < enough * none)
       continue;
-    if (share != shares.front())
-      bounded.judged.behind.push_back(share_sentence(share, shares.front(), first, last, none));
-    return told(request, std::move(bounded), floored, out_of_reach);
+    if (fraction != fractions.front())
+      bounded.evaluated.behind.push_back(
+          ratio_sentence(fraction, fractions.front(), first, last, none));
+    return finalize(request, std::move(bounded), floored, out_of_reach);
   }
-  request.goals.damper_share = 0.0;
-  unbounded->judged.behind.push_back(no_share_sentence(shares, first, last, none));
-  return told(request, std::move(*unbounded), floored, out_of_reach);
+  request.goals.damping_force_ratio = 0.0;
+  unbounded->evaluated.behind.push_back(no_ratio_sentence(fractions, first, last, none));
+  return finalize(request, std::move(*unbounded), floored, out_of_reach);
 }
 
 Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {
   DesignProblem request = asked;
-  request.goals.damper_share = spec.damper_share;
+  request.goals.damping_force_ratio = spec.damping_force_ratio;
   refuse_impossible(request);
   const std::vector<AxisProblem> problems = axis_problems(request);
   for (const CouplingIssue& issue :
        validate(spec, CouplingLimits{}, request.device.timing.period_s))
     if (issue.refuse)
       throw std::invalid_argument("Coupling design: " + issue.sentence);
-  Judged result = judged(request, problems, spec);
+  Evaluation result = evaluated(request, problems, spec);
   describe_spec(request, problems, result.design);
   result.design.status =
       result.faults.empty() ? DesignStatus::kAsRequested : DesignStatus::kInfeasible;

@@ -14,15 +14,15 @@
 
 namespace voxtouch::coupling::design {
 
-/// Shares of the contact's force that injected damping may add, in the order in which they are
+/// Ratios of the contact's force that injected damping may add, in the order in which they are
 /// tried, each two to four times the one before: a larger one is a touch that begins harder. With
 /// the last one a touch behind a filter still takes four milliseconds to be as hard as without a
 /// bound.
-inline constexpr std::array kDamperShares{kDamperShare, 0.7, 2.0, 6.0, 24.0};
+inline constexpr std::array kDampingForceRatios{kDefaultDampingForceRatio, 0.7, 2.0, 6.0, 24.0};
 
-/// What is wanted; the designer gives up as little of it as it can.
+/// What is requested; the designer gives up as little of it as it can.
 ///
-/// `auto` takes the shaping filter if it does as wanted, and else of all kinds that hold the one
+/// `auto` takes the shaping filter if it meets the request, and else of all kinds that hold the one
 /// that shows most; another than the filter, which smooths the steps of voxels that are crossed,
 /// has to show a tenth more.
 struct DesignGoals {
@@ -38,13 +38,13 @@ struct DesignGoals {
       0.0;  ///< depth over which the contact's force grows; for the approach speed. 0: not asked
   DampingFloors floors;  ///< of translation; they go before stiffness, down to the useful least
   DampingFloors rotation_floors{
-      0.0, 0.0};  ///< standard: none, since the damping that they ask for is felt in a torque
+      0.0, 0.0};  ///< standard: none, since the damping that they ask for is displayed as a torque
   bool allow_injected_damping = true;
   bool velocity_windows = true;  ///< injected damping may act on the velocity of a window too
   std::optional<double>
-      damper_share;  ///< of the spec that is designed; >= 0. None: the first of kDamperShares if it
-                     ///< leaves two thirds of what is shown without a bound, else the least that
-                     ///< leaves nine tenths, else 0
+      damping_force_ratio;  ///< of the spec that is designed; >= 0. None: the first of
+                            ///< kDampingForceRatios if it leaves two thirds of what is shown
+                            ///< without a bound, else the least that leaves nine tenths, else 0
   bool free_cap =
       false;  ///< the designer may cap the contact's total stiffness instead of scaling all of it
 };
@@ -72,8 +72,8 @@ std::string_view name_of(DesignStatus status) noexcept;
 struct AxisDesign {
   double injected_damping = 0.0;      ///< while in contact
   VelocityEstimate velocity{0.0, 0};  ///< that it acts on; 0 Hz: none
-  double wanted_stiffness = 0.0;      ///< min(contact's total, the device's limit)
-  double shown_stiffness = 0.0;       ///< K k that is certified with the margin; <= wanted
+  double requested_stiffness = 0.0;   ///< min(contact's total, the device's limit)
+  double displayed_stiffness = 0.0;   ///< K k that is certified with the margin; <= requested
   double critical_stiffness = 0.0;    ///< K k at which the worst case becomes unstable
   double gain_margin = 0.0;           ///< critical / shown
   LoopPlant worst_case;               ///< where that is
@@ -92,7 +92,7 @@ struct AxisDesign {
 
 /// The least damping ratio of the slowest swing (`slowest_damping_ratio`) over the cases of a
 /// design, both kinds of motion and both timings.
-struct SlowestSwing {
+struct DominantMode {
   double released = 1.0, held = 1.0;  ///< 1 where no case is of that kind
   std::string released_where,
       held_where;  ///< "Translation: held (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for a person
@@ -107,8 +107,8 @@ struct FloorsKept {
          cost_nm_per_rad =
              0.0;  ///< of what is shown without them; below 0 where it is more with them
   /// The worst case that swings with less in the softest useful contact, whatever is injected: no
-  /// coupling of that kind reaches its floor, which was left out for all hands, or for all devices
-  /// that nobody holds. Empty: there is none.
+  /// coupling of that kind reaches its floor, which was left out for all hands, or for all released
+  /// devices. Empty: there is none.
   std::string out_of_reach;
 };
 
@@ -122,8 +122,8 @@ struct Design {
   DesignStatus status = DesignStatus::kInfeasible;
   CouplingSpec spec;  ///< what to run: kind, cut-off, damping ratio, gain, cap, injected damping
   AxisDesign translation, rotation;  ///< rotation is all zero for a device without torque
-  SlowestSwing swing;                ///< how it comes to rest
-  FloorsKept floors;                 ///< nothing, where somebody else chose the parameters
+  DominantMode swing;                ///< how it comes to rest
+  FloorsKept floors;                 ///< nothing, where the parameters were given
   double lag_s = 0.0;                ///< 2 d / w0
   /// Fastest approach that stays within the force layer, stopped by one point alone; a hand that
   /// goes on pushing takes force / (K k) of the depth beforehand. 0: not asked.
@@ -143,12 +143,12 @@ std::string describe_bound(const CouplingSpec& spec);
 std::string describe_slow_velocity(const CouplingSpec& spec);
 
 /// Pure arithmetic, 0.04 to 0.25 s of processor time for the devices here, up to half a second with
-/// long delays; not for the loop. The same request gives the same bits. Throws
+/// long delays; not for the loop. The same request gives bit-identical results. Throws
 /// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed
 /// for.
 Design design_coupling(const DesignProblem& request);
 
-/// The design's judgement of parameters that somebody else chose: same certificates, nothing
+/// The design's judgement of parameters that were given: same certificates, nothing
 /// changed. `status` is kAsRequested where they hold and kInfeasible where not; `reasons` says why.
 Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec);
 

@@ -40,7 +40,7 @@ struct Axis {
   double damping(std::size_t velocity, std::size_t level) const {
     return most_damping[velocity] * static_cast<double>(level) / (kLevels - 1);
   }
-  double share(std::size_t velocity, std::size_t level) const {
+  double fraction(std::size_t velocity, std::size_t level) const {
     return level == 0 ? 0.0 : damping(velocity, level) / reference_damping;
   }
 };
@@ -49,7 +49,7 @@ struct Axis {
 struct Candidate {
   std::size_t shape = 0, velocity = 1;
   std::vector<std::size_t> levels;
-  double cost = 0.0, second_cost = 0.0;  ///< larger and summed share of injected damping
+  double cost = 0.0, second_cost = 0.0;  ///< larger and summed fraction of injected damping
 
   auto order(const std::vector<FilterSetting>& shapes) const {
     return std::tuple(cost, second_cost, shapes[shape].cutoff_hz, shape, velocity);
@@ -61,14 +61,14 @@ bool has_floor(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
 class Search {
  public:
   Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-         bool allow_damping, bool windows, Searched& searched)
+         bool allow_damping, bool windows, CandidateCache& cache)
       : shapes_(shapes),
         allow_damping_(allow_damping),
         velocities_(velocity_estimates(windows)) {
-    searched.tables.resize(problems.size());
+    cache.tables.resize(problems.size());
     for (std::size_t a = 0; a < problems.size(); ++a) {
       const AxisProblem& problem = problems[a];
-      std::optional<FilterTable>& table = searched.tables[a];
+      std::optional<FilterTable>& table = cache.tables[a];
       if (!problem.hand.any_passive && !table)
         table.emplace(problem.cases, velocities_);
       Axis axis{&problem, table ? &*table : nullptr, std::nullopt, {}, {}, 0.0, 0};
@@ -103,9 +103,10 @@ class Search {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
     const double critical =
-        axis.table ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level),
-                                          enough * whole, problem.damper_share, problem.large_swing)
-                   : passive_limit(problem, law_of(shapes_[shape]));
+        axis.table
+            ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level),
+                                   enough * whole, problem.damping_force_ratio, problem.large_swing)
+            : passive_limit(problem, law_of(shapes_[shape]));
     const double stable = critical / whole;
     if (!axis.swings || stable < enough)
       return stable;
@@ -256,8 +257,8 @@ class Search {
           if (level == kLevels)
             break;
           candidate.levels.push_back(level);
-          const double share = axes_[a].share(v, candidate.levels.back());
-          candidate.cost = std::max(candidate.cost, share), candidate.second_cost += share;
+          const double fraction = axes_[a].fraction(v, candidate.levels.back());
+          candidate.cost = std::max(candidate.cost, fraction), candidate.second_cost += fraction;
         }
         if (candidate.levels.size() == axes_.size())
           out.push_back(std::move(candidate));
@@ -311,11 +312,11 @@ class Search {
 }  // namespace
 
 double FilterTable::critical(const FilterSetting& shape, std::size_t velocity,
-                             double injected_damping, double enough, double damper_share,
+                             double injected_damping, double enough, double damping_force_ratio,
                              double large_swing) {
   const bool damped = injected_damping > 0.0;
   const Question question(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0,
-                          injected_damping, damped ? damper_share : 0.0,
+                          injected_damping, damped ? damping_force_ratio : 0.0,
                           damped ? large_swing : 1.0);
   const auto [known, is_new] = known_.try_emplace(question);
   Answer& answer = known->second;
@@ -331,7 +332,8 @@ double FilterTable::critical(const FilterSetting& shape, std::size_t velocity,
     });
     used_ = shape;
   }
-  answer = {table_.critical(velocity, injected_damping, enough, damper_share, large_swing), enough};
+  answer = {table_.critical(velocity, injected_damping, enough, damping_force_ratio, large_swing),
+            enough};
   return answer.critical;
 }
 
@@ -366,8 +368,8 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
 
 FilterChoice search_filter(const std::vector<AxisProblem>& problems,
                            const std::vector<FilterSetting>& shapes, bool allow_injected_damping,
-                           bool velocity_windows, Searched& searched) {
-  return Search(problems, shapes, allow_injected_damping, velocity_windows, searched).run();
+                           bool velocity_windows, CandidateCache& cache) {
+  return Search(problems, shapes, allow_injected_damping, velocity_windows, cache).run();
 }
 
 }  // namespace voxtouch::coupling::design

@@ -31,7 +31,8 @@ struct FilterSetting {
 /// The law of that shape, of unit gain and without injected damping.
 LoopController law_of(const FilterSetting& shape);
 
-/// What may be tried, the goal first, then raised: wanted cut-off x {1, 1.5, 2, ... 40} while w0 T
+/// What may be tried, the goal first, then raised: requested cut-off x {1, 1.5, 2, ... 40} while w0
+/// T
 /// <= 0.6 and below the goal's highest; at each the damping ratios .707, .577 and 1, and where only
 /// passivity is known of a hand also .866, which rule P likes best.
 std::vector<FilterSetting> filter_settings(const DesignProblem& request);
@@ -44,10 +45,10 @@ class FilterTable {
       : table_(cases, velocities, limit) {}
   /// `LoopTable::critical` behind `shape`; where it is below `enough`, some number below.
   double critical(const FilterSetting& shape, std::size_t velocity, double injected_damping,
-                  double enough, double damper_share = 0.0, double large_swing = 1.0);
+                  double enough, double damping_force_ratio = 0.0, double large_swing = 1.0);
 
  private:
-  /// Cut-off, damping ratio, velocity, injected damping, share, large swing: all that the answer
+  /// Cut-off, damping ratio, velocity, injected damping, ratio, large swing: all that the answer
   /// depends on.
   using Question = std::tuple<double, double, std::size_t, double, double, double>;
   struct Answer {
@@ -60,7 +61,7 @@ class FilterTable {
 
 /// What the searches of one design share: with floors and without, bounded and not, for a filter
 /// and for none, the cases are the same.
-struct Searched {
+struct CandidateCache {
   std::vector<std::optional<FilterTable>>
       tables;  ///< of each axis of which more than passivity is known of the hand
   std::optional<SpringDamperPair> spring_damper;  ///< the stiffest on the cases
@@ -78,9 +79,9 @@ struct FilterChoice {
 /// Injected damping is tried on the velocity estimates, 10 to 100 % of what each allows; the least
 /// that does, and among equals the lowest cut-off. Where none does, the least that shows nine
 /// tenths of the best, and on no axis less than a filter would. With two axes "least" is the larger
-/// share of the most that the axis could have.
+/// fraction of the most that the axis could have.
 FilterChoice search_filter(const std::vector<AxisProblem>& problems,
                            const std::vector<FilterSetting>& shapes, bool allow_injected_damping,
-                           bool velocity_windows, Searched& searched);
+                           bool velocity_windows, CandidateCache& cache);
 
 }  // namespace voxtouch::coupling::design

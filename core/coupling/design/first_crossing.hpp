@@ -81,7 +81,7 @@ class CrossingSearch {
       0.6;                                 ///< L may turn by 0.68 rad in a step that is not halved
   static constexpr double kSwell = 100.0;  ///< and |L|^2 change by this factor
   static constexpr double kHopeless =
-      0.01;  ///< a step whose |L|^2 is this small a share of the best crossing's is passed
+      0.01;  ///< a step whose |L|^2 is this small a fraction of the best crossing's is passed
 
   template <class Response>
   static Point at(const Response& response, double angle) {

@@ -15,7 +15,7 @@ namespace {
 using Law = LoopController::Law;
 constexpr int kSpan = 4096;  ///< samples looked at together
 constexpr int kMaxSpans = 6;
-constexpr double kRest = 1e-6;  ///< a span that adds less than this share ends the sum
+constexpr double kRest = 1e-6;  ///< a span that adds less than this fraction ends the sum
 
 /// The law and the injected damping, sample by sample.
 class Steps {
@@ -62,7 +62,7 @@ class Steps {
   std::array<double, window_span(kMaxVelocityWindow)> differences_{};
 };
 
-/// Sum of |x[n]| after an error of the first position sample and an effort beside the first
+/// Sum of |x[n]| after an error of the first position sample and an effort in addition to the first
 /// command.
 double gain_of(const LoopPlant& p, const LoopController& law, double contact_stiffness,
                double position_error, double effort) {
@@ -88,7 +88,7 @@ double gain_of(const LoopPlant& p, const LoopController& law, double contact_sti
     sum += part;
     if (part <= kRest * sum)
       return sum;
-    // What is left decays from span to span by the same share.
+    // What is left decays from span to span by the same ratio.
     if (span + 1 == kMaxSpans && part < before)
       return sum + part * part / (before - part);
     before = part;
@@ -108,16 +108,17 @@ double effort_gain(const LoopPlant& plant, const LoopController& law, double con
 }
 
 double limit_cycle_bound(const AxisProblem& problem, const LoopController& law,
-                         double contact_stiffness, double shown_stiffness, double velocity_band) {
+                         double contact_stiffness, double displayed_stiffness,
+                         double velocity_band) {
   const double q = problem.model.resolution;
-  if (q == 0.0 || shown_stiffness == 0.0)
+  if (q == 0.0 || displayed_stiffness == 0.0)
     return 0.0;
   const double shape = law.law == Law::kShapingFilter ? law.damping_ratio : 1.0;
   const double passed =
-      step_share(law.velocity_filter_rad_per_s, law.velocity_window, problem.timing.period_s);
-  const double beside = law.injected_damping * velocity_band;
-  const double needed = limit_cycle_friction(shape, shown_stiffness, q) +
-                        law.injected_damping * q / problem.timing.period_s * passed + beside;
+      step_ratio(law.velocity_filter_rad_per_s, law.velocity_window, problem.timing.period_s);
+  const double of_band = law.injected_damping * velocity_band;
+  const double needed = limit_cycle_friction(shape, displayed_stiffness, q) +
+                        law.injected_damping * q / problem.timing.period_s * passed + of_band;
   if (problem.model.coulomb_friction >= needed)
     return 0.0;
   double worst = 0.0;
@@ -125,7 +126,7 @@ double limit_cycle_bound(const AxisProblem& problem, const LoopController& law,
     worst = std::max(
         worst,
         q * quantisation_gain(one.plant, law, contact_stiffness) +
-            (beside > 0.0 ? 2.0 * beside * effort_gain(one.plant, law, contact_stiffness) : 0.0));
+            (of_band > 0.0 ? 2.0 * of_band * effort_gain(one.plant, law, contact_stiffness) : 0.0));
   return worst;
 }
 

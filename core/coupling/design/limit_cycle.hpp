@@ -19,6 +19,7 @@ double effort_gain(const LoopPlant& plant, const LoopController& law, double con
 /// it: F_c >= S K k q / 2, plus the q/T (1 - exp(-wv T)) B that injected damping makes of one step,
 /// plus B times the band within which a slow velocity may stand in for the law's.
 double limit_cycle_bound(const AxisProblem& problem, const LoopController& law,
-                         double contact_stiffness, double shown_stiffness, double velocity_band);
+                         double contact_stiffness, double displayed_stiffness,
+                         double velocity_band);
 
 }  // namespace voxtouch::coupling::design

@@ -63,7 +63,7 @@ inline CircleValue operator*(double k, const CircleValue& a) noexcept {
 }
 
 /// L = numerator / denominator, or numerator / ((z - 1) denominator) where the loop integrates:
-/// where nobody holds the device.
+/// where the device is released.
 struct LoopFraction {
   CircleValue numerator, denominator;
   bool integrates = false;

@@ -31,8 +31,8 @@ struct AxisModel {
 /// When things happen in the loop.
 struct LoopTiming {
   double period_s = 1e-3;  ///< T, nominal
-  double delay_s = 0.0;    ///< from the sample to the effort, beside the hold: network, computation
-                           ///< and device together; >= 0
+  double delay_s = 0.0;    ///< from the sample to the effort, excluding the hold: network,
+                           ///< computation and device together; >= 0
   double jitter = 0.2;     ///< the longest period is (1 + jitter) T; >= 0
   int lost_in_a_row = 1;   ///< samples that may be lost one after the other; their input is held
   double network_s = 0.0;  ///< the network's part of delay_s
@@ -59,7 +59,7 @@ DeviceModel model_of(const DeviceDescription& device);
 /// What may hold the device. The ranges are used only where `any_passive` is false.
 struct HandRange {
   bool any_passive = false;  ///< every hand that creates no energy, of whatever stiffness and mass
-  bool may_release = true;   ///< nobody holding it is one of the cases
+  bool may_release = true;   ///< the released device is one of the cases
   double mass_min = 0.0, mass_max = 0.0;
   double damping_min = 0.0, damping_max = 0.0;
   double stiffness_min = 0.0, stiffness_max = 0.0;
@@ -70,12 +70,12 @@ struct OperatorRange {
   HandRange translation, rotation;
 };
 
-/// Least damping ratio that the slowest swing of the loop in contact is to have, with nobody
-/// holding the device and with a hand. 0: none.
+/// Least damping ratio that the slowest swing of the loop in contact is to have, with the device
+/// released and with a hand. 0: none.
 struct DampingFloors {
   double released = 0.1, held = 0.3;
 };
-/// Both by the one for a hand; nobody's is a third of it.
+/// Both by the one for a hand; released, it is a third of it.
 constexpr DampingFloors floors_of(double held) noexcept { return {held / 3.0, held}; }
 
 /// Stiffness that the scene can put before the coupling: of one point alone, and of all that may

@@ -94,7 +94,7 @@ Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>
 }
 
 /// What is left of a damper's damping in a swing that leaves the contact, where it adds no more
-/// than the share s of the law's force and takes no more than all of it: of its fundamental the
+/// than the ratio s of the law's force and takes no more than all of it: of its fundamental the
 /// part that is ahead of the force, over what it would be without those bounds. `ratio`: the
 /// damper's response over the law's at the frequency of the swing, D = x + j y.
 ///
@@ -103,16 +103,16 @@ Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>
 /// x)/y; the integral of its product with -sin p over (pi/2) y is (atan((s - x)/y) + atan((1 +
 /// x)/y)) / pi. A describing function, not a proof; a smaller swing, which stays in contact, keeps
 /// more.
-inline double damper_left(const Complex& ratio, double share) noexcept {
+inline double residual_damping(const Complex& ratio, double fraction) noexcept {
   if (!(ratio.imag() > 0.0))
     return 1.0;  // too late to damp at all
-  return (std::atan((share - ratio.real()) / ratio.imag()) +
+  return (std::atan((fraction - ratio.real()) / ratio.imag()) +
           std::atan((1.0 + ratio.real()) / ratio.imag())) /
          std::numbers::pi;
 }
 
-/// Parts of a bounded damper, besides all of it, with which a loop has to be stable where no more
-/// than `up_to` of it is left.
+/// Parts of a bounded damper, in addition to all of it, with which a loop has to be stable where no
+/// more than `up_to` of it is left.
 struct DamperPart {
   double part, up_to;
 };
@@ -139,14 +139,16 @@ class LoopResponse {
       return g;
     return quotient(g, 1.0 + c_.injected_damping * g * velocity_(p));
   }
-  /// `damper_left` of this loop's damper, before a contact of that stiffness; not for a
+  /// `residual_damping` of this loop's damper, before a contact of that stiffness; not for a
   /// spring-damper.
-  double damper_left(double contact_stiffness, double share, const Phasor& p) const noexcept {
+  double residual_damping(double contact_stiffness, double fraction,
+                          const Phasor& p) const noexcept {
     const Complex shape = c_.law == LoopController::Law::kShapingFilter
                               ? filter_response(g_, c_.damping_ratio, p)
                               : Complex(1.0);
-    return design::damper_left(
-        quotient(c_.injected_damping * velocity_(p), c_.gain * contact_stiffness * shape), share);
+    return design::residual_damping(
+        quotient(c_.injected_damping * velocity_(p), c_.gain * contact_stiffness * shape),
+        fraction);
   }
   /// L from the damped plant's response.
   Complex of(const Complex& g, const Phasor& p) const noexcept {

@@ -136,15 +136,16 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
     const double before = im(i - 1), now = im(i);
     if ((before < 0.0) == (now < 0.0))
       return;
-    const double here = now / size(i), there = before / size(i - 1), share = there / (there - here);
-    const double crossing = (1.0 - share) * re(i - 1) / size(i - 1) + share * re(i) / size(i);
+    const double here = now / size(i), there = before / size(i - 1),
+                 fraction = there / (there - here);
+    const double crossing = (1.0 - fraction) * re(i - 1) / size(i - 1) + fraction * re(i) / size(i);
     const auto damper = [&] {
       return quotient(bound->whole * Complex(unit.re[i], unit.im[i]),
                       -1.0 / crossing * Complex(one.loop.re[i], one.loop.im[i]));
     };
     if (crossing < 0.0 && -1.0 / crossing < lowest &&
         (!bound || (-1.0 / crossing / bound->large_swing < bound->lowest &&
-                    damper_left(damper(), bound->share) <= bound->up_to)))
+                    residual_damping(damper(), bound->fraction) <= bound->up_to)))
       lowest = -1.0 / crossing;
   };
   if (damped) {
@@ -163,15 +164,15 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
 }
 
 double LoopTable::critical(std::size_t velocity, double injected_damping, double enough,
-                           double damper_share, double large_swing) {
+                           double damping_force_ratio, double large_swing) {
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n < cases_.size(); ++n) {
     const std::size_t c = n > first_ ? n : n == 0 ? first_ : n - 1;
     Case& one = cases_[c];
     lowest = std::min(lowest, critical(one, velocity, injected_damping, nullptr));
-    if (damper_share > 0.0 && injected_damping > 0.0 && lowest >= enough)
+    if (damping_force_ratio > 0.0 && injected_damping > 0.0 && lowest >= enough)
       for (const DamperPart& part : kDamperParts) {
-        const Bound bound{injected_damping, damper_share, part.up_to, large_swing, lowest};
+        const Bound bound{injected_damping, damping_force_ratio, part.up_to, large_swing, lowest};
         lowest = std::min(
             lowest, critical(one, velocity, part.part * injected_damping, &bound) / large_swing);
       }

@@ -29,11 +29,11 @@ class LoopTable {
   /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k),
   /// with injected damping B on the velocity of that index. Where a case lies below `enough`, the
   /// rest is not looked at, and the answer is some number below; the case that fell short last is
-  /// looked at first. B has to keep the inner loop stable. `damper_share`: B adds no more than that
-  /// of the law's force, and the same is asked with the parts of B that may be left of it
-  /// (`damper_left`), times `large_swing`; 0: not bounded. Infinity: no crossing.
+  /// looked at first. B has to keep the inner loop stable. `damping_force_ratio`: B adds no more
+  /// than that of the law's force, and the same is asked with the parts of B that may be left of it
+  /// (`residual_damping`), times `large_swing`; 0: not bounded. Infinity: no crossing.
   double critical(std::size_t velocity, double injected_damping, double enough = 0.0,
-                  double damper_share = 0.0, double large_swing = 1.0);
+                  double damping_force_ratio = 0.0, double large_swing = 1.0);
 
  private:
   struct Response {
@@ -56,7 +56,7 @@ class LoopTable {
   /// Of a damper of which no more than `up_to` has to be left for a crossing to count; and over
   /// `large_swing` it has to be below `lowest`.
   struct Bound {
-    double whole, share, up_to, large_swing, lowest;
+    double whole, fraction, up_to, large_swing, lowest;
   };
   static void add(Response& to, const Complex& value);
   static std::vector<Crossing> crossings_of(const Response& loop, const Response& unit);

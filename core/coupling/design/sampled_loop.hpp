@@ -56,7 +56,7 @@ struct LoopPlant {
 };
 
 /// Largest modulus of the closed loop's eigenvalues with contact stiffness `contact_stiffness`; < 1
-/// means stable. A loop that integrates freely (nobody holds the device and no contact reaches it:
+/// means stable. A loop that integrates freely (the device is released and no contact reaches it:
 /// k = 0 or K = 0) has modulus 1: its position stays where it is. That eigenvalue is taken out
 /// before the others are computed, as is that of an undamped free velocity: together they are a
 /// double root, which rounding would spread by 1e-8 to either side. With any k > 0 nothing is taken

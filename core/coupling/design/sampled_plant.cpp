@@ -13,17 +13,17 @@ constexpr double kWholeDelay = 1e-9;
 /// A lag this short [periods] is none: the doublings of its exponential would not end.
 constexpr double kNoLag = 1e-9;
 
-/// exp(a) - 1, by Taylor on a small share of `a` and doubling, e(2 a) = 2 e(a) + e(a)^2. Columns of
-/// zero stay zero exactly.
+/// exp(a) - 1, by Taylor on a small fraction of `a` and doubling, e(2 a) = 2 e(a) + e(a)^2. Columns
+/// of zero stay zero exactly.
 Matrix4d exp_less_one(const Matrix4d& a) {
   constexpr int kTerms = 14;  // 0.5^15 / 15! is below the rounding
   const double size = a.cwiseAbs().colwise().sum().maxCoeff();
   const int doublings = size > 0.5 ? static_cast<int>(std::ceil(std::log2(size / 0.5))) : 0;
-  const Matrix4d share = std::ldexp(1.0, -doublings) * a;
+  const Matrix4d fraction = std::ldexp(1.0, -doublings) * a;
   Matrix4d sum = Matrix4d::Identity();
   for (int i = kTerms; i >= 2; --i)
-    sum = Matrix4d::Identity() + share * sum / i;
-  Matrix4d e = share * sum;
+    sum = Matrix4d::Identity() + fraction * sum / i;
+  Matrix4d e = fraction * sum;
   for (int i = 0; i < doublings; ++i)
     e = 2.0 * e + e * e;
   return e;
@@ -53,7 +53,8 @@ SampledPlant sample_plant(double mass, double damping, double stiffness, double 
 
   const double delay = delay_s / period_s;
   out.whole_delay = static_cast<int>(std::floor(delay + kWholeDelay));
-  double late = delay - out.whole_delay;  // share of the period that still has the command before
+  double late =
+      delay - out.whole_delay;  // fraction of the period that still has the command before
   if (late < kWholeDelay)
     late = 0.0;
   const Matrix4d last = exp_less_one((1.0 - late) * rate);

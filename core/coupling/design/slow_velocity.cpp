@@ -13,31 +13,31 @@ constexpr std::array kSlowHz{8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0};
 
 }  // namespace
 
-double slow_share(const AxisProblem& translation, const CouplingSpec& spec) {
+double slow_ratio(const AxisProblem& translation, const CouplingSpec& spec) {
   return spec.velocity_band_m_per_s <= kRounding * step_speed(translation, velocity_of(spec))
              ? translation.large_swing
              : 1.0;
 }
 
 bool holds_on_slow_velocity(const AxisProblem& translation, const CouplingSpec& spec,
-                            const ShownStiffness& shown) {
+                            const DisplayedStiffness& displayed) {
   if (!damps_on_slow_velocity(spec))
     return true;
   if (spec.kind == "spring_damper")
     return false;
   LoopController law = controller_of(spec, translation, 0.0);
   law.use({spec.slow_velocity_hz, 0});
-  const double share = slow_share(translation, spec),
-               needed = share * translation.margin * shown.coupling * shown.shown;
+  const double fraction = slow_ratio(translation, spec),
+               needed = fraction * translation.margin * displayed.coupling * displayed.displayed;
   if (critical_case(translation, law, needed).stiffness < needed)
     return false;
   AxisProblem gentler = translation;
   for (DesignCase& one : gentler.cases)
-    one.least_damping_ratio *= share;
-  return keeps_floors(gentler, law, shown.shown);
+    one.least_damping_ratio *= fraction;
+  return keeps_floors(gentler, law, displayed.displayed);
 }
 
-void choose_slow_velocity(const AxisProblem& translation, const ShownStiffness& shown,
+void choose_slow_velocity(const AxisProblem& translation, const DisplayedStiffness& displayed,
                           CouplingSpec& spec) {
   const VelocityEstimate velocity = velocity_of(spec);
   const double band = step_speed(translation, velocity);
@@ -49,7 +49,7 @@ void choose_slow_velocity(const AxisProblem& translation, const ShownStiffness& 
     with.slow_velocity_hz = hz;
     if (step_speed(translation, {hz, 0}) >= band)
       return;
-    if (holds_on_slow_velocity(translation, with, shown)) {
+    if (holds_on_slow_velocity(translation, with, displayed)) {
       spec = with;
       return;
     }

@@ -18,7 +18,7 @@ constexpr std::array kLeads{0.0, 0.25, 0.5, 0.75, 1.0,  1.5,  2.0, 3.0,
 /// it.
 constexpr std::array kContacts{kInfinity, 10.0, 3.0, 1.0, 0.3, 0.1};
 constexpr double kShrink = 0.97;
-constexpr int kMaxShrinks = 24;
+constexpr int kMaxBackoffs = 24;
 
 /// The law of a unit of stiffness and `lead` of damping, before a contact of `contact` units.
 Complex series_at(double lead_s, double contact, const DecayingPhasor& at, double period_s) {
@@ -41,13 +41,13 @@ SpringDamperPair passive_pair(const DesignProblem& request,
   double lag = 0.0;
   for (const AxisProblem& axis : problems)
     lag = std::max(lag, effort_lag_s(axis.model));
-  const double damping = problems[0].series_share * problems[0].model.damping / problems[0].margin;
+  const double damping = problems[0].series_ratio * problems[0].model.damping / problems[0].margin;
   SpringDamperPair pair = llewellyn_optimum(damping, slow.period_s, whole_delay(slow, lag));
   const double nominal =
       llewellyn_damping(pair.stiffness, pair.damping, request.device.timing.period_s,
                         whole_delay(request.device.timing, lag));
-  const double share = nominal > damping ? damping / nominal : 1.0;
-  return {share * pair.stiffness, share * pair.damping};
+  const double fraction = nominal > damping ? damping / nominal : 1.0;
+  return {fraction * pair.stiffness, fraction * pair.damping};
 }
 
 bool holds(const DesignProblem& request, const std::vector<AxisProblem>& problems,
@@ -90,7 +90,7 @@ SpringDamperPair ranged_pair(const DesignProblem& request,
     if (stiffness > best.stiffness && std::isfinite(stiffness))
       best = {stiffness, lead_s * stiffness};
   }
-  for (int i = 0; i < kMaxShrinks; ++i) {
+  for (int i = 0; i < kMaxBackoffs; ++i) {
     if (best.stiffness <= 0.0 || holds(request, problems, best))
       return best;
     best.stiffness *= kShrink, best.damping *= kShrink;
@@ -112,12 +112,12 @@ double most_stiffness(const DesignProblem& request, const std::vector<AxisProble
 }  // namespace
 
 Proposal propose_spring_damper(const DesignProblem& request,
-                               const std::vector<AxisProblem>& problems, Searched& searched) {
+                               const std::vector<AxisProblem>& problems, CandidateCache& cache) {
   SpringDamperPair pair = passive_pair(request, problems);
   if (!passive_only(problems)) {
-    if (!searched.spring_damper)
-      searched.spring_damper = ranged_pair(request, problems);
-    const SpringDamperPair& ranged = *searched.spring_damper;
+    if (!cache.spring_damper)
+      cache.spring_damper = ranged_pair(request, problems);
+    const SpringDamperPair& ranged = *cache.spring_damper;
     if (ranged.stiffness > pair.stiffness)
       pair = ranged;
   }
@@ -131,7 +131,7 @@ Proposal propose_spring_damper(const DesignProblem& request,
   bool met = true;
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const double c = pair.stiffness * arm_of(request, a), k = problems[a].contact.all_points;
-    met = met && c * k / (c + k) >= kSeriesShare * problems[a].target;
+    met = met && c * k / (c + k) >= kSeriesRatio * problems[a].target;
   }
   out.status = met ? DesignStatus::kAsRequested : DesignStatus::kStiffnessReduced;
   return out;

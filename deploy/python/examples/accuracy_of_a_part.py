@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How well a part of yours can be felt: writes a scene for its mesh, measures every contact model
-against the true force, and prints what to take.
+"""How accurately a part of yours is rendered: writes a scene for its mesh, measures every contact
+model against the true force, and prints what to take.
 
 It calls `voxtouch new` and `voxtouch accuracy --json`, which measures for 10 s to minutes. Needs
 the programs of voxtouch on PATH, or --voxtouch. """
@@ -79,9 +79,9 @@ def main():
         ran = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=False)
     if not ran.stdout:
         raise SystemExit("voxtouch accuracy measured nothing; its sentence stands above.")
-    told = json.loads(ran.stdout)
+    summary = json.loads(ran.stdout)
     print(f"{'model':14} {'voxel':>9} {'direction':>10} {'frame':>9}")
-    for row in told["rows"]:
+    for row in summary["rows"]:
         if row["direction_mean_deg"] is None or row["median_us"] is None:
             print(
                 f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm "
@@ -93,8 +93,8 @@ def main():
             f"{row['model']:14} {1e3 * row['voxel_m']:6.2f} mm {direction:8.2f}°"
             f" {frame:6.1f} us{'  <- take this' if row['recommended'] else ''}"
         )
-    print(told["advice"]["sentence"])
-    raise SystemExit(0 if told["ok"] else 1)
+    print(summary["advice"]["sentence"])
+    raise SystemExit(0 if summary["ok"] else 1)
 
 
 if __name__ == "__main__":

@@ -73,11 +73,11 @@ class Bag(collections.abc.Mapping):
         if topic not in self.types:
             raise KeyError(f"{self.path} has no topic {topic!r}; it has {', '.join(self.types)}")
         for file in self._files:
-            wanted = [number for number, (name, _, _) in file.topics.items() if name == topic]
-            if not wanted:
+            requested = [number for number, (name, _, _) in file.topics.items() if name == topic]
+            if not requested:
                 continue
             try:
-                for _, time, data in file.messages(wanted):
+                for _, time, data in file.messages(requested):
                     yield time, data
             except FileError as error:
                 note = f"{file.file}: it could be read in part only ({error})"
@@ -110,19 +110,19 @@ class Bag(collections.abc.Mapping):
         return {topic: self.frame(topic) for topic in self}
 
     def recording(self):
-        """What the logger told of the recording: version, samples lost, errors; {} where it told
-        nothing.
+        """What the logger reported of the recording: version, samples lost, errors; {} where it
+        reported nothing.
         """
         folder = self.path if self.path.is_dir() else self.path.parent
         try:
-            told = json.loads((folder / "voxtouch_recording.json").read_text(encoding="utf-8"))
+            recording = json.loads((folder / "voxtouch_recording.json").read_text(encoding="utf-8"))
         except (OSError, ValueError):
             return {}
-        return told if isinstance(told, dict) else {}
+        return recording if isinstance(recording, dict) else {}
 
     def definition(self, topic):
         """How the topic's messages are laid out: by the bag itself where it says so (MCAP), else as
-        this version has it. BagError where nobody knows, or where the recording version had it
+        this version has it. BagError where it is not known, or where the recording version had it
         otherwise."""
         kind = self.types[topic]
         if kind in self._definitions:
@@ -133,8 +133,8 @@ class Bag(collections.abc.Mapping):
                 " voxtouch explains. A bag in MCAP explains its types."
             )
         text, here = DEFINITIONS[kind]
-        told = self.recording()
-        for one in told.get("topics", []):
+        recording = self.recording()
+        for one in recording.get("topics", []):
             if (
                 isinstance(one, dict)
                 and one.get("type") == kind
@@ -142,7 +142,8 @@ class Bag(collections.abc.Mapping):
             ):
                 raise BagError(
                     f"{self.path}: it was recorded by voxtouch"
-                    f" {told.get('voxtouch', 'of an unknown version')}, whose {kind} is laid out"
+                    f" {recording.get('voxtouch', 'of an unknown version')}, whose {kind} is"
+                    f" laid out"
                     " otherwise than in this version: read it with the version that recorded it."
                 )
         return Definition(kind, text)

@@ -7,7 +7,7 @@ import numpy
 from . import _core
 
 HERE = pathlib.Path(__file__).resolve().parent
-SHARE = HERE / "share"
+DATA = HERE / "share"
 READER = str(
     HERE / "voxtouch_import_mesh"
 )  # reads meshes in a process of its own: a file that breaks it is an exception here
@@ -15,7 +15,7 @@ READER = str(
 
 def shipped_scenes():
     """Names of the scenes that come with voxtouch, for `probe` and `design`."""
-    return sorted(file.stem for file in (SHARE / "scenes").glob("*.yaml"))
+    return sorted(file.stem for file in (DATA / "scenes").glob("*.yaml"))
 
 
 def scene_file(scene):
@@ -23,7 +23,7 @@ def scene_file(scene):
     if pathlib.Path(scene).is_file():
         return str(scene)
     if str(scene) in shipped_scenes():
-        return str(SHARE / "scenes" / f"{scene}.yaml")
+        return str(DATA / "scenes" / f"{scene}.yaml")
     raise ValueError(
         f"'{scene}' is no file, and no scene of this name comes with voxtouch. These do:"
         f" {', '.join(shipped_scenes())}"
@@ -38,9 +38,9 @@ def device_word(device):
     name = word[len("sim:") :]
     if pathlib.Path(name).is_file():
         return name
-    shipped = SHARE / "devices" / f"{name}.yaml"
+    shipped = DATA / "devices" / f"{name}.yaml"
     if not shipped.is_file():
-        names = ", ".join(sorted(file.stem for file in (SHARE / "devices").glob("*.yaml")))
+        names = ", ".join(sorted(file.stem for file in (DATA / "devices").glob("*.yaml")))
         raise ValueError(
             f"'{name}' is no file, and no device file of this name comes with voxtouch. These do:"
             f" {names}"
@@ -50,7 +50,7 @@ def device_word(device):
 
 def probe(scene, poses, model=None, points=False):
     """Contact wrenches at poses, without memory: neither blend nor hold, no effects, no coupling.
-    As `voxtouch probe`, to the bit.
+    Bit-identical to `voxtouch probe`.
 
     scene   file, or the name of a shipped scene
     poses   n rows of qw, qx, qy, qz, x, y, z: the tool in the world [-, m]; quaternions of any norm
@@ -68,8 +68,8 @@ def probe(scene, poses, model=None, points=False):
 
 
 def build(mesh, voxel, scale=1.0, origin=None):
-    """Voxels and pointshell of a mesh (OBJ, STL, PLY, glTF/GLB, COLLADA). As `voxtouch build`, to
-    the bit.
+    """Voxels and pointshell of a mesh (OBJ, STL, PLY, glTF/GLB, COLLADA). Bit-identical to
+    `voxtouch build`.
 
     voxel   edge of a voxel [m]
     scale   metres for one unit of the file, such as 0.001 for millimetres
@@ -103,13 +103,14 @@ def design(
 
     device  sim-phantom, sim-lwr, phantom, lwr, fr3, a device file (.yaml), or sim:NAME of a shipped
             one
-    scene   file or shipped name, whose contact and wishes are met; None: whatever the device can
+    scene   file or shipped name, whose contact and requests are met; None: whatever the device can
             show, or stiffness_n_per_m [N/m, at the hand]
     hand    pen, arm or any_passive; None: the scene's, else how the device is held
     kind    auto, shaping_filter, spring_damper or direct
-    cutoff_hz, gain_margin  wished cut-off of the filter [Hz], and how much stiffer the worst case
+    cutoff_hz, gain_margin  requested cut-off of the filter [Hz], and how much stiffer the worst
+    case
                             may get before it is unstable [-]
-    held    somebody always holds the device;  damping  injected damping may be used
+    held the device is always gripped;  damping  injected damping may be used
 
     "status" says whether anything holds; figures are at the hand.
     """

@@ -69,9 +69,9 @@ arm::Joints ArmPlant::sticking_impulse(const JointMatrix& mass, const arm::Joint
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     double change = 0.0;
     for (int i = 0; i < 7; ++i) {
-      const double wanted = std::clamp(impulse[i] - left[i] / mobility(i, i), low[i], high[i]);
-      const double more = wanted - impulse[i];
-      impulse[i] = wanted;
+      const double requested = std::clamp(impulse[i] - left[i] / mobility(i, i), low[i], high[i]);
+      const double more = requested - impulse[i];
+      impulse[i] = requested;
       left += more * mobility.col(i);
       change = std::max(change, std::abs(more) * mobility(i, i));
     }

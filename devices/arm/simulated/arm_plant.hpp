@@ -1,6 +1,6 @@
 #pragma once
-/// The arm as mechanics: state, integration in time, dry friction, brakes, stops, and somebody's
-/// hand at the tool.
+/// The arm as mechanics: state, integration in time, dry friction, brakes, stops, and a hand at the
+/// tool.
 #include <limits>
 
 #include "devices/arm/simulated/arm_dynamics.hpp"
@@ -8,7 +8,7 @@
 
 namespace voxtouch::arm_sim {
 
-/// What torque control leaves to be felt of the drives, and where the arm ends.
+/// What torque control leaves of the drives at the tool, and where the arm ends.
 struct PlantParameters {
   ArmBodies bodies;
   Pose pose_FT;
@@ -23,7 +23,7 @@ struct PlantParameters {
 };
 
 enum class Drives {
-  kTorque,  ///< what is commanded, and gravity beside it
+  kTorque,  ///< what is commanded, and gravity in addition
   kBraked,  ///< no torque, brakes closed
 };
 
@@ -43,7 +43,8 @@ class ArmPlant {
   const arm::Joints& q() const noexcept { return q_; }
   const arm::Joints& rate() const noexcept { return rate_; }
   void set_state(const arm::Joints& q, const arm::Joints& rate) noexcept { q_ = q, rate_ = rate; }
-  /// What sensors between drives and links felt in the last step: drives, friction and brakes [Nm].
+  /// What sensors between drives and links measured in the last step: drives, friction and brakes
+  /// [Nm].
   const arm::Joints& sensed_torque() const noexcept { return sensed_; }
   /// On the tool in the last step: the hand at its start.
   const Wrench& hand_wrench() const noexcept { return hand_wrench_; }

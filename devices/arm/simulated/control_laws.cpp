@@ -9,11 +9,11 @@ namespace {
 constexpr double kRegular = 1e-6;  // [1/kg] keeps Lambda finite where the arm is stretched
 
 /// Double diagonalisation: D = 2 L sqrt(L^-1 K L^-T) L^T with M = L L^T damps every mode of (M, K)
-/// critically; shares of it enter by their roots from both sides, so that D stays positive
+/// critically; fractions of it enter by their roots from both sides, so that D stays positive
 /// semidefinite (Albu-Schaeffer et al. on damping design).
 JointMatrix damping(const JointMatrix& mass, const arm::Joints& stiffness,
-                    const arm::Joints& share) noexcept {
-  if (stiffness.isZero(0.0) || share.isZero(0.0))
+                    const arm::Joints& fraction) noexcept {
+  if (stiffness.isZero(0.0) || fraction.isZero(0.0))
     return JointMatrix::Zero();
   const JointMatrix lower = mass.llt().matrixL();
   const JointMatrix root = stiffness.cwiseSqrt().asDiagonal();
@@ -22,7 +22,7 @@ JointMatrix damping(const JointMatrix& mass, const arm::Joints& stiffness,
   const JointMatrix middle = modes.eigenvectors() *
                              modes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() *
                              modes.eigenvectors().transpose();
-  const JointMatrix scaled = share.cwiseSqrt().asDiagonal() * lower;
+  const JointMatrix scaled = fraction.cwiseSqrt().asDiagonal() * lower;
   return 2.0 * scaled * middle * scaled.transpose();
 }
 
@@ -37,20 +37,20 @@ arm::Jacobian in_axes(const Mat3& axes, const arm::Jacobian& jacobian) noexcept 
 
 arm::Joints position_law(const LawParameters& p, const ArmDynamics::Terms& terms,
                          const arm::Joints& q, const arm::Joints& rate,
-                         const arm::Joints& wanted) noexcept {
+                         const arm::Joints& requested) noexcept {
   const double w = p.position_bandwidth_rad_s;
-  return terms.mass * (w * w * (wanted - q) - 2.0 * w * rate) + terms.coriolis;
+  return terms.mass * (w * w * (requested - q) - 2.0 * w * rate) + terms.coriolis;
 }
 
-void Impedance::prepare(const ArmDynamics::Terms& terms, const Setpoint& wanted) noexcept {
-  damping_ = damping(terms.mass, wanted.stiffness, wanted.damping);
+void Impedance::prepare(const ArmDynamics::Terms& terms, const Setpoint& requested) noexcept {
+  damping_ = damping(terms.mass, requested.stiffness, requested.damping);
 }
 
 arm::Joints Impedance::torque(const ArmDynamics::Terms& terms, const arm::Joints& q,
-                              const arm::Joints& rate, const Setpoint& wanted) const noexcept {
+                              const arm::Joints& rate, const Setpoint& requested) const noexcept {
   arm::Joints torque =
       parameters_.compensates_coriolis ? terms.coriolis : arm::Joints(arm::Joints::Zero());
-  torque += wanted.stiffness.cwiseProduct(wanted.position - q) - damping_ * rate;
+  torque += requested.stiffness.cwiseProduct(requested.position - q) - damping_ * rate;
   return torque;
 }
 

@@ -10,7 +10,7 @@ struct Setpoint {
   arm::Joints position = arm::Joints::Zero();   ///< qFRI [rad]
   arm::Joints torque = arm::Joints::Zero();     ///< tauFRI [Nm]
   arm::Joints stiffness = arm::Joints::Zero();  ///< [Nm/rad]
-  arm::Joints damping = arm::Joints::Zero();    ///< share of critical
+  arm::Joints damping = arm::Joints::Zero();    ///< fraction of critical
 };
 
 /// Assumed throughout: the real controller's inner gains are not published.
@@ -23,7 +23,7 @@ struct LawParameters {
 /// M (w^2 (q_d - q) - 2 w q') + c: computed torque.
 arm::Joints position_law(const LawParameters& p, const ArmDynamics::Terms& terms,
                          const arm::Joints& q, const arm::Joints& rate,
-                         const arm::Joints& wanted) noexcept;
+                         const arm::Joints& requested) noexcept;
 
 /// Axes of the task frame, in the base.
 inline Mat3 task_axes(const LawParameters& p, const ArmDynamics::Terms& terms) noexcept {
@@ -38,12 +38,12 @@ class Impedance {
  public:
   explicit Impedance(const LawParameters& parameters = {}) noexcept : parameters_(parameters) {}
 
-  /// The damping matrix for the gains of `wanted` in this posture. Real-time safe.
-  void prepare(const ArmDynamics::Terms& terms, const Setpoint& wanted) noexcept;
-  /// Torques [Nm] towards `wanted` at `q` [rad] and `rate` [rad/s], with the damping prepared last.
-  /// Real-time safe.
+  /// The damping matrix for the gains of `requested` in this posture. Real-time safe.
+  void prepare(const ArmDynamics::Terms& terms, const Setpoint& requested) noexcept;
+  /// Torques [Nm] towards `requested` at `q` [rad] and `rate` [rad/s], with the damping prepared
+  /// last. Real-time safe.
   arm::Joints torque(const ArmDynamics::Terms& terms, const arm::Joints& q, const arm::Joints& rate,
-                     const Setpoint& wanted) const noexcept;
+                     const Setpoint& requested) const noexcept;
 
  private:
   LawParameters parameters_;

@@ -13,26 +13,26 @@ namespace voxtouch::arm_sim {
 
 /// Packets are the controller's measurements or states, answers the remote side's commands.
 enum class FaultKind : std::uint8_t {
-  kLoss,        ///< packets are lost; value: share, 1 unless given
+  kLoss,        ///< packets are lost; value: fraction, 1 by default
   kAnswerLoss,  ///< answers are lost; likewise
   kLate,        ///< packets leave late; value: seconds, 0.003 unless given
   kJitter,      ///< packets leave late by a random time; value: the most [s], 0.0005 unless given
-  kReorder,     ///< a packet leaves after the one that follows; value: share, 1 (every other one)
-                ///< unless given
-  kDuplicate,   ///< packets leave twice; value: share, 1 unless given
+  kReorder,    ///< a packet leaves after the one that follows; value: fraction, 1 (every other one)
+               ///< by default
+  kDuplicate,  ///< packets leave twice; value: fraction, 1 by default
   kNan,     ///< a measured angle is no number; value: joint 1..7, or 8 for the LWR's time stamp; 1
             ///< unless given
-  kSilent,  ///< nothing is sent and nothing heard, as with a pulled cable
+  kSilent,  ///< nothing is sent and nothing received, as with a pulled cable
   // LWR alone
   kDrivesOff,      ///< drives lose power, brakes close; value: bits of the drives, 127 unless given
   kDriveError,     ///< likewise, and the drives report an error
   kEmergencyStop,  ///< all drives off, brakes close
   kQuality,  ///< the quality is at most the value: 0 unacceptable, 1 bad, 2 OK; 1 unless given
   // FR3 alone
-  kUserStop,  ///< somebody presses the user stop, and releases it at the end
-  kGuiding,   ///< somebody presses the guiding buttons
+  kUserStop,  ///< the user stop is pressed, and released at the end
+  kGuiding,   ///< the guiding buttons are pressed
   kReflex,    ///< a reflex at its begin; value: which error, 7 (cartesian reflex) unless given
-  kNotReady,  ///< somebody locks the joints
+  kNotReady,  ///< the joints are locked
   kClosed,    ///< the command channel is closed at its begin
 };
 inline constexpr std::size_t kFaultKinds = 17;

@@ -93,8 +93,8 @@ class Line {
     return static_cast<double>(random_[static_cast<std::size_t>(kind)]() >> 11) * 0x1p-53;
   }
   bool happens(FaultKind kind, double now_s) noexcept {
-    const auto share = faults_.active(kind, now_s);
-    return share && uniform(kind) < *share;
+    const auto fraction = faults_.active(kind, now_s);
+    return fraction && uniform(kind) < *fraction;
   }
   void queue(const Payload& msr, double now_s, double delay_s) noexcept {
     if (waiting_.size() == kCapacity)

@@ -1,5 +1,5 @@
 #pragma once
-/// A simulated controller on the network, whatever it speaks: real time by its own clock, or
+/// A simulated controller on the network, whatever it enabled: real time by its own clock, or
 /// virtual time by the answers that come.
 #include <algorithm>
 #include <array>
@@ -21,12 +21,12 @@ namespace voxtouch::arm_sim {
 struct NetworkConfig {
   std::string address = "127.0.0.1";  ///< own, dotted
   std::uint16_t port = 0;             ///< own; 0: one that is free
-  std::optional<double> duration_s;  ///< of the controller's time; absent: until it is told to stop
-  double patience_s = 5.0;           ///< virtual time: wall time to wait for an answer
+  std::optional<double> duration_s;   ///< of the controller's time; absent: until it is stopped
+  double patience_s = 5.0;            ///< virtual time: wall time to wait for an answer
 };
 
 enum class Ending : std::uint8_t {
-  kStopped,  ///< as it was told
+  kStopped,  ///< as it was set
   kDuration,
   kNoAnswer,  ///< virtual time: patience is over
   kDiverged,  ///< the mechanics left the numbers
@@ -63,7 +63,7 @@ class NetworkLoop {
   /// Called after each period; may throw.
   std::function<void(const Controller&)> after_period;
 
-  /// Until told, or the end of the duration or of patience.
+  /// Until stopped, or the end of the duration or of patience.
   Ending run(const std::atomic<bool>& stop) {
     const std::int64_t period_ns = seconds_as_ns(period_s_).count();
     std::int64_t deadline_ns = now_ns();
@@ -131,7 +131,7 @@ class NetworkLoop {
     ++(gone ? counts_.sent : counts_.send_errors);
     return gone;
   }
-  /// What leaves before `until_s` leaves now; `left` is told of each.
+  /// What leaves before `until_s` leaves now; `left` receives each.
   template <class Left>
   void send_due(double until_s, Left&& left) noexcept {
     while (const typename Line::Packet* packet = line_.take(until_s)) {
@@ -175,13 +175,13 @@ class NetworkLoop {
     const double now = controller_.time_s();
     sent_ns_ = now_ns();
     const Payload& measured = controller_.measure();
-    const bool speaks = serving() && !line_.silent(now);
-    if (speaks)
+    const bool enabled = serving() && !line_.silent(now);
+    if (enabled)
       line_.put(measured, now);
     for (;;) {
       const std::int64_t at_ns = now_ns();
       const double at_s = now + 1e-9 * static_cast<double>(at_ns - sent_ns_);
-      if (speaks)
+      if (enabled)
         send_due(at_s + 1e-9, [](const auto&) {});
       drain();
       if (at_ns >= deadline_ns)

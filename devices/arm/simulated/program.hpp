@@ -60,7 +60,7 @@ inline void declare(CLI::App& app, ProgramOptions& o, NetworkConfig& network, bo
       ->check(CLI::PositiveNumber);
   app.add_option("--hand", o.hand_file,
                  "YAML file with motion and grip of the operator (keys: "
-                 "devices/operator/hand_file.hpp); else nobody holds the arm");
+                 "devices/operator/hand_file.hpp); else the arm is released");
   app.add_option("--tool", o.tool_m, "Tool's origin in the flange's frame, x y z [m]")->expected(3);
   app.add_option("--posture-deg", o.posture_deg,
                  "Joints from the base on to start at, or near with --hand")
@@ -76,7 +76,7 @@ inline void declare(CLI::App& app, ProgramOptions& o, NetworkConfig& network, bo
 inline constexpr hand::ToolDrag kDrag{1.0, 0.5};
 
 /// The operator of the hand file, and in `config` the posture that the arm has for it and the seed;
-/// without a file nobody holds the tool. Throws std::runtime_error: the file cannot be read, or the
+/// without a file the tool is released. Throws std::runtime_error: the file cannot be read, or the
 /// arm cannot reach where the motion starts.
 template <class Arm>
 hand::Hand make_hand(const ProgramOptions& o, const Arm& arm, ArmConfig& config) {
@@ -117,7 +117,7 @@ std::string line_text(const LineCounts& l, std::uint64_t send_errors) {
       l.lost, l.delayed, l.reordered, l.duplicated, l.answers_lost, send_errors);
 }
 
-/// Throws std::runtime_error where a run did not end as it was told to.
+/// Throws std::runtime_error where a run did not end as it was set to.
 inline void require_good(Ending ending, double patience_s) {
   if (ending == Ending::kNoAnswer)
     throw std::runtime_error(fmt::format(

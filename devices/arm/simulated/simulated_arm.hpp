@@ -21,7 +21,7 @@ struct ArmConfig {
   arm::Joints start_rad = arm::Joints::Zero();
   LawParameters laws;
   int torque_delay_ticks =
-      1;  ///< of commanded torques beside the period that a command waits; assumed
+      1;  ///< of commanded torques in addition to the period that a command waits; assumed
   double torque_lag_s = 0.003;         ///< first-order lag of them, by the torque loop; assumed
   double angle_resolution_rad = 2e-5;  ///< of the measured angles; assumed
   bool hand_waits = true;  ///< the hand takes the tool, and its clock starts, with the first motion
@@ -34,8 +34,8 @@ struct ArmConfig {
 /// Throws std::runtime_error, "simulated controller: FIELD has to be RULE", unless `good`.
 void require(bool good, const char* field, const char* rule);
 
-/// Time is a count of ticks: the same seed and calls give the same bits. Real-time safe after
-/// construction.
+/// Time is a count of ticks: the same seed and calls give bit-identical results. Real-time safe
+/// after construction.
 class SimulatedArm {
  public:
   const ArmPlant& plant() const noexcept { return plant_; }
@@ -48,7 +48,7 @@ class SimulatedArm {
   SimulatedArm(const ArmConfig& config, hand::Hand hand, FaultSchedule faults);
   ~SimulatedArm() = default;
 
-  /// The joints' angles as their sensors tell them.
+  /// The joints' angles as their sensors report them.
   arm::Joints measured_rad() const noexcept;
   /// No commanded torque is on its way any more, or acts.
   void drop_torque() noexcept;

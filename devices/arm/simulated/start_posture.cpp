@@ -14,20 +14,20 @@ constexpr double kReached = 1e-9;     // [m] and [rad]
 constexpr double kLongestStep = 0.2;  // [rad] of the joints together
 constexpr double kMargin = 0.999;     // of a joint's limit
 
-Vec6 way_to(const Pose& wanted, const Pose& tool) {
-  const Quat turn = wanted.orientation * tool.orientation.conjugate();
+Vec6 displacement_to(const Pose& requested, const Pose& tool) {
+  const Quat turn = requested.orientation * tool.orientation.conjugate();
   const double sign = turn.w() < 0.0 ? -1.0 : 1.0;
   const Eigen::AngleAxisd angle(Quat(Eigen::Vector4d(sign * turn.coeffs())));
-  Vec6 way;
-  way << wanted.position - tool.position, angle.angle() * angle.axis();
-  return way;
+  Vec6 displacement;
+  displacement << requested.position - tool.position, angle.angle() * angle.axis();
+  return displacement;
 }
 
 }  // namespace
 
-arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm, const Pose& wanted,
-                          const arm::Joints& posture, const arm::Joints& lowest_rad,
-                          const arm::Joints& highest_rad) {
+arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm,
+                          const Pose& requested, const arm::Joints& posture,
+                          const arm::Joints& lowest_rad, const arm::Joints& highest_rad) {
   // A margin of the way from the middle, so that a start at a stop is none.
   const arm::Joints middle = 0.5 * (lowest_rad + highest_rad),
                     half = kMargin * (0.5 * (highest_rad - lowest_rad));
@@ -35,18 +35,18 @@ arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm, c
   arm::Joints q = posture.cwiseMax(low).cwiseMin(high);
   for (int i = 0; i < kIterations; ++i) {
     const Reach state = arm(q);
-    const Vec6 way = way_to(wanted, state.tool);
-    if (way.norm() < kReached)
+    const Vec6 displacement = displacement_to(requested, state.tool);
+    if (displacement.norm() < kReached)
       return q;
-    const double damp = std::min(1e-2, 1e-2 * way.squaredNorm());
+    const double damp = std::min(1e-2, 1e-2 * displacement.squaredNorm());
     const Mat6 square = state.jacobian * state.jacobian.transpose() + damp * Mat6::Identity();
-    arm::Joints step = state.jacobian.transpose() * square.llt().solve(way);
+    arm::Joints step = state.jacobian.transpose() * square.llt().solve(displacement);
     if (const double length = step.norm(); length > kLongestStep)
       step *= kLongestStep / length;
     q = (q + step).cwiseMax(low).cwiseMin(high);
   }
-  const Vec3& p = wanted.position;
-  const Quat& o = wanted.orientation;
+  const Vec3& p = requested.position;
+  const Quat& o = requested.orientation;
   throw std::runtime_error(
       fmt::format("the arm cannot bring its tool to ({:.4g}, {:.4g}, {:.4g}) m with orientation (w "
                   "x y z) ({:.4g}, {:.4g}, {:.4g}, "

@@ -12,11 +12,11 @@ struct Reach {
   arm::Jacobian jacobian;
 };
 
-/// Joint angles near `posture` that bring the tool to `wanted` (base), found by damped least
+/// Joint angles near `posture` that bring the tool to `requested` (base), found by damped least
 /// squares. Throws std::runtime_error with a sentence where the arm cannot reach it within its
 /// joints' limits.
-arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm, const Pose& wanted,
-                          const arm::Joints& posture, const arm::Joints& lowest_rad,
-                          const arm::Joints& highest_rad);
+arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm,
+                          const Pose& requested, const arm::Joints& posture,
+                          const arm::Joints& lowest_rad, const arm::Joints& highest_rad);
 
 }  // namespace voxtouch::arm_sim

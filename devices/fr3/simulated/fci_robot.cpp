@@ -224,7 +224,7 @@ void FciRobot::tick() noexcept {
         return config_.laws.compensates_coriolis ? arm::Joints(torque + plant_.terms().coriolis)
                                                  : torque;
       });
-  felt_ = in_motion() ? torque_ : arm::Joints(arm::Joints::Zero());
+  measured_ = in_motion() ? torque_ : arm::Joints(arm::Joints::Zero());
 }
 
 void FciRobot::advance() noexcept {
@@ -235,7 +235,7 @@ void FciRobot::advance() noexcept {
 }
 
 Wrench FciRobot::applied() const noexcept {
-  return felt_.isZero(0.0) ? Wrench{} : arm_sim::tool_wrench(plant_.terms(), felt_);
+  return measured_.isZero(0.0) ? Wrench{} : arm_sim::tool_wrench(plant_.terms(), measured_);
 }
 
 }  // namespace voxtouch::fr3_sim

@@ -49,7 +49,7 @@ struct RobotCounts {
 
 /// One millisecond: `measure`, any number of `receive`, `advance`. A command that comes between
 /// acts from the next millisecond on; where none does, the last one goes on. Time is a count: the
-/// same seed and calls give the same bits. Real-time safe after construction.
+/// same seed and calls give bit-identical results. Real-time safe after construction.
 class FciRobot final : public arm_sim::SimulatedArm {
  public:
   /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
@@ -64,7 +64,7 @@ class FciRobot final : public arm_sim::SimulatedArm {
   fr3::fci::Outcome request(fr3::fci::Request request, const fr3::fci::Received& body) noexcept;
   /// How the motion ended since the last call, which Move is answered with.
   std::optional<fr3::fci::Outcome> motion_ended() noexcept;
-  /// Nobody is there any more: a motion ends.
+  /// The client has gone: a motion ends.
   void abandoned() noexcept;
 
   double time_s() const noexcept { return static_cast<double>(ticks_) * kTick; }
@@ -91,7 +91,7 @@ class FciRobot final : public arm_sim::SimulatedArm {
   fr3::fci::State state_;
   arm::Joints held_rad_;  // what the robot's own controller holds
   arm::Joints commanded_ = arm::Joints::Zero();
-  arm::Joints felt_ =
+  arm::Joints measured_ =
       arm::Joints::Zero();  // the last of the torques that pushed over the last millisecond
   std::optional<fr3::fci::Command> pending_;
   bool not_finite_ = false;

@@ -162,7 +162,7 @@ std::optional<std::uint64_t> FciServer::answered(
 }
 
 void FciServer::wait_for_input(nanoseconds most) noexcept {
-  // The UDP socket waits for itself; the channel is looked at often enough beside it.
+  // The UDP socket waits for itself; the channel is looked at often enough next to it.
   if (serving())
     return void(socket_.wait(std::min(most, kMillisecond)));
   std::array<pollfd, 2> files{{{listener_, POLLIN, 0}, {client_, POLLIN, 0}}};

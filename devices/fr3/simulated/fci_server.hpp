@@ -17,7 +17,7 @@ struct ServerConfig : arm_sim::NetworkConfig {  ///< the port is that of TCP
 };
 
 /// One remote side at a time: whoever comes second is turned away. In real time a state leaves at
-/// each millisecond of the steady clock while somebody is connected. In virtual time nothing waits
+/// each millisecond of the steady clock while a client is connected. In virtual time nothing waits
 /// but for commands: after each newest state the command that names it is awaited, in a motion or
 /// not; where none can come because the line lost it, time goes on at once.
 class FciServer final : public arm_sim::NetworkLoop<FciRobot, fr3::fci::State> {

@@ -19,7 +19,7 @@ void declare(CLI::App& app, Options& o) {
   arm_sim::declare(app, o, o.server, o.server.virtual_time, kFaults);
 }
 
-void tell_counts(const FciServer& server, const FciRobot& robot) {
+void print_counts(const FciServer& server, const FciRobot& robot) {
   const RobotCounts& r = robot.counts();
   const arm_sim::NetworkCounts& s = server.counts();
   fmt::print(stderr,
@@ -42,7 +42,7 @@ void run(Options& o, const std::atomic<bool>& stop) {
   fmt::print(stderr, "simulated controller: TCP {}:{}, version {}, {} time\n", o.server.address,
              server.port(), o.robot.version, o.server.virtual_time ? "virtual" : "real");
   const Ending ending = server.run(stop);
-  tell_counts(server, robot);
+  print_counts(server, robot);
   arm_sim::require_good(ending, o.server.patience_s);
 }
 

@@ -12,32 +12,32 @@ void CommandPath::start(const Setpoint& start) noexcept {
   position_step_.setZero();
 }
 
-void CommandPath::begin(const Setpoint& wanted) noexcept {
+void CommandPath::begin(const Setpoint& requested) noexcept {
   from_ = to_;  // every period ends at its goal
-  to_ = wanted;
+  to_ = requested;
   done_ = 0;
 }
 
-void CommandPath::answer(const Setpoint& wanted) noexcept {
-  begin(wanted);
+void CommandPath::answer(const Setpoint& requested) noexcept {
+  begin(requested);
   misses_ = 0;
   position_step_ = to_.position - from_.position;
 }
 
 void CommandPath::miss() noexcept {
-  Setpoint wanted = to_;
+  Setpoint requested = to_;
   if (++misses_ <= kExtrapolated)
-    wanted.position += position_step_;
-  begin(wanted);
+    requested.position += position_step_;
+  begin(requested);
 }
 
 Setpoint CommandPath::tick() noexcept {
   done_ = std::min(done_ + 1, ticks_);
-  const double share = static_cast<double>(done_) / ticks_;
+  const double fraction = static_cast<double>(done_) / ticks_;
   Setpoint now = to_;
   if (done_ < ticks_) {
-    now.position = from_.position + share * (to_.position - from_.position);
-    now.torque = from_.torque + share * (to_.torque - from_.torque);
+    now.position = from_.position + fraction * (to_.position - from_.position);
+    now.torque = from_.torque + fraction * (to_.torque - from_.torque);
   }
   return now;
 }

@@ -17,17 +17,17 @@ class CommandPath {
   /// Begins anew: rests at `start`.
   void start(const Setpoint& start) noexcept;
   /// An answer at the begin of a period: reached at its end.
-  void answer(const Setpoint& wanted) noexcept;
+  void answer(const Setpoint& requested) noexcept;
   /// No answer came for this period.
   void miss() noexcept;
   /// The set point over the next millisecond. Gains are the last answer's.
   Setpoint tick() noexcept;
 
-  /// Where the last answer, or what stood in for it, wanted to go.
+  /// Where the last answer, or what replaced it, requested to go.
   const Setpoint& goal() const noexcept { return to_; }
 
  private:
-  void begin(const Setpoint& wanted) noexcept;
+  void begin(const Setpoint& requested) noexcept;
 
   int ticks_, done_ = 0, misses_ = 0;
   Setpoint from_, to_;

@@ -240,13 +240,13 @@ void FriController::apply_answer() noexcept {
 void FriController::judge_answer() noexcept {
   if (answer_.command.cmd_flags != flags_)
     return leave({Reason::kFlagsChanged, 0});
-  const Setpoint wanted = setpoint_of(answer_.command);
+  const Setpoint requested = setpoint_of(answer_.command);
   // What stood in for missed answers moved the goal on, so the time is that since the last goal.
   const double elapsed_s = periods_since_answer_ * config_.period_s;
   if (const Violation why =
-          check_command(config_.safety, path_.goal(), wanted, elapsed_s, plant_.q()))
+          check_command(config_.safety, path_.goal(), requested, elapsed_s, plant_.q()))
     return leave(why);
-  path_.answer(wanted);
+  path_.answer(requested);
 }
 
 void FriController::judge_motion() noexcept {

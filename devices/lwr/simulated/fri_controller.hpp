@@ -29,7 +29,7 @@ struct ControllerConfig : arm_sim::ArmConfig {
     start_rad = lwr::lwr_rest_posture();
   }
   double period_s = 0.001;     ///< argument of friOpen: 1 to 100 ms, whole milliseconds
-  double safety_limits = 1.0;  ///< argument of friStart: share of the joints' speed, in (0, 1]
+  double safety_limits = 1.0;  ///< argument of friStart: fraction of the joints' speed, in (0, 1]
   SafetyRules safety;
   double torque_noise_nm = 0.05;  ///< standard deviation of each torque sensor; assumed
   lwr::LwrJoints krl_stiffness_nm_per_rad =
@@ -76,8 +76,8 @@ struct TraceRow {
 
 /// One period: `measure`, any number of `receive`, `advance`. An answer that comes between acts
 /// from the next period on. Time is a count of periods; there is no clock, so the same seed and
-/// answers give the same bits. State OFF stands before the first measurement and after `close`.
-/// Real-time safe after construction.
+/// answers give bit-identical results. State OFF stands before the first measurement and after
+/// `close`. Real-time safe after construction.
 class FriController final : public arm_sim::SimulatedArm {
  public:
   /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.

@@ -27,12 +27,12 @@ KrlScript::Request KrlScript::step(const Input& in, double elapsed_s) noexcept {
     return Request::kAcknowledge;
   if (in.run != lwr::fri::kRun || echo_ == lwr::fri::kRun || in.state != lwr::fri::State::kMon)
     return Request::kNone;
-  const auto wanted = control_of(in.strategy);
+  const auto requested = control_of(in.strategy);
   const bool keeps = first_start_keeps_strategy_ && echo_ == lwr::fri::kKrlInitialised;
-  if (wanted && !keeps)
-    control_ = *wanted;
-  return in.quality == lwr::fri::Quality::kPerfect && (wanted || keeps) ? Request::kStart
-                                                                        : Request::kNone;
+  if (requested && !keeps)
+    control_ = *requested;
+  return in.quality == lwr::fri::Quality::kPerfect && (requested || keeps) ? Request::kStart
+                                                                           : Request::kNone;
 }
 
 }  // namespace voxtouch::lwr_sim

@@ -1,6 +1,6 @@
 #pragma once
-/// Stand-in for the KRL program that runs on the controller beside the interface, and decides about
-/// friStart and friStop.
+/// Stand-in for the KRL program that runs on the controller next to the interface, and decides
+/// about friStart and friStop.
 #include <cstdint>
 #include <optional>
 
@@ -8,7 +8,7 @@
 
 namespace voxtouch::lwr_sim {
 
-/// The handshake that published KRL programs share: $FRI_FRM_INT[1] is the strategy wanted,
+/// The handshake that published KRL programs share: $FRI_FRM_INT[1] is the requested strategy,
 /// $FRI_FRM_INT[2] is 1 for friStart and 0 for friStop, $FRI_TO_INT[2] echoes it, 10 before the
 /// first. The program loops with a pause; it starts when the quality is PERFECT. Command mode that
 /// ended by itself is not entered again before a 0 was seen. Real-time safe.

@@ -44,7 +44,7 @@ void set_remote(Options& o) {
   o.session.remote_port = *port;
 }
 
-void tell(FriController& controller) {
+void print(FriController& controller) {
   while (const auto event = controller.take_event()) {
     const std::string why = event->why ? fmt::format(": {}", sentence_of(event->why.reason)) : "";
     if (event->from == event->to)
@@ -55,7 +55,7 @@ void tell(FriController& controller) {
   }
 }
 
-void tell_counts(const Session& session, const FriController& controller) {
+void print_counts(const Session& session, const FriController& controller) {
   const AnswerCounts& a = controller.counts();
   const arm_sim::NetworkCounts& s = session.counts();
   fmt::print(stderr,
@@ -87,16 +87,16 @@ void run(Options& o, const std::atomic<bool>& stop) {
   session.after_period = [&](const FriController&) {
     if (trace)
       trace->write(controller.row());
-    tell(controller);
+    print(controller);
   };
   fmt::print(stderr, "simulated controller: {} -> {}, {} ms, {} time\n",
              arm::text_of(session.local()), o.remote, o.period_ms,
              o.controller.virtual_time ? "virtual" : "real");
   const Ending ending = session.run(stop);
-  tell(controller);
+  print(controller);
   if (trace)
     trace->finish();
-  tell_counts(session, controller);
+  print_counts(session, controller);
   arm_sim::require_good(ending, o.session.patience_s);
 }
 

@@ -13,7 +13,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
 
-/// Virtual time: a measurement that nobody has answered for so long may have gone to a side that
+/// Virtual time: a measurement without an answer for so long may have gone to a side that
 /// was just being restarted.
 constexpr nanoseconds kRepeatAfter = std::chrono::milliseconds(200);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What the arm felt, period by period, as a table for tests and people.
+/// What the arm measured, period by period, as a table for tests and people.
 #include <cstdio>
 #include <filesystem>
 #include <string_view>

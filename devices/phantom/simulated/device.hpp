@@ -48,7 +48,7 @@ class Device {
   }  ///< of this frame, or the last where none is open
   /// For sets; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
-  /// Ends a frame that nobody ended; what was set in it is lost.
+  /// Ends a frame that was left open; what was set in it is lost.
   void close_frame() noexcept { frame_open_ = false; }
   /// What switching force output comes to. No order reaches an amplifier that communication is lost
   /// to.
@@ -72,7 +72,7 @@ class Device {
   double period_s() const noexcept { return substeps_ * kSubstep; }  ///< of a tick [s]
 
   // --- calibration
-  /// What it needs next: nothing, an update, or somebody's hand.
+  /// What it needs next: nothing, an update, or a hand.
   phantom::hd::HDenum calibration() const noexcept;
   /// kInvalidValue: not this model's style. kInvalidOperation: forces are on, or the arm does not
   /// stand as it must.

@@ -1,5 +1,5 @@
 #pragma once
-/// Errors wait here until somebody asks: the newest comes first.
+/// Errors wait here until they are read: the newest comes first.
 #include <array>
 #include <cstddef>
 

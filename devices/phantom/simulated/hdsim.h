@@ -1,4 +1,4 @@
-/* Hooks of the simulated Phantom library, beside the functions that it exports in the vendor's
+/* Hooks of the simulated Phantom library, next to the functions that it exports in the vendor's
  * place: the operator, faults on command, time that a test steps, and the true state. C, to be
  * found with dlsym. SI units: m, s, N, Nm, rad, kg.
  *
@@ -67,7 +67,7 @@ typedef enum hdsim_fault {
 } hdsim_fault;
 int hdsim_inject(int fault, double amount); /* fault: one of the above */
 
-/* --- What no real device tells */
+/* --- What no real device reports */
 
 typedef struct hdsim_state {
   double time; /* of the arm since power-on, s */
@@ -81,7 +81,7 @@ typedef struct hdsim_state {
   double temperature[3];
   double energy;                           /* of the arm, J */
   uint64_t ticks, ticks_without_callbacks; /* since power-on */
-  uint64_t non_finite_sets; /* NaN or Inf that somebody tried to set; each was refused */
+  uint64_t non_finite_sets; /* NaN or Inf that a person tried to set; each was refused */
   uint32_t errors_waiting, callbacks;
   int held, scheduler_running, virtual_time, device_open;
 } hdsim_state;

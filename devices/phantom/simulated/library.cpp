@@ -17,9 +17,9 @@ Library& Library::instance() {
 Library::Library() {
   if (const char* text = std::getenv("VOXTOUCH_HD_SIM")) {
     try {
-      Settings trial;
-      read_settings(trial, text);
-      power_on(trial);
+      Settings candidate;
+      read_settings(candidate, text);
+      power_on(candidate);
       return;
     } catch (const std::runtime_error& e) {
       broken_ = e.what();
@@ -79,11 +79,12 @@ bool Library::usable(phantom::hd::HHD device) {
 
 phantom::hd::HHD Library::init(phantom::hd::HDstring name) {
   const Lock lock(mutex_);
-  const std::string_view wanted = name == nullptr ? "" : name;
+  const std::string_view requested = name == nullptr ? "" : name;
   phantom::hd::HDerror failure = std::exchange(fail_init_, phantom::hd::kSuccess);
   if (open_)
     failure = phantom::hd::kDeviceAlreadyInitiated;
-  const bool known = name == nullptr || wanted == "Default PHANToM" || wanted == "Default Device";
+  const bool known =
+      name == nullptr || requested == "Default PHANToM" || requested == "Default Device";
   if (failure == phantom::hd::kSuccess && (!known || !broken_.empty()))
     failure = phantom::hd::kCommConfigError;
   if (failure != phantom::hd::kSuccess) {

@@ -75,9 +75,9 @@ class Library {
   template <class Change>
   void configure(Change change) {
     const Lock lock(mutex_);
-    Settings trial = settings_;
-    change(trial);
-    power_on(trial);
+    Settings candidate = settings_;
+    change(candidate);
+    power_on(candidate);
   }
   /// Where the hand goes, in the device's frame [m]: before the first tick the arm is put at its
   /// start, later the hand goes on from there.

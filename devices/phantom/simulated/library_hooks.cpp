@@ -28,15 +28,15 @@ double in_range(double amount, double low, double high, const char* sentence) {
 
 void Library::set_motion(const Motion& motion) {
   const Lock lock(mutex_);
-  Settings trial = settings_;
-  trial.motion = motion;
+  Settings candidate = settings_;
+  candidate.motion = motion;
   if (device_->ticks > 0) {
     device_->plant.follow(motion);
   } else {  // no time has passed: the arm can still be put there
-    device_->plant =
-        PhantomPlant(trial.plant, trial.hand, motion, trial.seed, trial.hand_bandwidth_hz);
+    device_->plant = PhantomPlant(candidate.plant, candidate.hand, motion, candidate.seed,
+                                  candidate.hand_bandwidth_hz);
   }
-  settings_ = trial;
+  settings_ = candidate;
 }
 
 void Library::set_hand(const sim::OperatorConfig& hand) {

@@ -114,9 +114,9 @@ PhantomPlant::Locks PhantomPlant::resist(Load& load) const noexcept {
   Vec3 impulse = Vec3::Zero();
   for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
     for (int i = 0; i < 3; ++i) {
-      const double wanted = std::clamp(impulse[i] - after[i] / mobility(i, i), -most, most);
-      after += mobility.col(i) * (wanted - impulse[i]);
-      impulse[i] = wanted;
+      const double requested = std::clamp(impulse[i] - after[i] / mobility(i, i), -most, most);
+      after += mobility.col(i) * (requested - impulse[i]);
+      impulse[i] = requested;
     }
   }
   for (int i = 0; i < 3; ++i) {

@@ -1,5 +1,5 @@
 #pragma once
-/// The mechanics of a simulated Phantom in somebody's hand: rigid links, joint friction, end stops,
+/// The mechanics of a simulated Phantom in a hand: rigid links, joint friction, end stops,
 /// rotors.
 #include "devices/operator/hand.hpp"
 #include "devices/phantom/phantom_arm.hpp"
@@ -33,7 +33,7 @@ struct PlantConfig {
 /// Fourth-order Runge-Kutta at a fixed step: the undamped arm keeps its energy to 1e-9 in 10 s. Dry
 /// friction is projected: it takes at most what brings a joint to rest, so it never drives, and a
 /// joint at rest under less than its friction is not moved by one bit. Real-time safe but for
-/// construction, `set_hand` and `follow`. The same calls give the same bits.
+/// construction, `set_hand` and `follow`. The same calls give bit-identical results.
 class PhantomPlant {
  public:
   /// At rest, with the tip where the hand wants it. Throws std::runtime_error: a start out of the

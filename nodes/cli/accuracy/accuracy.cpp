@@ -17,7 +17,7 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/progress.hpp"
+#include "nodes/console/progress.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/scene_argument.hpp"
@@ -35,22 +35,23 @@ struct AccuracyVerb {
   bool json = false;
 };
 
-/// Tells at once, then each second: what is being done, and how long the rest takes where the
+/// Reports at once, then each second: what is being done, and how long the rest takes where the
 /// processor is shared as so far.
-std::function<void(const std::string&, double, double)> tell_time_left() {
-  const auto line = [](const std::string& what, double share, double left_s) {
-    return fmt::format("{:.0f} %, about {:.0f} s left: {}", 100.0 * share, left_s, what);
+std::function<void(const std::string&, double, double)> report_time_left() {
+  const auto line = [](const std::string& what, double fraction, double left_s) {
+    return fmt::format("{:.0f} %, about {:.0f} s left: {}", 100.0 * fraction, left_s, what);
   };
-  return [line, tell = log::tell_each_second("accuracy"), begun = std::chrono::steady_clock::now(),
-          cpu_before = thread_cpu_s(),
-          first = true](const std::string& what, double share, double left_s) mutable {
+  return [line, log_line = console::log_each_second("accuracy"),
+          begun = std::chrono::steady_clock::now(), cpu_before = thread_cpu_s(),
+          first = true](const std::string& what, double fraction, double left_s) mutable {
     if (std::exchange(first, false))
-      log::tell("accuracy: {}\n", line(what, share, left_s));
-    constexpr double kToldByS = 1.0;
+      console::log("accuracy: {}\n", line(what, fraction, left_s));
+    constexpr double kReportAfterS = 1.0;
     const double gone_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun)
                               .count(),
                  used_s = thread_cpu_s() - cpu_before;
-    tell(line(what, share, left_s * (used_s > kToldByS ? std::max(1.0, gone_s / used_s) : 1.0)));
+    log_line(line(what, fraction,
+                  left_s * (used_s > kReportAfterS ? std::max(1.0, gone_s / used_s) : 1.0)));
   };
 }
 
@@ -58,7 +59,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   o.goal.validate();
   const scene::Scene scene = scene::load_scene(o.scene);
   for (const std::string& warning : scene.warnings)
-    log::tell("warning: {}\n", warning);
+    console::log("warning: {}\n", warning);
   const std::vector<accuracy::AccuracySetting> settings = settings_of(o.choice, scene.voxel_size_m);
   AccuracyReport report;
   report.scene = scene.name;
@@ -73,9 +74,9 @@ AccuracyReport measure(const AccuracyVerb& o) {
   options.seed = o.seed, options.contacts = o.contacts, options.depth_edges = o.depth_edges;
   options.cpu_time_s = thread_cpu_s;
   options.read = mesh_import::mesh_process();
-  mesh_import::rehearse_reading(scene);
-  options.progress = tell_time_left();
-  log::tell("{} settings on {} contacts each\n", settings.size(), o.contacts);
+  mesh_import::dry_run_reading(scene);
+  options.progress = report_time_left();
+  console::log("{} settings on {} contacts each\n", settings.size(), o.contacts);
   report.rows = accuracy::measure_accuracy(
       scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   report.load_after = load_average();
@@ -92,15 +93,15 @@ int run(const AccuracyVerb& o) {
     csv = std::make_unique<OutputFile>(o.csv);
   const AccuracyReport report = measure(o);
   const std::string json = to_json(report).dump(2);
-  log::print_result("{}", o.json ? json + "\n" : to_text(report));
+  console::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    log::tell("{} holds the table\n", o.csv.string());
+    console::log("{} holds the table\n", o.csv.string());
   }
   if (!o.plot.empty())
-    log::tell("{}\n", draw_picture("accuracy", json, o.plot));
+    console::log("{}\n", draw_picture("accuracy", json, o.plot));
   if (!o.page.empty())
-    log::tell("{}\n", draw_picture("costs", json, o.page));
+    console::log("{}\n", draw_picture("costs", json, o.page));
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
 }
 

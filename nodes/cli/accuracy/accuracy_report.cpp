@@ -61,7 +61,7 @@ std::string table_row(const AccuracyReport& report, std::size_t index) {
   return text + fmt::format(
                     " {:>9} {:>6} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>8} "
                     "{:>7} {:>7} {:>8} {:>7}\n",
-                    r.shell_points, r.contacts + r.missed, cell(100.0 * r.missed_share()),
+                    r.shell_points, r.contacts + r.missed, cell(100.0 * r.missed_ratio()),
                     cell(r.direction_mean_deg), cell(r.direction_median_deg),
                     cell(r.direction_p95_deg), cell(r.force_ratio), cell(r.magnitude_noise * 100.0),
                     cell(r.torque_error_m * 1e3), cell(r.onset_error_m * 1e3),
@@ -89,7 +89,7 @@ std::string cells(const accuracy::Interval& both, double unit) {
   return cell(both.low * unit) + " to " + cell(both.high * unit);
 }
 
-/// Depths that rows tell of; none where no row does.
+/// Depths that rows report; none where no row does.
 std::vector<double> depths_of(const AccuracyReport& report) {
   std::vector<double> out;
   for (const accuracy::AccuracyRow& r : report.rows) {
@@ -140,7 +140,7 @@ std::string phase_table(const AccuracyReport& report) {
     if (!no_figures(r).empty())
       continue;
     text += fmt::format("    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
-                        describe(r.setting), cells(r.phases.missed_share, 100.0),
+                        describe(r.setting), cells(r.phases.missed_ratio, 100.0),
                         cells(r.phases.direction_mean_deg, 1.0), cells(r.phases.force_ratio, 1.0),
                         cells(r.direction_median_95, 1.0), cells(r.torque_error_95, 1e3),
                         cells(r.onset_error_95, 1e3), cells(r.median_us_95, 1.0));
@@ -205,7 +205,7 @@ struct Entry {
 };
 
 std::vector<Entry> figures(const accuracy::AccuracyRow& r) {
-  std::vector<Entry> out{{"missed_share", r.missed_share()},
+  std::vector<Entry> out{{"missed_ratio", r.missed_ratio()},
                          {"direction_mean_deg", r.direction_mean_deg},
                          {"direction_median_deg", r.direction_median_deg},
                          {"direction_p95_deg", r.direction_p95_deg},
@@ -236,7 +236,7 @@ struct EntryPair {
 };
 
 std::vector<EntryPair> phase_figures(const accuracy::AccuracyRow& r) {
-  return {{"missed_share", r.phases.missed_share},
+  return {{"missed_ratio", r.phases.missed_ratio},
           {"direction_mean_deg", r.phases.direction_mean_deg},
           {"force_ratio", r.phases.force_ratio}};
 }
@@ -324,11 +324,11 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
   j["scene_hash"] = r.scene_hash;
   j["scene_voxel_m"] = r.scene_voxel_m;
   j["options"] = {{"seed", r.seed}, {"contacts", r.contacts}, {"depth_edges", r.depth_edges}};
-  j["wish"] = {{"direction_deg", given(r.goal.direction_deg)},
-               {"noise", given(r.goal.noise)},
-               {"torque_m", given(r.goal.torque_m)},
-               {"onset_m", given(r.goal.onset_m)},
-               {"within_us", given(r.goal.within_us)}};
+  j["request"] = {{"direction_deg", given(r.goal.direction_deg)},
+                  {"noise", given(r.goal.noise)},
+                  {"torque_m", given(r.goal.torque_m)},
+                  {"onset_m", given(r.goal.onset_m)},
+                  {"within_us", given(r.goal.within_us)}};
   const auto load = [](double value) {
     return value < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
   };

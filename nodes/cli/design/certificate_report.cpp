@@ -26,7 +26,7 @@ std::string certified_limits(const cd::ContactCertificate& c) {
 }
 
 /// Why it is not for any contact.
-std::string why_linear(const cd::ContactCertificate& c) {
+std::string linear_reason(const cd::ContactCertificate& c) {
   if (c.loops == 0)
     return "not any contact: the rule for any passive hand allows less than is displayed";
   if (c.ratio_of_linear == 0.0)
@@ -58,7 +58,7 @@ std::string_view gap_sentence(cd::CertificateGap gap) {
     case kReleasedFrictionless:
       return "Released and out of contact, nothing stops a device without viscous damping.";
     case kForceOnlyLever:
-      return "A contact beside the hand turns the tool; the device has no torque against that.";
+      return "A contact next to the hand turns the tool; the device has no torque against that.";
     case kCurvedContact:
       return "On a curved surface the force turns with the position: F/R of negative stiffness.";
     case kVoxelSteps:
@@ -95,7 +95,7 @@ std::string certificate_line(const cd::ContactCertificate& c) {
     return fmt::format("any contact up to {} (its force must not fall with the depth)",
                        certified_limits(c));
   if (c.contact == cd::ContactClass::kLinear)
-    return "linear contact up to the stiffness above; " + why_linear(c);
+    return "linear contact up to the stiffness above; " + linear_reason(c);
   return "";
 }
 

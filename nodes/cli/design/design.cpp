@@ -9,7 +9,7 @@
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 #include "nodes/scene_build/build_here.hpp"
@@ -31,18 +31,18 @@ int design(const DesignVerbOptions& o) {
     csv = std::make_unique<OutputFile>(o.csv);
   const coupling::design::DeviceModel device = find_device(o.device);
   if (!o.scene.empty())
-    log::tell("building {} to count its points\n", o.scene.stem().string());
+    console::log("building {} to count its points\n", o.scene.stem().string());
   const DesignReport report = work_out(o, device, [&](const scene::Scene& scene) {
     return scene_build::build_here(scene, {.who = "design"});
   });
   const std::string json = to_json(report).dump(2);
-  log::print_result("{}", o.json ? json + "\n" : to_text(report));
+  console::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    log::tell("{} holds the stable region\n", o.csv.string());
+    console::log("{} holds the stable region\n", o.csv.string());
   }
   if (!o.plot.empty())
-    log::tell("{}\n", draw_picture("design", json, o.plot));
+    console::log("{}\n", draw_picture("design", json, o.plot));
   return report.design.status == coupling::design::DesignStatus::kInfeasible ? 1 : 0;
 }
 
@@ -76,14 +76,15 @@ void add_design(CLI::App& app, Action& action) {
       ->check(CLI::Range(1.0, 100.0));
   verb->add_option("--damping-floor", o->damping_floor,
                    "Least damping ratio of the slowest swing along in contact, with a hand; a "
-                   "third of it with nobody holding the device.\n"
+                   "third of it with the device released.\n"
                    "Stiffness is given up for it; 0: it is not. Default: the scene's, else 0.3")
       ->check(CLI::Range(0.0, 0.99));
-  verb->add_option("--damper-share", o->damper_share,
-                   "Most that injected damping adds, as a share of what contact and effects give; "
-                   "0: not bounded. Default: the scene's, else 0.35\n"
-                   "if that leaves two thirds of the stiffness, else the least of 0.7, 2, 6 and 24 "
-                   "that leaves nine tenths")
+  verb->add_option(
+          "--damping-force-ratio", o->damping_force_ratio,
+          "Most that injected damping adds, as a fraction of what contact and effects give; "
+          "0: not bounded. Default: the scene's, else 0.35\n"
+          "if that leaves two thirds of the stiffness, else the least of 0.7, 2, 6 and 24 "
+          "that leaves nine tenths")
       ->check(CLI::NonNegativeNumber);
   verb->add_option("--stiffness", o->stiffness_n_per_m,
                    "Without a scene: the contact's stiffness at the hand [N/m]")

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "core/fitting/design_problem.hpp"
-#include "core/fitting/fit_coupling.hpp"
+#include "core/device_fit/design_problem.hpp"
+#include "core/device_fit/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
 
 namespace voxtouch::cli {
@@ -15,7 +15,7 @@ std::string hand_text(const coupling::design::OperatorRange& hand, const std::st
     return "any hand that creates no energy";
   return fmt::format("{}: {:.3g} to {:.3g} kg, {:.3g} to {:.3g} Ns/m, {:.4g} to {:.4g} N/m{}", name,
                      h.mass_min, h.mass_max, h.damping_min, h.damping_max, h.stiffness_min,
-                     h.stiffness_max, h.may_release ? ", or nobody" : ", always held");
+                     h.stiffness_max, h.may_release ? ", or released" : ", always held");
 }
 
 }  // namespace
@@ -28,8 +28,8 @@ coupling::design::DesignProblem problem_for_device(const DesignInput& input,
   const double most =
       input.stiffness_n_per_m > 0 ? input.stiffness_n_per_m : device.translation.max_stiffness;
   const double most_rotation = device.gives_torque ? device.rotation.max_stiffness : 0.0;
-  return fitting::design_problem(scene, device, {0.01 * most, most},
-                                 {0.01 * most_rotation, most_rotation});
+  return device_fit::design_problem(scene, device, {0.01 * most, most},
+                                    {0.01 * most_rotation, most_rotation});
 }
 
 namespace {
@@ -49,8 +49,8 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
   }
   if (input.damping_floor)
     problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
-  if (input.damper_share)
-    problem.goals.damper_share = *input.damper_share;
+  if (input.damping_force_ratio)
+    problem.goals.damping_force_ratio = *input.damping_force_ratio;
   if (input.held)
     problem.hand.translation.may_release = problem.hand.rotation.may_release = false;
   if (input.no_velocity_windows)
@@ -82,7 +82,7 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
     const auto built = build(scene);
     const rendering::Plan& plan = built->plan();
     out.problem =
-        fitting::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+        device_fit::design_problem(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
     preview = {scene, {plan.contact_n_per_m, plan.contact_nm_per_rad}, plan.tool_reach_m};
     if (scene.design)
       hand = std::string(scene::name_of(scene.design->hand));
@@ -110,15 +110,15 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
   return out;
 }
 
-std::optional<fitting::ForcePreview> preview_of(const PreviewInput& input,
-                                                const coupling::design::DeviceModel& device,
-                                                const coupling::design::Design& design) {
-  fitting::FittedCoupling fitted;
-  fitted.spec = fitting::spec_W(design, input.scene), fitted.design = design,
+std::optional<device_fit::ForcePreview> preview_of(const PreviewInput& input,
+                                                   const coupling::design::DeviceModel& device,
+                                                   const coupling::design::Design& design) {
+  device_fit::FittedCoupling fitted;
+  fitted.spec = device_fit::spec_W(design, input.scene), fitted.design = design,
   fitted.designed = true;
   if (design.status == coupling::design::DesignStatus::kInfeasible)
     return std::nullopt;
-  return fitting::force_preview(fitted, input.scene, device, input.bounds, input.tool_reach_m);
+  return device_fit::force_preview(fitted, input.scene, device, input.bounds, input.tool_reach_m);
 }
 
 }  // namespace

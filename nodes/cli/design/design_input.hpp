@@ -21,7 +21,7 @@ struct DesignInput {
       0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
   std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
   std::optional<double>
-      damper_share;  ///< as CouplingSpec has it; none: the scene's, or the standard
+      damping_force_ratio;  ///< as CouplingSpec has it; none: the scene's, or the standard
   bool held = false, no_damping = false;
   bool no_velocity_windows = false;
 };

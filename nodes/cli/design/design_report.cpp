@@ -72,8 +72,8 @@ std::string coupling_lines(const coupling::design::Design& design) {
 }
 
 std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) {
-  std::string text =
-      fmt::format("{:.4g} {} of {:.4g} wanted", a.shown_stiffness, unit, a.wanted_stiffness);
+  std::string text = fmt::format("{:.4g} {} of {:.4g} requested", a.displayed_stiffness, unit,
+                                 a.requested_stiffness);
   if (std::isfinite(a.critical_stiffness))
     text += fmt::format("; unstable from {:.4g}: {}\n                margin {:.3g}",
                         a.critical_stiffness, a.worst_case_text, a.gain_margin);
@@ -89,7 +89,7 @@ std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) 
 /// Least damping ratios, where they are, and what came of their floors.
 std::string damping_lines(const DesignReport& r) {
   namespace cd = coupling::design;
-  const cd::SlowestSwing& least = r.design.swing;
+  const cd::DominantMode& least = r.design.swing;
   std::string text;
   for (const auto& [who, ratio, where] :
        {std::tuple("released", least.released, &least.released_where),
@@ -177,8 +177,8 @@ nlohmann::ordered_json region_json(const DesignReport& r) {
 }
 
 nlohmann::ordered_json axis_json(const coupling::design::AxisDesign& a) {
-  return {{"wanted_stiffness", finite(a.wanted_stiffness)},
-          {"shown_stiffness", finite(a.shown_stiffness)},
+  return {{"requested_stiffness", finite(a.requested_stiffness)},
+          {"displayed_stiffness", finite(a.displayed_stiffness)},
           {"critical_stiffness", finite(a.critical_stiffness)},
           {"gain_margin", finite(a.gain_margin)},
           {"worst_case", a.worst_case_text},
@@ -226,8 +226,8 @@ LawRegion region_of_law(const coupling::design::DesignProblem& problem,
   namespace cd = coupling::design;
   constexpr int kCount = 64;
   cd::AxisProblem axis = cd::axis_problems(problem).front();
-  axis.damper_share =
-      design.spec.damper_share;  // a design may have left the bound out that was asked for
+  axis.damping_force_ratio =
+      design.spec.damping_force_ratio;  // a design may have left the bound out that was asked for
   cd::LoopController law = cd::controller_of(design.spec, axis, cd::arm_squared(problem));
   const double cap = design.spec.stiffness_cap_n_per_m,
                contact = std::min(problem.contact.all_points, cap);
@@ -311,7 +311,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                    {"velocity_window", s.velocity_window},
                    {"slow_velocity_hz", s.slow_velocity_hz},
                    {"velocity_band_m_per_s", s.velocity_band_m_per_s},
-                   {"damper_share", s.damper_share},
+                   {"damping_force_ratio", s.damping_force_ratio},
                    {"damper_free_n", s.damper_free_n}};
   if (std::isfinite(s.stiffness_cap_n_per_m))
     j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
@@ -327,14 +327,14 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   j["translation"] = axis_json(r.design.translation);
   if (r.problem.device.gives_torque)
     j["rotation"] = axis_json(r.design.rotation);
-  const coupling::design::SlowestSwing& swing = r.design.swing;
+  const coupling::design::DominantMode& swing = r.design.swing;
   const coupling::design::FloorsKept& floors = r.design.floors;
-  j["slowest_swing"] = {{"released_damping_ratio", swing.released},
+  j["dominant_mode"] = {{"released_damping_ratio", swing.released},
                         {"released", swing.released_where},
-                        {"held_damping_ratio", swing.held},
+                        {"gripped_damping_ratio", swing.held},
                         {"held", swing.held_where},
                         {"floor_released", r.problem.goals.floors.released},
-                        {"floor_held", r.problem.goals.floors.held},
+                        {"floor_gripped", r.problem.goals.floors.held},
                         {"floors_kept", floors.released + floors.held > 0.0},
                         {"out_of_reach", floors.out_of_reach},
                         {"cost_of_floors_n_per_m", floors.cost_n_per_m},

@@ -10,7 +10,7 @@
 #include "core/coupling/design/absolute_stability.hpp"
 #include "core/coupling/design/designer.hpp"
 #include "core/coupling/design/stable_region.hpp"
-#include "core/fitting/force_preview.hpp"
+#include "core/device_fit/force_preview.hpp"
 
 namespace voxtouch::cli {
 
@@ -18,7 +18,7 @@ namespace voxtouch::cli {
 struct PaperRecipe {
   double stiffness =
       0.0;  ///< that the device is asked to show: the smaller of contact and device limit
-  double critical_released = 0.0;  ///< where nobody holds it; NaN where that is not among the cases
+  double critical_released = 0.0;  ///< where it is released; NaN where that is not among the cases
   double critical_held = 0.0;      ///< worst of the hands
 };
 /// The paper's own 5 Hz filter (Renz et al. 2001) on the problem's device and hands, by the exact
@@ -49,8 +49,8 @@ struct DesignReport {
   PaperRecipe paper;
   coupling::design::StableRegion region;  ///< of the chosen damping, over the cut-off
   LawRegion law;                          ///< of the law that was chosen, where that is no filter
-  std::optional<fitting::ForcePreview> preview;  ///< of a scene on the device
-  std::string device, hand, contact;             ///< where the numbers come from, for a person
+  std::optional<device_fit::ForcePreview> preview;  ///< of a scene on the device
+  std::string device, hand, contact;                ///< where the numbers come from, for a person
 };
 
 /// For a person; and for a machine, where what is not finite is null.

@@ -19,7 +19,7 @@
 #include "nodes/cli/doctor/doctor_checks.hpp"
 #include "nodes/cli/doctor/machine_checks.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/signals.hpp"
@@ -97,8 +97,8 @@ int doctor(const runtime::NodeOptions& o) {
   const auto say = [&](const std::vector<Finding>& findings) {
     static constexpr std::string_view kMarks[] = {"ok  ", "mind", "BAD "};
     for (const Finding& finding : findings) {
-      log::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)],
-                        finding.sentence);
+      console::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)],
+                            finding.sentence);
       is_bad = is_bad || finding.health == Health::kBad;
     }
   };
@@ -120,7 +120,7 @@ int doctor(const runtime::NodeOptions& o) {
   if (is_bad)
     return 1;
   say(check_neighbours(o));
-  log::print_result(
+  console::print_result(
       "\nROS 2 finds the ring as it comes, but for what stands above. One with rmw_cyclonedds that "
       "does not:\n{}",
       ros_environment(o.domain, o.network_interface));

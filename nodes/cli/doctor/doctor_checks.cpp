@@ -110,14 +110,14 @@ std::vector<Finding> check_rights() {
       .join();
   if (findings.empty())
     findings.push_back({Health::kGood, "real-time scheduling and locked memory are allowed"});
-  constexpr long kWanted = 4L << 20;
+  constexpr long kRequestedBytes = 4L << 20;
   const long allowed = number_in("/proc/sys/net/core/rmem_max");
-  if (allowed >= 0 && allowed < kWanted)
+  if (allowed >= 0 && allowed < kRequestedBytes)
     findings.push_back(
         {Health::kMind,
          fmt::format("receive buffers end at {} bytes: a reader that is late loses more; "
                      "`sysctl -w net.core.rmem_max={}` allows DDS what it asks for",
-                     allowed, kWanted)});
+                     allowed, kRequestedBytes)});
   return findings;
 }
 

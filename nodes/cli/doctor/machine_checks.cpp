@@ -101,7 +101,7 @@ Finding check_governors(const fs::path& root) {
     if (const std::string governor = line_of(cpu / "cpufreq/scaling_governor"); !governor.empty())
       governors.insert(governor);
   if (governors.empty())
-    return {Health::kGood, "the system tells of no CPU governor, as virtual machines do not"};
+    return {Health::kGood, "the system lists no CPU governor, as virtual machines do not"};
   if (governors == std::set<std::string>{"performance"})
     return {Health::kGood, "CPU governor: performance"};
   return {Health::kMind, fmt::format("CPU governor: {}; a processor that sleeps or slows down "

@@ -76,23 +76,24 @@ class GuardedDriver {
 /// Empty: passed.
 std::string check_by_hand(GuardedDriver& device, const DeviceRunOptions& o,
                           const std::atomic<bool>& stop,
-                          const std::function<void(const std::string&)>& tell) {
+                          const std::function<void(const std::string&)>& report) {
   id::HandCheck check(o.session.limits.box_m);
-  std::size_t told = 9;
-  auto told_state = id::HandCheck::State::kPassed;
+  std::size_t reported = 9;
+  auto reported_state = id::HandCheck::State::kPassed;
   auto until = std::chrono::steady_clock::now();
   while (check.state() != id::HandCheck::State::kPassed) {
     if (stop.load())
       return "stopped on request";
-    if (told != check.axis() || told_state != check.state()) {
-      told = check.axis();
-      told_state = check.state();
+    if (reported != check.axis() || reported_state != check.state()) {
+      reported = check.axis();
+      reported_state = check.state();
       until = std::chrono::steady_clock::now() +
               std::chrono::milliseconds(std::lround(1e3 * o.hand_check_s));
-      tell(fmt::format(
-          "hand check, no force: move the tool along {}{} by {:.0f} mm",
-          told_state == id::HandCheck::State::kForward ? '+' : '-', kAxisLetters[told],
-          1e3 * o.session.limits.box_m * (told_state == id::HandCheck::State::kForward ? 1 : 2)));
+      report(fmt::format("hand check, no force: move the tool along {}{} by {:.0f} mm",
+                         reported_state == id::HandCheck::State::kForward ? '+' : '-',
+                         kAxisLetters[reported],
+                         1e3 * o.session.limits.box_m *
+                             (reported_state == id::HandCheck::State::kForward ? 1 : 2)));
     }
     const auto sample = device.read();
     if (sample) {
@@ -126,16 +127,16 @@ std::string step_text(const id::DeviceSession& session, double elapsed_s) {
 
 DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptions& o,
                                    const std::atomic<bool>& stop,
-                                   const std::function<void(const std::string&)>& tell) {
+                                   const std::function<void(const std::string&)>& report) {
   const ForceOff force_off(driver);
   DeviceRunResult out;
   GuardedDriver device(driver);
   if (o.hand_check) {
-    out.problem = check_by_hand(device, o, stop, tell);
+    out.problem = check_by_hand(device, o, stop, report);
     if (!out.problem.empty())
       return out;
     for (int n = 3; n > 0 && !stop.load(); --n) {
-      tell(fmt::format("let go of the tool; force begins in {} s", n));
+      report(fmt::format("let go of the tool; force begins in {} s", n));
       const auto until = std::chrono::steady_clock::now() + 1s;
       while (std::chrono::steady_clock::now() < until)
         if (const auto sample = device.read())
@@ -147,7 +148,7 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
   std::future<id::FitResult> fit;
   int errors = 0;
   std::int64_t first_ns = -1;
-  double axis_start_s = 0.0, next_tell_s = 0.0;
+  double axis_start_s = 0.0, next_report_s = 0.0;
   std::size_t axis = session.axis();
   while (!session.finished()) {
     if (stop.load()) {
@@ -163,7 +164,7 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
         continue;
       device.stop();
       out.problem = fmt::format("the driver reported '{}'. {}", devices::name_of(sample.error()),
-                                driver.trouble());
+                                driver.last_error());
       break;
     }
     errors = 0;
@@ -181,9 +182,9 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
       axis = session.axis();
       axis_start_s = time_s;
     }
-    if (!o.virtual_time && time_s >= next_tell_s) {
-      tell(step_text(session, time_s - axis_start_s));
-      next_tell_s = time_s + 2.0;
+    if (!o.virtual_time && time_s >= next_report_s) {
+      report(step_text(session, time_s - axis_start_s));
+      next_report_s = time_s + 2.0;
     }
     if (!session.waiting())
       continue;

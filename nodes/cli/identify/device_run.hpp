@@ -26,10 +26,10 @@ struct DeviceRunResult {
   std::uint64_t guard_clamped = 0;
 };
 
-/// Opens nothing and closes nothing; ends with zero force on every path. `tell`: progress for a
+/// Opens nothing and closes nothing; ends with zero force on every path. `report`: progress for a
 /// person.
 DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptions& options,
                                    const std::atomic<bool>& stop,
-                                   const std::function<void(const std::string&)>& tell);
+                                   const std::function<void(const std::string&)>& report);
 
 }  // namespace voxtouch::cli

@@ -9,8 +9,8 @@
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/device/described_device.hpp"
-#include "nodes/log/tell.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/runtime/signals.hpp"
@@ -77,12 +77,12 @@ int identify(const IdentifyOptions& o, const std::string& command) {
   if (!o.out.empty())
     file = std::make_unique<OutputFile>(o.out);
   runtime::catch_signals();
-  const auto tell = [](const std::string& text) { log::tell("identify: {}\n", text); };
+  const auto report = [](const std::string& text) { console::log("identify: {}\n", text); };
   DeviceRunOptions run;
   run.virtual_time = virtual_time;
   run.hand_check = !simulated && !o.skip_hand_check;
   if (simulated)
-    tell("hand check skipped: the device is simulated");
+    report("hand check skipped: the device is simulated");
   IdentifyContext context{
       .assumed = devices::describe_device(device, options_for(o, device, virtual_time, 0.0)),
       .device = o.device,
@@ -103,15 +103,15 @@ int identify(const IdentifyOptions& o, const std::string& command) {
       run.session.axes[a] = o.axes.find("xyz"[a]) != std::string::npos;
     if (!virtual_time)
       for (const std::string& refused : runtime::enter_realtime({}))
-        tell(refused);
-    return run_identification(*driver, run, runtime::stop_requested(), tell);
+        report(refused);
+    return run_identification(*driver, run, runtime::stop_requested(), report);
   };
   const DeviceRunResult result = measure(0.0);
   context.answers_at_once = context.assumed.simulated;
   std::string text = figures_text(result, run.session, context);
   const bool measured = all_measured(result, run.session);
   if (measured && o.payload_kg > 0.0) {
-    tell(fmt::format("second run: with {} kg at the tool", o.payload_kg));
+    report(fmt::format("second run: with {} kg at the tool", o.payload_kg));
     const DeviceRunResult loaded = measure(o.payload_kg);
     for (std::size_t a = 0; a < 3; ++a) {
       if (!run.session.axes[a])
@@ -130,12 +130,12 @@ int identify(const IdentifyOptions& o, const std::string& command) {
   if (measured)
     text += design_table(context.assumed, measured_description(result, run.session, context, false),
                          measured_description(result, run.session, context, true));
-  log::print_result("{}", text);
+  console::print_result("{}", text);
   if (!measured)
     return 1;
   if (file) {
     file->keep(device_file_text(result, run.session, context));
-    log::tell("{} is the device file\n", o.out.string());
+    console::log("{} is the device file\n", o.out.string());
   }
   return 0;
 }

@@ -85,9 +85,10 @@ double designed(const DeviceDescription& d, std::string& limit) {
     return 0.0;
   }
   const auto& axis = design.translation;
-  limit = axis.shown_stiffness >= 0.999 * axis.wanted_stiffness ? "what the device can display"
-                                                                : axis.worst_case_text;
-  return axis.shown_stiffness;
+  limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness
+              ? "what the device can display"
+              : axis.worst_case_text;
+  return axis.displayed_stiffness;
 }
 
 }  // namespace

@@ -2,9 +2,9 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "core/fitting/device_check.hpp"
-#include "core/fitting/fit_coupling.hpp"
-#include "core/fitting/force_preview.hpp"
+#include "core/device_fit/device_check.hpp"
+#include "core/device_fit/fit_coupling.hpp"
+#include "core/device_fit/force_preview.hpp"
 #include "core/rendering/build.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/force_line.hpp"
@@ -35,25 +35,25 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
   DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.gives_torque)
     out.notes.emplace_back(kTurnsAreHeld);
-  const fitting::FittedCoupling fit =
-      fitting::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+  const device_fit::FittedCoupling fit =
+      device_fit::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fit.refusal.empty()) {
     out.errors.push_back(fit.refusal);
     return out;
   }
   if (scene.design) {
     out.notes.push_back(fmt::format("The designed coupling shows {:.4g} of {:.4g} N/m at the hand.",
-                                    fit.design.translation.shown_stiffness,
-                                    fit.design.translation.wanted_stiffness));
+                                    fit.design.translation.displayed_stiffness,
+                                    fit.design.translation.requested_stiffness));
   } else {
-    const fitting::DeviceCheck all =
-        fitting::check_device(scene, device, plan.contact_n_per_m.all_points);
+    const device_fit::DeviceCheck all =
+        device_fit::check_device(scene, device, plan.contact_n_per_m.all_points);
     out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
     if (!all.fits())
       out.notes.push_back("Where all points push together: " + all.errors.front());
   }
   const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
-  if (const auto preview = fitting::force_preview(fit, scene, device, bounds, plan.tool_reach_m))
+  if (const auto preview = device_fit::force_preview(fit, scene, device, bounds, plan.tool_reach_m))
     out.notes.push_back(force_line(*preview, device.name));
   fitted = scene.design ? fit.spec : scene.coupling;
   return out;
@@ -67,7 +67,7 @@ PlanReport make_report(const PlanVerb& o) {
                     scene.contact.model, o.model));
   if (!o.model.empty())
     scene.contact.model = o.model;
-  log::tell("building {}\n", scene.name);
+  console::log("building {}\n", scene.name);
   const std::unique_ptr<rendering::BuiltScene> built =
       scene_build::build_here(scene, {.who = "plan"});
   PlanReport report;
@@ -82,11 +82,11 @@ PlanReport make_report(const PlanVerb& o) {
   if (o.no_measure)
     return report;
   if (!options.coupling)
-    report.why_no_coupling_time =
+    report.no_coupling_time_reason =
         report.device ? "The coupling was not measured: none may run."
                       : "The coupling was not measured: it is designed for a device; name one "
                         "with --device.";
-  log::tell("measuring {} frames\n", o.frames);
+  console::log("measuring {} frames\n", o.frames);
   report.machine = this_machine(), report.load = load_average();
   report.times = measure_plan(scene, *built, options);
   return report;
@@ -94,7 +94,7 @@ PlanReport make_report(const PlanVerb& o) {
 
 int run(const PlanVerb& o) {
   const PlanReport report = make_report(o);
-  log::print_result("{}", o.json ? to_json(report).dump(2) + "\n" : to_text(report));
+  console::print_result("{}", o.json ? to_json(report).dump(2) + "\n" : to_text(report));
   return report.device && !report.device->errors.empty() ? 1 : 0;
 }
 

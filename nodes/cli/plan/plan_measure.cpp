@@ -7,8 +7,8 @@
 
 #include "core/accuracy/tool_row.hpp"
 #include "core/coupling/running_coupling.hpp"
+#include "core/device_fit/coupling_input.hpp"
 #include "core/effects/body.hpp"
-#include "core/fitting/coupling_input.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -41,9 +41,9 @@ double median(std::vector<double> values) {
 
 /// Where the tool is in frame `n` of `frames`: spread evenly over the first motion by name, or
 /// about its own size from a voxel of the surface that is drawn with a fixed seed.
-class Way {
+class ToolPath {
  public:
-  Way(const scene::Scene& scene, const voxmap::Voxmap& voxmap, double reach_m, int frames)
+  ToolPath(const scene::Scene& scene, const voxmap::Voxmap& voxmap, double reach_m, int frames)
       : frames_(frames),
         random_(kSeed),
         edge_m_(voxmap.grid().edge) {
@@ -81,10 +81,10 @@ class Way {
   std::vector<rendering::ToolState> lead(int n) {
     std::vector<rendering::ToolState> out;
     if (motion_) {
-      const double from_s = step_s() * std::max(n - 1, 0), way_s = step_s() * n - from_s;
-      const int steps = std::max(1, static_cast<int>(std::ceil(way_s / 1e-3)));
+      const double from_s = step_s() * std::max(n - 1, 0), path_s = step_s() * n - from_s;
+      const int steps = std::max(1, static_cast<int>(std::ceil(path_s / 1e-3)));
       for (int k = 1; k <= steps; ++k)
-        out.push_back(along(from_s + way_s * k / steps));
+        out.push_back(along(from_s + path_s * k / steps));
       return out;
     }
     out.assign(kLeadFrames, at(n));
@@ -160,7 +160,7 @@ class Measurement {
               const MeasureOptions& options)
       : scene_(scene),
         built_(built),
-        way_(scene, built.voxmap(), built.renderer().query().reach_m(), options.frames),
+        path_(scene, built.voxmap(), built.renderer().query().reach_m(), options.frames),
         watch_(options.cpu_time_s) {
     samples_.effects.resize(scene.effects.size());
     for (const effects::EffectSpec& effect : scene.effects)
@@ -169,14 +169,14 @@ class Measurement {
       coupling_.emplace(*options.coupling, coupling::CouplingLimits{}, kDefaultS);
     hits_.reserve(built.renderer().query().shell().size());
     built.scene_renderer().reset();
-    built.scene_renderer().aim_for_spring(kSpringNPerM);
+    built.scene_renderer().set_spring_target(kSpringNPerM);
   }
 
-  /// Frames in contact are what counts, where there are any: those without are told apart.
+  /// Frames in contact are what counts, where there are any: those without are distinguished.
   void frame(int n, PlanTimes& out) {
     if (scene_.virtual_tool())
       return slide(n, out);
-    const rendering::ToolState tool = way_.at(n);
+    const rendering::ToolState tool = path_.at(n);
     rendering::ObjectContacts& contacts = built_.contacts();
     double time_s = static_cast<double>(n), hits = 0.0, tested = 0.0;
     for (std::size_t o = 0; o < contacts.size(); ++o) {
@@ -206,7 +206,7 @@ class Measurement {
     samples_.frame.push_back(
         watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
     if (coupling_) {
-      const coupling::CouplingInput input = fitting::coupling_input(all, tool.pose);
+      const coupling::CouplingInput input = device_fit::coupling_input(all, tool.pose);
       samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
     }
   }
@@ -214,11 +214,11 @@ class Measurement {
   /// The same of a virtual tool, from where the hand is led to.
   void slide(int n, PlanTimes& out) {
     rendering::SceneRenderer& renderer = built_.scene_renderer();
-    if (!way_.leads())
+    if (!path_.leads())
       renderer.lose_tool();
     rendering::SceneFrame frame;
     rendering::ToolState hand;
-    for (const rendering::ToolState& next : way_.lead(n))
+    for (const rendering::ToolState& next : path_.lead(n))
       frame = renderer.render(hand = next, time_s_ += kDefaultS);
     const Vec3 normal = frame.touch.contact.mean_normal;
     if (frame.tool.constrained && out.touching++ == 0)
@@ -241,7 +241,7 @@ class Measurement {
       samples_.find.push_back(find), samples_.tested.push_back(tested),
           samples_.hits.push_back(hits);
       if (coupling_) {
-        const coupling::CouplingInput input = fitting::coupling_input(frame, hand.pose);
+        const coupling::CouplingInput input = device_fit::coupling_input(frame, hand.pose);
         samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
       }
     }
@@ -285,7 +285,7 @@ class Measurement {
   }
 
   void sum_up(PlanTimes& out) {
-    out.along = way_.name();
+    out.along = path_.name();
     out.points_tested = median(samples_.tested), out.hits = median(samples_.hits);
     out.slides = scene_.virtual_tool();
     if (out.slides)
@@ -325,12 +325,12 @@ class Measurement {
   static constexpr double kDefaultS = rendering::SceneRenderer::kDefaultStepS;
   const scene::Scene& scene_;
   rendering::BuiltScene& built_;
-  Way way_;
+  ToolPath path_;
   Stopwatch watch_;
   std::vector<effects::EffectChain> alone_;
   std::optional<coupling::RunningCoupling> coupling_;
   contact::HitList hits_;
-  effects::EffectPush push_;
+  effects::EffectForce push_;
   effects::BodyGrip grip_;
   Samples samples_;
   double time_s_ = 0.0;       ///< of a virtual tool's frames

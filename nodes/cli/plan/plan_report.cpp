@@ -104,8 +104,8 @@ std::string times_text(const PlanReport& report) {
         "place; {:.2f} queries a frame on average, and none where it "
         "rests or goes straight on in.\n",
         accuracy::kSlideEdges, t.queries_per_frame);
-  if (!report.why_no_coupling_time.empty())
-    text += fmt::format("  {}\n", report.why_no_coupling_time);
+  if (!report.no_coupling_time_reason.empty())
+    text += fmt::format("  {}\n", report.no_coupling_time_reason);
   return text;
 }
 
@@ -141,7 +141,7 @@ std::string to_text(const PlanReport& report) {
   text += fmt::format("  All parts: {}; at most about {:.1f} us a frame of the rendering.\n",
                       rendering::bytes_text(bytes), plan.expected_ns_per_frame / 1e3);
   text += times_text(report);
-  return text + section("Left out", plan.left_out) + "\nTopics and nodes\n" + ring_rows(report);
+  return text + section("Left out", plan.skipped) + "\nTopics and nodes\n" + ring_rows(report);
 }
 
 nlohmann::ordered_json to_json(const PlanReport& report) {
@@ -159,7 +159,7 @@ nlohmann::ordered_json to_json(const PlanReport& report) {
   j["parts"] = nlohmann::ordered_json::array();
   for (const rendering::PlanPart& part : plan.parts)
     j["parts"].push_back(part_json(report, part));
-  j["built"] = plan.built, j["left_out"] = plan.left_out, j["warnings"] = plan.warnings;
+  j["built"] = plan.built, j["skipped"] = plan.skipped, j["warnings"] = plan.warnings;
   j["measured"] = nullptr;
   if (report.times) {
     const PlanTimes& t = *report.times;

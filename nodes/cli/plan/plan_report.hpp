@@ -1,5 +1,5 @@
 #pragma once
-/// A plan for a person and for a machine: parts as a table, measured beside expected.
+/// A plan for a person and for a machine: parts as a table, measured next to expected.
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,14 +16,14 @@ namespace voxtouch::cli {
 struct DeviceVerdict {
   std::string device;
   std::vector<std::string> errors;  ///< it must not run so
-  std::vector<std::string> notes;   ///< what is not felt, or felt less
+  std::vector<std::string> notes;   ///< what is not displayed, or displayed less
 };
 
 struct PlanReport {
   rendering::Plan plan;            ///< its parts with those of the ring behind them
   std::optional<PlanTimes> times;  ///< none: nothing was measured
   std::optional<DeviceVerdict> device;
-  std::string why_no_coupling_time;  ///< empty: it was measured, or nothing was
+  std::string no_coupling_time_reason;  ///< empty: it was measured, or nothing was
   Machine machine;
   double load = -1.0;
 };

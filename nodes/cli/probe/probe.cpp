@@ -11,7 +11,7 @@
 #include "nodes/cli/machine.hpp"
 #include "nodes/cli/probe/pose_csv.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/runtime/options.hpp"
 #include "nodes/runtime/scene_argument.hpp"
@@ -50,14 +50,14 @@ int probe_reference(const scene::Scene& scene, const std::vector<Pose>& poses) {
   std::optional<reference::ReferenceWrench> truth;
   if (reference.inside_known())
     truth.emplace(scene, 0.25 * scene.voxel_size_m);
-  log::print_result("gap_m,dx,dy,dz,unique_face,self_check,fx,fy,fz,tx,ty,tz\n");
+  console::print_result("gap_m,dx,dy,dz,unique_face,self_check,fx,fy,fz,tx,ty,tz\n");
   for (const Pose& pose : poses) {
     const reference::GapResult g = reference.gap(pose);
     const Wrench w = truth ? truth->at(pose).wrench : Wrench{kUnknown, kUnknown};
-    log::print_result("{},{},{},{},{},{},{},{},{},{},{},{}\n", g.gap_m, g.direction.x(),
-                      g.direction.y(), g.direction.z(), int{g.unique_face}, int{g.self_check},
-                      w.force.x(), w.force.y(), w.force.z(), w.torque.x(), w.torque.y(),
-                      w.torque.z());
+    console::print_result("{},{},{},{},{},{},{},{},{},{},{},{}\n", g.gap_m, g.direction.x(),
+                          g.direction.y(), g.direction.z(), int{g.unique_face}, int{g.self_check},
+                          w.force.x(), w.force.y(), w.force.z(), w.torque.x(), w.torque.y(),
+                          w.torque.z());
   }
   return 0;
 }
@@ -76,8 +76,8 @@ int probe_path(const scene::Scene& scene, const std::vector<Pose>& poses, const 
   const auto built = scene_build::build_here(scene, {.who = "probe"});
   rendering::SceneRenderer& renderer = built->scene_renderer();
   renderer.reset();
-  renderer.aim_for_spring(o.spring_n_per_m);
-  log::print_result("in_contact,fx,fy,fz,tx,ty,tz{}\n", o.time ? ",us" : "");
+  renderer.set_spring_target(o.spring_n_per_m);
+  console::print_result("in_contact,fx,fy,fz,tx,ty,tz{}\n", o.time ? ",us" : "");
   for (std::size_t i = 0; i < poses.size(); ++i) {
     rendering::ToolState hand{.pose = poses[i], .twist = {}};
     if (i > 0)
@@ -86,8 +86,8 @@ int probe_path(const scene::Scene& scene, const std::vector<Pose>& poses, const 
     const rendering::SceneFrame frame = renderer.render(hand, kPeriodS * static_cast<double>(i));
     const std::string time = time_column(o.time, begin_s);
     const Vec3 &f = frame.wrench.force, &t = frame.wrench.torque;
-    log::print_result("{},{},{},{},{},{},{}{}\n", int{frame.tool.constrained}, f.x(), f.y(), f.z(),
-                      t.x(), t.y(), t.z(), time);
+    console::print_result("{},{},{},{},{},{},{}{}\n", int{frame.tool.constrained}, f.x(), f.y(),
+                          f.z(), t.x(), t.y(), t.z(), time);
   }
   return 0;
 }
@@ -98,23 +98,24 @@ int probe(const ProbeOptions& o) {
   if (o.spring_n_per_m > 0.0)
     return probe_path(scene, poses, o);
   if (o.model == "reference")
-    return mesh_import::rehearse_reading(scene), probe_reference(scene, poses);
+    return mesh_import::dry_run_reading(scene), probe_reference(scene, poses);
   std::optional<contact::ContactModelKind> model;  // absent: the scene's own
   if (!o.model.empty())
     contact::parse_contact_model(o.model, model.emplace());
   const auto built = scene_build::build_here(scene, {.who = "probe", .model = model});
   for (const std::string& warning : built->plan().warnings)
-    log::tell("warning: {}\n", warning);
-  log::print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}{}\n", o.points ? ",S" : "", o.time ? ",us" : "");
+    console::log("warning: {}\n", warning);
+  console::print_result("nS,nI,coh,fx,fy,fz,tx,ty,tz{}{}\n", o.points ? ",S" : "",
+                        o.time ? ",us" : "");
   std::vector<std::uint32_t> ids;
   for (const Pose& pose : poses) {
     const double begin_s = thread_cpu_s();
     const contact::ContactResult r = built->contacts().probe(pose, ids);
     const std::string time = time_column(o.time, begin_s);
     const Vec3 &f = r.wrench.force, &t = r.wrench.torque;
-    log::print_result("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits, r.coherence,
-                      f.x(), f.y(), f.z(), t.x(), t.y(), t.z());
-    log::print_result("{}{}\n", o.points ? "," + ranges(ids) : "", time);
+    console::print_result("{},{},{},{},{},{},{},{},{}", r.surface_hits, r.interior_hits,
+                          r.coherence, f.x(), f.y(), f.z(), t.x(), t.y(), t.z());
+    console::print_result("{}{}\n", o.points ? "," + ranges(ids) : "", time);
   }
   return 0;
 }

@@ -9,7 +9,7 @@
 
 #include "nodes/cli/output_file.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "qos/topics.hpp"
 #include "qos_network.hpp"
 #include "voxtouch_msgs/python_types.hpp"
@@ -116,7 +116,7 @@ int write_types(const std::filesystem::path& folder) {
   for (const msg::PythonFile& file : msg::kPythonFiles)
     OutputFile(package / file.name).keep(std::string(file.text));
   OutputFile(package / "topics.py").keep(python_topics());
-  log::print_result(
+  console::print_result(
       "{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five "
       "lines.\n",
       package.string());

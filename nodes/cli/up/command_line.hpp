@@ -1,6 +1,6 @@
 #pragma once
-/// The command line of this process as words of its status, so that a bag tells how the run that it
-/// holds is made again.
+/// The command line of this process as words of its status, so that a bag states how its run is
+/// repeated.
 #include <map>
 #include <string>
 #include <vector>

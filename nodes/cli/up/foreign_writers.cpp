@@ -28,11 +28,12 @@ void ForeignWriters::poll(const runtime::NodeRegistry& registry) {
     const auto topic = topics_.find(writer.topic_name);
     if (topic == topics_.end())
       return;
-    if (Stranger* const one = writer_of(participant))
+    if (UnauthorisedWriter* const one = writer_of(participant))
       one->topics.insert(topic->second);
   });
   recovers_.take_each([&](const msg::Recover&, dds_instance_handle_t writer) {
-    if (Stranger* const one = writer_of(bus::participant_of_writer(recovers_.get(), writer)))
+    if (UnauthorisedWriter* const one =
+            writer_of(bus::participant_of_writer(recovers_.get(), writer)))
       ++one->recovers;
   });
   for (auto& [participant, writer] : writers_)
@@ -42,8 +43,8 @@ void ForeignWriters::poll(const runtime::NodeRegistry& registry) {
                                                : registry.name_of(participant);
 }
 
-std::vector<Stranger> ForeignWriters::found(const std::set<bus::Guid>& own) const {
-  std::vector<Stranger> all;
+std::vector<UnauthorisedWriter> ForeignWriters::found(const std::set<bus::Guid>& own) const {
+  std::vector<UnauthorisedWriter> all;
   for (const auto& [participant, writer] : writers_)
     if (!own.contains(participant))
       all.push_back(writer);

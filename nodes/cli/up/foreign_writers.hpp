@@ -16,14 +16,14 @@ class ForeignWriters {
   /// Remembers all writers on the ring's own topics, and their names as long as they are there.
   void poll(const runtime::NodeRegistry& registry);
   /// Those of participants that are not among `own`.
-  std::vector<Stranger> found(const std::set<bus::Guid>& own) const;
+  std::vector<UnauthorisedWriter> found(const std::set<bus::Guid>& own) const;
 
  private:
   static constexpr std::size_t kMaxRemembered = 64;
   std::map<std::string, std::string> topics_;  ///< the ring's own, by their names on DDS
   bus::WriterDiscovery discovery_;
   bus::Reader<msg::Recover> recovers_;
-  std::map<bus::Guid, Stranger> writers_;
+  std::map<bus::Guid, UnauthorisedWriter> writers_;
 };
 
 }  // namespace voxtouch::cli

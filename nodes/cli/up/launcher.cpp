@@ -17,7 +17,7 @@
 #include <fmt/format.h>
 
 #include "core/types/program_folder.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/realtime.hpp"
 
 extern char** environ;
@@ -61,7 +61,7 @@ class ChildProcess final : public RunningNode {
     posix_spawnattr_destroy(&attributes);
     if (error != 0)
       throw std::runtime_error(
-          fmt::format("{} could not be started ({}); it should stand beside voxtouch",
+          fmt::format("{} could not be started ({}); it should stand next to voxtouch",
                       program.string(), std::strerror(error)));
   }
   ~ChildProcess() override {
@@ -102,7 +102,7 @@ class ThreadOfThisProcess final : public RunningNode {
             options.warnings = runtime::enter_realtime(options.scheduling());
             status = run(stop_);
           } catch (const std::exception& error) {
-            log::tell("error: {}: {}\n", name_, error.what());
+            console::log("error: {}: {}\n", name_, error.what());
           }
           status_.store(status, std::memory_order_release);
         }) {}
@@ -112,8 +112,8 @@ class ThreadOfThisProcess final : public RunningNode {
     if (!ended()) {
       // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes
       // instead.
-      log::tell("error: {} did not stop; the process ends without it\n", name_);
-      log::finish_telling();
+      console::log("error: {} did not stop; the process ends without it\n", name_);
+      console::flush_log();
       std::_Exit(1);
     }
     thread_.join();

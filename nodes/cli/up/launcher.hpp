@@ -52,7 +52,7 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
 std::unique_ptr<RunningNode> start_node(LauncherOptions& options, const std::string& name);
 
 /// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not
-/// notice. Shows the ring of `options` and the meshes of its scene, and tells its address on
+/// notice. Shows the ring of `options` and the meshes of its scene, and prints its address on
 /// stderr. `leads_hand`: pages move the hand of the ring's device. `browser`: it is opened there.
 /// Throws std::runtime_error where it cannot be started.
 std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options, bool leads_hand,

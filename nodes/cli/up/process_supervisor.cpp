@@ -10,7 +10,7 @@
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/up/run_monitor.hpp"
 #include "nodes/cli/up/start_report.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -58,8 +58,8 @@ bool ProcessSupervisor::look(const RunMonitor& monitor) {
     if (name != "device" && restarts_.size() < most_restarts_) {
       restarts_.push_back(
           {name, how_ended(*status), number(monitor.reports(), "device", "samples")});
-      log::tell("  {} was ended by {}: force is zero, and it is started again ({} of {})\n", name,
-                how_ended(*status), restarts_.size(), most_restarts_);
+      console::log("  {} was ended by {}: force is zero, and it is started again ({} of {})\n",
+                   name, how_ended(*status), restarts_.size(), most_restarts_);
       restarting_.push_back(name);
       return true;
     }
@@ -138,14 +138,14 @@ int ProcessSupervisor::wait_for_end(RunningNode& node, RunMonitor& monitor) cons
   const auto since = [begun = Clock::now()] {
     return std::chrono::duration<double>(Clock::now() - begun).count();
   };
-  bool told = false;
+  bool reported = false;
   while (!node.ended() && since() < (logger ? 20.0 : 8.0)) {
     monitor.poll(*this);
     if (hung && (logger ? monitor.silent_s("logger") > 1e-9 * runtime::kGivenUpNs : since() > 1.0))
       break;
-    if (logger && !told && since() > 1.0) {
-      log::tell("  the logger is writing what it still has into the bag\n");
-      told = true;
+    if (logger && !reported && since() > 1.0) {
+      console::log("  the logger is writing what it still has into the bag\n");
+      reported = true;
     }
     ::usleep(kPollPeriodUs);
   }

@@ -37,7 +37,7 @@ RigClaim::RigClaim(const runtime::NodeOptions& options)
     : options_(options),
       inherited_(bus::udp_sockets()),
       participant_(options.participant("up")),
-      came_alone_(is_alone(options, inherited_)),
+      came_first_(is_alone(options, inherited_)),
       status_(participant_, "up", options.rig),
       claims_(participant_, qos::kRigClaim, options.rig, qos::profile(qos::ProfileId::kStatus)),
       others_(participant_, qos::kRigClaim, options.rig, qos::profile(qos::ProfileId::kStatus)) {}
@@ -58,21 +58,21 @@ void RigClaim::take() {
   // Of half a second since it was announced; at least as long as it takes to look twice, for what
   // came meanwhile lies here.
   const std::int64_t left_ms = 500 - (runtime::monotonic_ns() - announced_ns_) / 1'000'000;
-  const std::int64_t patience_ms = came_alone_ ? 0 : std::max<std::int64_t>(left_ms, 50);
+  const std::int64_t patience_ms = came_first_ ? 0 : std::max<std::int64_t>(left_ms, 50);
   (void)runtime::look_for(
       registry,
       [this](const runtime::NodeReport& other) {
         listen();
         if (other.node != "up" && !other.final())
-          in_the_way_ = process_on(other.node, other.pid, other.host);
-        return !in_the_way_.empty();
+          conflict_ = process_on(other.node, other.pid, other.host);
+        return !conflict_.empty();
       },
       std::chrono::milliseconds(patience_ms));
   listen();
-  if (!in_the_way_.empty())
+  if (!conflict_.empty())
     throw std::runtime_error(fmt::format(
         "rig '{}' is in use on domain {}: {}. Stop that ring, or choose another --rig or --domain",
-        options_.rig, options_.domain, in_the_way_));
+        options_.rig, options_.domain, conflict_));
   write(msg::rig_claim::kStateHeld, {});
 }
 
@@ -87,7 +87,7 @@ void RigClaim::listen() {
     if (!is_own || other == participant_.guid())
       return;
     if (claim.state == msg::rig_claim::kStateHeld || other < participant_.guid())
-      in_the_way_ = process_on("up", claim.pid, claim.host);
+      conflict_ = process_on("up", claim.pid, claim.host);
   });
 }
 

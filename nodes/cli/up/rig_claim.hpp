@@ -37,12 +37,12 @@ class RigClaim {
   const runtime::NodeOptions& options_;
   const std::vector<int> inherited_;  ///< UDP sockets from before this process took part in DDS
   bus::Participant participant_;
-  const bool came_alone_;  ///< no other participant of this machine in the domain, and no other
-                           ///< machine can be heard
+  const bool came_first_;  ///< no other participant of this machine in the domain, and no other
+                           ///< machine can be received
   runtime::StatusWriter status_;
   bus::Writer<msg::RigClaim> claims_;
   bus::Reader<msg::RigClaim> others_;
-  std::string in_the_way_;  ///< another `up` that has the rig
+  std::string conflict_;  ///< another `up` that has the rig
   Players players_;
   std::int64_t announced_ns_ = 0;
 };

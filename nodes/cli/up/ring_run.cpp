@@ -10,8 +10,8 @@
 #include "nodes/bag/bag_reader.hpp"
 #include "nodes/cli/up/run_files.hpp"
 #include "nodes/cli/up/up_checks.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/faults/fault_bag.hpp"
-#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -48,8 +48,8 @@ RingRun::RingRun(const UpOptions& options, const scene::Scene& scene, StartRepor
       summary_(begin_summary(options, scene, default_bag_.folder())),
       claim_(options.node),
       monitor_(claim_.participant(), options.node.rig, options.node.ros, std::move(start)),
-      faults_(faults_beside(summary_.bag.empty() ? default_bag_.folder()
-                                                 : std::filesystem::path(summary_.bag))),
+      faults_(fault_folder_of(summary_.bag.empty() ? default_bag_.folder()
+                                                   : std::filesystem::path(summary_.bag))),
       nodes_(launcher_options(scene), scene, options.restarts) {
   claim_.announce();
 }
@@ -58,7 +58,7 @@ LauncherOptions RingRun::launcher_options(const scene::Scene& scene) const {
   runtime::NodeOptions node = options_.node;
   node.peers = {"rendering", "coupling"};
   if (node.lockstep)
-    node.peers.push_back("validator");  // in real time it only listens, and nobody waits for it
+    node.peers.push_back("validator");  // in real time it only listens, and no node waits for it
   if (!options_.no_record)
     node.peers.push_back("logger");
   node.rig_is_checked = true;
@@ -89,7 +89,7 @@ RunSummary RingRun::go() {
     remove_bag();
     throw std::runtime_error(refusal_);
   }
-  summary_.fault_records = faults::told_in(faults_);
+  summary_.fault_records = faults::fault_records_in(faults_);
   if (!summary_.bag.empty()) {
     auto bag = bag::BagReader::open(summary_.bag);
     summary_.recorded =
@@ -104,7 +104,7 @@ void RingRun::watch() {
   while (!runtime::stop_requested().load()) {
     poll();
     if (runtime::monotonic_ns() >= next_line) {
-      monitor_.tell(nodes_);
+      monitor_.print(nodes_);
       next_line += 1'000'000'000;
     }
     start_device();
@@ -117,8 +117,7 @@ void RingRun::watch() {
     if (!over)
       over = !nodes_.restart(monitor_);
     if (over) {
-      // Were the device stopped at once, the force would end in a step and nobody would know of
-      // what.
+      // Were the device stopped at once, the force would end in a step without a reason.
       if (nodes_.is_running("device"))
         std::this_thread::sleep_for(kGuardActs);
       return;
@@ -128,7 +127,7 @@ void RingRun::watch() {
                  ? kStartPeriodUs
                  : kWatchPeriodUs);  // ended at once by a signal: Ctrl-C, or that a node has died
   }
-  log::tell("stopping\n");
+  console::log("stopping\n");
   if (const double duration_s = options_.ring.device.duration_s; duration_s > 0)
     summary_.events.push_back({RunFact::kCutShort, "", duration_s});
 }
@@ -138,12 +137,12 @@ void RingRun::poll() {
   claim_.name(monitor_.players());
   if (const std::optional<int> status = page_ ? page_->ended() : std::nullopt) {
     page_ = nullptr;
-    log::tell("warning: the page was ended by {}; `voxtouch view` serves it again\n",
-              how_ended(*status));
+    console::log("warning: the page was ended by {}; `voxtouch view` serves it again\n",
+                 how_ended(*status));
     summary_.events.push_back({RunFact::kPageEnded, "view", 0.0, 0.0, how_ended(*status)});
   }
   if (refusal_.empty())
-    refusal_ = refused_at_start();  // the last word of a node that is stopped does not tell it
+    refusal_ = refused_at_start();  // the last status of a stopped node does not state it
 }
 
 void RingRun::start_device() {

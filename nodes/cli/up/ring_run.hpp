@@ -14,7 +14,7 @@ namespace voxtouch::cli {
 
 struct UpOptions {
   runtime::NodeOptions node;  ///< what all nodes are started with
-  LauncherOptions ring;       ///< what each has beside that
+  LauncherOptions ring;       ///< what each has in addition
   ChosenLimits limits;
   std::uint64_t restarts = 0;  ///< nodes that may be started again in the run; the device never is
   bool no_record = false, no_report = false, json = false, view = false, browser = false;

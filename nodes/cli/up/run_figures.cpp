@@ -52,9 +52,9 @@ RunFigures figures_of(const RunRecord& s) {
   f.overruns = number(r, "device", "overruns");
   f.deadline_misses = number(r, "device", "deadline_misses");
   f.clamped = number(r, "device", "clamped");
-  f.missed = number(r, "rendering", "missed_samples");
-  f.passing = number(r, "rendering", "passing_samples");
-  f.unplaced = number(r, "rendering", "unplaced_samples");
+  f.tunnelling_suspected = number(r, "rendering", "tunnelling_suspected_samples");
+  f.passed_through = number(r, "rendering", "passed_through_samples");
+  f.not_initialised = number(r, "rendering", "not_initialised_samples");
   f.slewed = number(r, "device", "slewed");
   f.swing_s = number(r, "coupling", "swing_s"), f.swing_hz = number(r, "coupling", "swing_hz");
   f.swing_m = number(r, "coupling", "swing_m"), f.swing_n = number(r, "coupling", "swing_n");

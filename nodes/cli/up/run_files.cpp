@@ -8,7 +8,7 @@
 
 #include "nodes/bag/files.hpp"
 #include "nodes/cli/plot_tool.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 
 namespace voxtouch::cli {
 
@@ -38,7 +38,7 @@ std::filesystem::path make_default_bag(const std::string& scene, const runtime::
   std::filesystem::path folder = recordings_folder() / name;
   // create_directory is false without an error where the folder exists.
   for (int number = 2; !error; ++number) {
-    if (!std::filesystem::exists(faults_beside(folder), error) &&
+    if (!std::filesystem::exists(fault_folder_of(folder), error) &&
         std::filesystem::create_directory(folder, error))
       break;
     folder = recordings_folder() / (name + "-" + std::to_string(number));
@@ -46,7 +46,7 @@ std::filesystem::path make_default_bag(const std::string& scene, const runtime::
   return folder;
 }
 
-std::filesystem::path faults_beside(const std::filesystem::path& bag) {
+std::filesystem::path fault_folder_of(const std::filesystem::path& bag) {
   std::filesystem::path folder = std::filesystem::absolute(bag).lexically_normal();
   if (!folder.has_filename())
     folder = folder.parent_path();  // "bags/run/"
@@ -65,8 +65,8 @@ void keep_verdict(const RunSummary& summary) {
   const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json",
                                           json_of(summary), bag::Flush::kNo);
   if (!kept)
-    log::tell("note: the verdict on this run does not stand beside its bag: {}\n",
-              kept.error().sentence);
+    console::log("note: the verdict on this run does not stand next to its bag: {}\n",
+                 kept.error().sentence);
 }
 
 void report_on(const RunSummary& summary) {
@@ -76,13 +76,13 @@ void report_on(const RunSummary& summary) {
   const std::filesystem::path page = std::filesystem::path(summary.bag) / "report.html";
   try {
     if (write_report({.bag = summary.bag, .page = page}, kPatience))
-      log::tell("report: {}\n", page.string());
+      console::log("report: {}\n", page.string());
     else
-      log::tell("report: {} is still being drawn, and will be there when it is whole\n",
-                page.string());
+      console::log("report: {} is still being drawn, and will be there when it is whole\n",
+                   page.string());
   } catch (const std::exception& error) {
-    log::tell("note: no report is drawn: {} `voxtouch report {}` draws it later\n", error.what(),
-              summary.bag);
+    console::log("note: no report is drawn: {} `voxtouch report {}` draws it later\n", error.what(),
+                 summary.bag);
   }
 }
 

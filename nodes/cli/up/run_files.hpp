@@ -1,5 +1,5 @@
 #pragma once
-/// Where a run keeps its files, and what stands beside its bag in the end.
+/// Where a run keeps its files, and what stands next to its bag in the end.
 #include <filesystem>
 #include <string>
 
@@ -8,7 +8,7 @@
 
 namespace voxtouch::cli {
 
-/// Of the user and not of the current folder, which may be one that nobody can write to: as the XDG
+/// Of the user and not of the current folder, which may not be writable: as the XDG
 /// base directories have it.
 std::filesystem::path recordings_folder();
 /// A folder there for a bag of this scene that begins now. Makes it, so that each of several runs
@@ -32,14 +32,14 @@ class EmptyFolderGuard {
 };
 
 /// Where device and coupling keep what they saw before a fault; made with the first one.
-std::filesystem::path faults_beside(const std::filesystem::path& bag);
+std::filesystem::path fault_folder_of(const std::filesystem::path& bag);
 
 /// The summary as one JSON object.
 std::string json_of(const RunSummary& summary);
-/// A bag alone does not tell whether its run was a good one: voxtouch_run.json beside it does, with
+/// A bag alone does not state whether its run passed: voxtouch_run.json next to it does, with
 /// each limit and what was met.
 void keep_verdict(const RunSummary& summary);
-/// Beside the bag, and no part of the run: where it cannot be drawn a sentence says so, and a long
+/// Next to the bag, and no part of the run: where it cannot be drawn a sentence says so, and a long
 /// one goes on by itself.
 void report_on(const RunSummary& summary);
 

@@ -14,30 +14,32 @@ namespace {
 /// The one place where the defaults stand.
 constexpr Limit kLimits[] = {
     {"first_answer_s", "s", false, 2.0, false, "the time to the first answered sample",
-     "until then nothing is felt; the coupling is designed in it, in some tenths of a second"},
-    {"answered_share", "1", true, 0.95, false,
-     "the share of samples answered, from the first answer on,",
+     "until then no force is displayed; the coupling is designed in it, in some tenths of a "
+     "second"},
+    {"answered_ratio", "1", true, 0.95, false,
+     "the fraction of samples answered, from the first answer on,",
      "the ring did not keep up, so that forces were held and faded; see what else the machine "
      "does"},
-    {"rate_share", "1", true, 0.95, false, "the rate, as a share of the device's own,",
+    {"rate_ratio", "1", true, 0.95, false, "the rate, as a fraction of the device's own,",
      "the coupling is certified for the device's rate only"},
-    {"overrun_share", "1", false, 0.05, false, "the share of periods that were skipped",
+    {"overrun_ratio", "1", false, 0.05, false, "the fraction of periods that were skipped",
      "the device's loop was kept from running; see what else the machine does, and whether it has "
      "real-time priority"},
-    {"deadline_miss_share", "1", false, 0.01, false, "deadlines missed, as a share of the samples,",
+    {"deadline_miss_ratio", "1", false, 0.01, false,
+     "deadlines missed, as a fraction of the samples,",
      "for three periods and more no command came"},
-    {"clamped_share", "1", false, 0.001, true, "the share of commands that the guard cut",
+    {"clamped_ratio", "1", false, 0.001, true, "the fraction of commands that the guard cut",
      "the scene asks for more than the device may give: less stiffness or gain"},
-    {"missed_samples", "samples", false, 0.0, true,
+    {"tunnelling_suspected_samples", "samples", false, 0.0, true,
      "the number of samples in which the tool may have passed something unseen",
-     "it moved more than half a voxel a sample beside the scene: a slower hand, larger voxels, or "
+     "it moved more than half a voxel a sample next to the scene: a slower hand, larger voxels, or "
      "contact: {rendering: virtual_tool}"},
-    {"passing_samples", "samples", false, 0.0, true,
+    {"passed_through_samples", "samples", false, 0.0, true,
      "the number of samples in which the tool passed a wall, or its middle was in what it touched "
      "with nothing that holds it,",
      "smaller voxels (voxtouch plan has the wall and the tool that they hold), or contact: "
      "{rendering: virtual_tool}, or rendering: penalty, which holds depths; "
-     "model_alone is the paper's law, and where its walls are passed is what it shows"},
+     "memoryless is the paper's law, and where its walls are passed is what it shows"},
     {"slewed_samples", "samples", false, 0.0, true,
      "the number of samples in which the guard's slew limit acted",
      "no certified loop asks for such a step of force: let the coupling be designed (coupling: "
@@ -45,25 +47,25 @@ constexpr Limit kLimits[] = {
     {"swing_s", "s", false, 0.0, true, "the time for which the device swung by itself",
      "force and tool went to and fro without the hand's work: less stiffness or gain, or let the "
      "coupling be designed (coupling: {design: auto})"},
-    {"unplaced_share", "1", false, 0.01, true, "the ratio of samples without a virtual tool",
+    {"not_initialised_ratio", "1", false, 0.01, true, "the ratio of samples without a virtual tool",
      "without one no wall holds the hand: begin the motion outside of what it touches, or start "
      "the ring before the hand touches"},
     {"first_validation_s", "s", false, 5.0, true, "the time to the first validated sample",
      "what came before it was not checked"},
-    {"validated_share", "1", true, 0.9, true,
-     "the share of due samples validated, from the first on,",
+    {"validated_ratio", "1", true, 0.9, true,
+     "the fraction of due samples validated, from the first on,",
      "the validator did not keep up: a larger --validate-every asks for less"},
-    {"decided_share", "1", true, 0.5, true,
+    {"decided_ratio", "1", true, 0.5, true,
      "the ratio of validated samples that the validator could decide",
      "the run is hardly checked: declare the tool's and the meshes' shapes (parts), or accept it "
-     "with --limit decided_share=0"},
+     "with --limit decided_ratio=0"},
     {"first_recorded_s", "s", false, 3.0, true, "the time to the first recorded sample",
      "what came before it is not in the bag"},
-    {"recorded_share", "1", true, 0.99, true,
-     "the share of sent samples in the bag, from the first on,",
+    {"recorded_ratio", "1", true, 0.99, true,
+     "the fraction of sent samples in the bag, from the first on,",
      "the logger did not keep up: a faster disk, or --no-record"},
     {"silence_s", "s", false, 0.4, false, "the longest time without a sign of life of a node",
-     "a node that hangs leaves the others without what it should tell them"},
+     "a node that hangs leaves the others without what it should send them"},
     {"force_losses", "times", false, 0.0, false, "the number of times that force was lost",
      "no command came, or the device's process stood still; see the fault records and what else "
      "the machine does"},
@@ -80,7 +82,7 @@ struct Measured {
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// 1 where nothing was due.
-double share(double part, double whole) { return whole > 0.0 ? part / whole : 1.0; }
+double fraction(double part, double whole) { return whole > 0.0 ? part / whole : 1.0; }
 
 double seconds_to(const RunFigures& run, const std::optional<double>& sample) {
   return sample ? *sample / run.nominal_rate_hz : kNever;
@@ -105,10 +107,10 @@ double head(const RunFigures::Stream& s) {
 }
 
 /// The worst stream's.
-Measured recorded_share(const RunFigures& run) {
+Measured recorded_ratio(const RunFigures& run) {
   Measured worst{1.0, ""};
   for (const RunFigures::Stream& s : run.streams)
-    if (const double part = share(s.recorded, s.sent - head(s)); part < *worst.value)
+    if (const double part = fraction(s.recorded, s.sent - head(s)); part < *worst.value)
       worst = {part, s.name};
   return worst;
 }
@@ -125,32 +127,32 @@ Measured first_recorded(const RunFigures& run) {
 Measured measure(std::string_view name, const RunFigures& run) {
   if (name == "first_answer_s")
     return {seconds_to(run, run.first_answered), ""};
-  if (name == "answered_share")
-    return {share(run.answered, run.samples - run.first_answered.value_or(0.0)), ""};
-  if (name == "rate_share")
-    return {share(run.rate_hz, run.nominal_rate_hz), ""};
-  if (name == "overrun_share")
+  if (name == "answered_ratio")
+    return {fraction(run.answered, run.samples - run.first_answered.value_or(0.0)), ""};
+  if (name == "rate_ratio")
+    return {fraction(run.rate_hz, run.nominal_rate_hz), ""};
+  if (name == "overrun_ratio")
     return {run.overruns / (run.samples + run.overruns), ""};
-  if (name == "deadline_miss_share")
+  if (name == "deadline_miss_ratio")
     return {run.deadline_misses / run.samples, ""};
-  if (name == "clamped_share")
+  if (name == "clamped_ratio")
     return {run.clamped / run.samples, ""};
-  if (name == "missed_samples")
-    return {run.missed, ""};
-  if (name == "passing_samples")
-    return {run.passing, ""};
+  if (name == "tunnelling_suspected_samples")
+    return {run.tunnelling_suspected, ""};
+  if (name == "passed_through_samples")
+    return {run.passed_through, ""};
   if (name == "slewed_samples")
     return {run.slewed, ""};
   if (name == "swing_s")
     return swing(run);
   if (name == "first_validation_s")
     return {due(run) > 0.0 ? seconds_to(run, run.first_judged) : 0.0, ""};
-  if (name == "validated_share")
-    return {share(run.judged, due(run) - run.excused), ""};
-  if (name == "unplaced_share")
-    return {run.unplaced / run.samples, ""};
-  if (name == "decided_share")
-    return {share(run.decided, run.judged), ""};
+  if (name == "validated_ratio")
+    return {fraction(run.judged, due(run) - run.excused), ""};
+  if (name == "not_initialised_ratio")
+    return {run.not_initialised / run.samples, ""};
+  if (name == "decided_ratio")
+    return {fraction(run.decided, run.judged), ""};
   if (name == "silence_s")
     return {run.silence_s, run.silent};
   if (name == "force_losses")
@@ -162,7 +164,7 @@ Measured measure(std::string_view name, const RunFigures& run) {
     return {run.restarts, run.restarted};
   if (!run.recording)
     return {};
-  return name == "first_recorded_s" ? first_recorded(run) : recorded_share(run);
+  return name == "first_recorded_s" ? first_recorded(run) : recorded_ratio(run);
 }
 
 const Limit* find(std::string_view name) {
@@ -203,12 +205,12 @@ std::string describe_limits() {
   return text;
 }
 
-std::vector<Judged> judge_figures(const RunFigures& run, const ChosenLimits& chosen) {
-  std::vector<Judged> all;
+std::vector<CheckedLimit> judge_figures(const RunFigures& run, const ChosenLimits& chosen) {
+  std::vector<CheckedLimit> all;
   for (const Limit& limit : kLimits) {
     const auto other = chosen.find(limit.name);
-    Judged judged{&limit, other == chosen.end() ? limit.value : other->second, std::nullopt, true,
-                  ""};
+    CheckedLimit judged{&limit, other == chosen.end() ? limit.value : other->second, std::nullopt,
+                        true, ""};
     const bool applies = run.samples > 0.0 && (limit.in_lockstep || !run.lockstep);
     Measured measured = applies ? measure(limit.name, run) : Measured{};
     judged.measured = measured.value, judged.of = std::move(measured.of);

@@ -11,7 +11,7 @@ namespace voxtouch::cli {
 /// One row of the table of limits.
 struct Limit {
   std::string_view name;   ///< for --limit and --json
-  std::string_view unit;   ///< "1" for a share
+  std::string_view unit;   ///< "1" for a ratio
   bool at_least;           ///< else at most
   double value;            ///< unless --limit says another
   bool in_lockstep;        ///< judged there too; what hangs on a clock is not
@@ -36,11 +36,11 @@ struct RunFigures {
       first_answered;  ///< number of the first sample that was answered; absent: none was
   double answered = 0.0;
   double overruns = 0.0, deadline_misses = 0.0, clamped = 0.0;
-  double missed = 0.0;    ///< samples in which a contact may have been missed
-  double passing = 0.0;   ///< samples in which the tool's middle was in what it touched, with a
-                          ///< contact model alone
-  double unplaced = 0.0;  ///< samples without a virtual tool, of a scene that has one
-  double slewed = 0.0;    ///< samples in which the guard's slew limit acted
+  double tunnelling_suspected = 0.0;  ///< samples in which a contact may have been missed
+  double passed_through = 0.0;  ///< samples in which the tool's middle was in what it touched, with
+                                ///< a contact model alone
+  double not_initialised = 0.0;  ///< samples without a virtual tool, of a scene that has one
+  double slewed = 0.0;           ///< samples in which the guard's slew limit acted
   double swing_s = 0.0, swing_hz = 0.0, swing_m = 0.0,
          swing_n = 0.0;  ///< time for which the device swung by itself, and the largest of it
   double validate_every = 1.0;
@@ -65,7 +65,7 @@ struct RunFigures {
 };
 
 /// One limit compared with one run.
-struct Judged {
+struct CheckedLimit {
   const Limit* limit = nullptr;
   double bound = 0.0;              ///< the chosen one, else the default
   std::optional<double> measured;  ///< absent: not judged in this run
@@ -75,6 +75,6 @@ struct Judged {
 /// "0.2 s", "0.95", "without end".
 std::string with_unit(double value, std::string_view unit);
 /// Every limit, in the table's order. A run without a sample is not judged.
-std::vector<Judged> judge_figures(const RunFigures& run, const ChosenLimits& chosen);
+std::vector<CheckedLimit> judge_figures(const RunFigures& run, const ChosenLimits& chosen);
 
 }  // namespace voxtouch::cli

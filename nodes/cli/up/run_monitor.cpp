@@ -6,8 +6,8 @@
 
 #include "nodes/cli/up/process_supervisor.hpp"
 #include "nodes/cli/up/summary.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/faults/force_lock.hpp"
-#include "nodes/log/tell.hpp"
 #include "nodes/runtime/clock.hpp"
 
 namespace voxtouch::cli {
@@ -29,7 +29,7 @@ RunMonitor::RunMonitor(const bus::Participant& participant, const std::string& r
       start_(std::move(start)) {}
 
 void RunMonitor::poll(const ProcessSupervisor& nodes) {
-  // While `up` itself stands still nobody watches.
+  // While `up` itself stands still nothing is watched.
   const std::int64_t now_ns = runtime::monotonic_ns();
   if (last_poll_ns_ != 0)
     silence_s_["up"] =
@@ -69,7 +69,7 @@ bool RunMonitor::is_ready(const std::string& node) const {
 
 std::optional<std::string> RunMonitor::watch(const ProcessSupervisor& nodes) {
   for (const std::string& line : start_.poll(reports_))
-    log::tell("{}\n", line);
+    console::log("{}\n", line);
   std::set<std::string> still;
   for (const runtime::Hung& hung : registry_.hung()) {
     const auto ours = reports_.find(hung.node);
@@ -78,45 +78,45 @@ std::optional<std::string> RunMonitor::watch(const ProcessSupervisor& nodes) {
       continue;
     still.insert(hung.node);
     if (hanging_.insert(hung.node).second)
-      log::tell("  {}\n", hung.sentence);
+      console::log("  {}\n", hung.sentence);
     if (hung.for_s * 1e9 >= static_cast<double>(runtime::kGivenUpNs))
       return hung.node;
   }
   std::erase_if(hanging_, [&](const std::string& name) {
     if (still.contains(name))
       return false;
-    log::tell("  {} is heard again\n", name);
+    console::log("  {} is received again\n", name);
     return true;
   });
   return std::nullopt;
 }
 
-void RunMonitor::tell_once(const std::string& node, const std::string& text) {
-  if (std::exchange(told_[node], text) != text && !text.empty())
-    log::tell("  {}: {}\n", node, text);
+void RunMonitor::log_once(const std::string& node, const std::string& text) {
+  if (std::exchange(printed_[node], text) != text && !text.empty())
+    console::log("  {}: {}\n", node, text);
 }
 
-void RunMonitor::tell(const ProcessSupervisor& nodes) {
-  log::tell("{}\n", status_line(reports_, nodes.names()));
-  tell_once("warning", ros_.mismatch(graph_));
+void RunMonitor::print(const ProcessSupervisor& nodes) {
+  console::log("{}\n", status_line(reports_, nodes.names()));
+  log_once("warning", ros_.mismatch(graph_));
   const auto message = [this](const char* node) {
     const auto report = reports_.find(node);
     return report == reports_.end() ? "" : report->second.message;
   };
   if (!word(reports_, "coupling", faults::ForceLock::kNumber).empty())
-    tell_once("coupling", message("coupling"));
+    log_once("coupling", message("coupling"));
   if (number(reports_, "logger", "dropped") > 0)
-    tell_once("logger", message("logger"));
+    log_once("logger", message("logger"));
   const std::string writer = word(reports_, "rendering", "external_writer");
-  if (!writer.empty() || told_.contains("rendering"))
-    tell_once("rendering", fmt::format("the outside wrench on {} {}",
-                                       word(reports_, "rendering", "external_topic"),
-                                       writer.empty() ? "has no writer" : "comes from " + writer));
+  if (!writer.empty() || printed_.contains("rendering"))
+    log_once("rendering", fmt::format("the outside wrench on {} {}",
+                                      word(reports_, "rendering", "external_topic"),
+                                      writer.empty() ? "has no writer" : "comes from " + writer));
   const auto device = reports_.find("device");
   if (device == reports_.end() || device->second.state != runtime::NodeState::kRunning ||
       !hanging_.empty())
     return;
-  tell_once("device", device->second.message == "running" ? "" : device->second.message);
+  log_once("device", device->second.message == "running" ? "" : device->second.message);
 }
 
 double RunMonitor::silent_s(const std::string& node) const {
@@ -150,7 +150,7 @@ void RunMonitor::report_to(RunRecord& run) const {
   std::set<bus::Guid> own{own_};
   for (const auto& [node, participants] : players_)
     own.insert(participants.begin(), participants.end());
-  run.strangers = writers_.found(own);
+  run.unauthorised = writers_.found(own);
   run.refused_statuses = static_cast<double>(registry_.refused());
   for (const bus::Guid& one : registry_.refused_participants())
     run.refused_writers += (run.refused_writers.empty() ? "" : ", ") + registry_.name_of(one);

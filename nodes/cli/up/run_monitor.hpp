@@ -1,5 +1,5 @@
 #pragma once
-/// What `up` hears from its nodes while they run, and prints of it at once.
+/// What `up` receives from its nodes while they run, and prints of it at once.
 #include <map>
 #include <optional>
 #include <set>
@@ -32,11 +32,11 @@ class RunMonitor {
   bool is_ready(const std::string& node) const;
   /// Participants of the nodes, of each process that was started.
   const Players& players() const noexcept { return players_; }
-  /// Prints what of the start is due, and who hangs or is heard again. Returns the node that has
-  /// been silent for too long.
+  /// Prints what of the start is due, and which node hangs or is received again. Returns the node
+  /// that has been silent for too long.
   std::optional<std::string> watch(const ProcessSupervisor& nodes);
   /// Once a second: the status line, and what keeps a node from its work.
-  void tell(const ProcessSupervisor& nodes);
+  void print(const ProcessSupervisor& nodes);
 
   bool hangs(const std::string& node) const { return hanging_.contains(node); }
   double silent_s(const std::string& node) const;
@@ -46,16 +46,16 @@ class RunMonitor {
   bool last_process_is_here(const std::string& node) const;
   /// Another process that has this role now; empty: none.
   std::string taken_by(const std::string& node) const;
-  /// Reports, silences and strangers.
+  /// Reports, silences and unauthorised.
   void report_to(RunRecord& run) const;
 
  private:
-  void tell_once(const std::string& node, const std::string& text);
+  void log_once(const std::string& node, const std::string& text);
   runtime::NodeRegistry registry_;
   const bus::Guid own_;
   const RunningNode* page_ = nullptr;
-  bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges only while somebody
-                                                 ///< reads; its counts come with its status
+  bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges only while it has a
+                                                 ///< reader; its counts come with its status
   ForeignWriters writers_;
   bus::RosDiscovery ros_;
   const bus::RosGraph graph_;
@@ -65,8 +65,8 @@ class RunMonitor {
   std::map<std::string, bus::Guid>
       plays_;  ///< whose statuses are a node's: the first participant that had its process number
   std::map<std::string, double> silence_s_;
-  std::set<std::string> hanging_;            ///< nodes that give no sign of life now
-  std::map<std::string, std::string> told_;  ///< what was printed last, by node
+  std::set<std::string> hanging_;               ///< nodes that give no sign of life now
+  std::map<std::string, std::string> printed_;  ///< what was printed last, by node
   std::int64_t last_poll_ns_ = 0;
 };
 

@@ -58,7 +58,7 @@ struct Found {
 };
 
 /// A participant outside the ring that has, or had, a writer on one of the ring's own topics.
-struct Stranger {
+struct UnauthorisedWriter {
   std::string name;
   std::set<std::string> topics;
   double recovers = 0.0;  ///< Recover messages of it
@@ -81,7 +81,7 @@ struct RunRecord {
       silence_s;  ///< longest time without a status; of "up": without a look at the nodes
   std::vector<Restart> restarts;
   std::vector<Found> events;  ///< seen during the run
-  std::vector<Stranger> strangers;
+  std::vector<UnauthorisedWriter> unauthorised;
   std::vector<std::string> fault_records;  ///< sentences
   std::optional<BagState> recorded;        ///< absent: no bag was made
   double refused_statuses = 0.0;

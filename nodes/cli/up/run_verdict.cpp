@@ -17,13 +17,13 @@ struct SampleNote {
   bool with_virtual_tool = true;
 };
 constexpr SampleNote kSampleNotes[] = {
-    {"buried_samples", 100,
+    {"fully_inside_samples", 100,
      "the tool was fully inside a static object and has no contact direction; check the motion's "
      "start"},
-    {"unplaced_samples", 100,
+    {"not_initialised_samples", 100,
      "the virtual tool was not initialised: the hand was inside an object, or the coupling was "
      "being designed"},
-    {"lag_samples", 0,
+    {"not_converged_samples", 0,
      "the virtual tool had not converged: the hand was too fast, or an object moved more than half "
      "a voxel"},
     {"saturated_samples", 0,
@@ -39,7 +39,7 @@ class Judgement {
     for (const Found& event : run_.events)
       put(event);
     nodes();
-    strangers();
+    unauthorised();
     force();
     recording();
     out_.limits = judge_figures(figures_of(run_), run_.limits);
@@ -47,9 +47,9 @@ class Judgement {
     // another clock. Without the device's last word its counts are known to be behind.
     const auto device = run_.reports.find("device");
     if (device != run_.reports.end() && device->second.final())
-      for (const Judged& one : out_.limits)
+      for (const CheckedLimit& one : out_.limits)
         if (one.limit->at_least && one.limit->unit == "1" && one.measured &&
-            *one.measured > (one.limit->name == "rate_share" ? 1.05 : 1.0 + 1e-9))
+            *one.measured > (one.limit->name == "rate_ratio" ? 1.05 : 1.0 + 1e-9))
           put({RunFact::kRatioAboveOne, std::string(one.limit->name), *one.measured});
     notes();
     return std::move(out_);
@@ -75,18 +75,18 @@ class Judgement {
   void nodes() {
     for (const std::string& node : run_.started) {
       const auto report = run_.reports.find(node);
-      const bool is_told =
+      const bool is_reported =
           std::ranges::any_of(run_.events, [&](const Found& event) { return event.node == node; });
-      if (is_told || (report != run_.reports.end() && report->second.final()))
+      if (is_reported || (report != run_.reports.end() && report->second.final()))
         continue;
       put({RunFact::kNoFinalStatus, node, count(node.c_str(), "samples")});
     }
     put_count(RunFact::kDisagree, "validator", "disagree", message("validator"));
   }
 
-  void strangers() {
+  void unauthorised() {
     std::string names;
-    for (const Stranger& one : run_.strangers) {
+    for (const UnauthorisedWriter& one : run_.unauthorised) {
       if (one.recovers > 0)
         put({RunFact::kRecovers, "", one.recovers, 0.0, one.name});
       std::string topics;
@@ -102,7 +102,7 @@ class Judgement {
       put({RunFact::kForeignSamples, "", refused, 0.0, refusals()});
     if (!names.empty())
       put({RunFact::kForeignWriters, "", 0.0, 0.0, names});
-    if (const double n = count("logger", "refused_records") + count("logger", "left_out_messages");
+    if (const double n = count("logger", "refused_records") + count("logger", "skipped_messages");
         n > 0)
       put({RunFact::kForeignRecords, "logger", n, 0.0,
            word(run_.reports, "logger", "refused_writers")});
@@ -134,7 +134,7 @@ class Judgement {
                  times = count("device", "interruptions");
     if (samples == 0 && out_.faults.empty())
       put({RunFact::kNoSample});
-    const std::string reason = word(run_.reports, "device", "trouble");
+    const std::string reason = word(run_.reports, "device", "last_error");
     if (without > 0 && without >= samples)
       put({RunFact::kNoForce, "device", without, 0.0, reason});
     else if (times > 0)
@@ -177,7 +177,7 @@ class Judgement {
 
 std::size_t RunVerdict::limits_failed() const {
   return static_cast<std::size_t>(
-      std::ranges::count_if(limits, [](const Judged& one) { return !one.met; }));
+      std::ranges::count_if(limits, [](const CheckedLimit& one) { return !one.met; }));
 }
 bool RunVerdict::passed() const { return faults.empty() && limits_failed() == 0; }
 

@@ -7,8 +7,8 @@
 namespace voxtouch::cli {
 
 struct RunVerdict {
-  std::vector<Judged> limits;  ///< all, in the table's order
-  std::vector<Found> faults;   ///< beside limits
+  std::vector<CheckedLimit> limits;  ///< all, in the table's order
+  std::vector<Found> faults;         ///< in addition to limits
   std::vector<Found> notes;
   bool passed() const;
   std::size_t limits_failed() const;

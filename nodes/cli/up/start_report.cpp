@@ -11,8 +11,8 @@
 
 namespace voxtouch::cli {
 
-std::vector<std::string> few_warnings(const std::vector<std::string>& warnings,
-                                      const std::string& scene) {
+std::vector<std::string> limited_warnings(const std::vector<std::string>& warnings,
+                                          const std::string& scene) {
   std::vector<std::string> lines;
   for (const std::string& warning : warnings) {
     if (lines.size() == kWarningsAtStart)
@@ -21,7 +21,7 @@ std::vector<std::string> few_warnings(const std::vector<std::string>& warnings,
   }
   if (warnings.size() > lines.size())
     lines.push_back(
-        fmt::format("note: {} more; `voxtouch plan {}` and `voxtouch doctor` tell them all",
+        fmt::format("note: {} more; `voxtouch plan {}` and `voxtouch doctor` list them all",
                     warnings.size() - lines.size(), scene));
   return lines;
 }
@@ -56,20 +56,21 @@ std::vector<std::string> StartReport::poll(const Reports& reports) {
     for (const std::string& warning : warnings_)
       if (std::ranges::find(all, warning) == all.end())
         all.push_back(warning);
-    lines = few_warnings(all, scene_);
+    lines = limited_warnings(all, scene_);
   }
-  const auto limit = fitting::stiffness_limit_of(word(reports, "coupling", "stiffness_limit"));
+  const auto limit = device_fit::stiffness_limit_of(word(reports, "coupling", "stiffness_limit"));
   if (!previewed_ && limit) {
     previewed_ = true;
     const auto figure = [&](const char* name) { return number(reports, "coupling", name); };
-    const fitting::ForcePreview preview{.stiffness_n_per_m = figure("certified_stiffness_n_per_m"),
-                                        .gain_margin = figure("design_gain_margin"),
-                                        .force_n = figure("saturation_force_n"),
-                                        .depth_m = figure("saturation_depth_m"),
-                                        .limit = *limit,
-                                        .rotation_nm_per_rad = figure("spring_nm_per_rad"),
-                                        .reach_m = number(reports, "rendering", "tool_reach_m"),
-                                        .grip_n_per_m = figure("requested_grip_n_per_m")};
+    const device_fit::ForcePreview preview{
+        .stiffness_n_per_m = figure("certified_stiffness_n_per_m"),
+        .gain_margin = figure("design_gain_margin"),
+        .force_n = figure("saturation_force_n"),
+        .depth_m = figure("saturation_depth_m"),
+        .limit = *limit,
+        .rotation_nm_per_rad = figure("spring_nm_per_rad"),
+        .reach_m = number(reports, "rendering", "tool_reach_m"),
+        .grip_n_per_m = figure("requested_grip_n_per_m")};
     lines.push_back("note: " + force_line(preview, device_));
     if (word(reports, "coupling", "returns_torque") == "no")
       lines.push_back(fmt::format("note: {}", kTurnsAreHeld));

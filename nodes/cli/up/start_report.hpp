@@ -13,9 +13,9 @@ namespace voxtouch::cli {
 inline constexpr std::size_t kWarningsAtStart = 2;
 
 /// The lines to be said: the first warnings, and one that counts the others and names the verbs
-/// that tell them.
-std::vector<std::string> few_warnings(const std::vector<std::string>& warnings,
-                                      const std::string& scene);
+/// that list them.
+std::vector<std::string> limited_warnings(const std::vector<std::string>& warnings,
+                                          const std::string& scene);
 
 /// What the nodes will be refused, in one warning that names `voxtouch doctor`; empty where nothing
 /// is. They keep each sentence in their statuses and say nothing themselves.

@@ -49,7 +49,7 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   j["kind"] = word(r, "coupling", "design_kind");
   for (const char* name : {"cutoff_hz", "gain", "injected_damping_ns_per_m"})
     j[name] = number(r, "coupling", std::string("design_") + name);
-  j["shown_stiffness_n_per_m"] = number(r, "coupling", "design_shown_n_per_m");
+  j["displayed_stiffness_n_per_m"] = number(r, "coupling", "design_displayed_n_per_m");
   j["critical_stiffness_n_per_m"] = number(r, "coupling", "design_critical_n_per_m");
   j["gain_margin"] = number(r, "coupling", "design_gain_margin");
   j["worst_case"] = word(r, "coupling", "design_worst_case");
@@ -67,7 +67,7 @@ void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
     add_numbers(j["virtual_tool"], r, "rendering",
                 {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
     add_counts(j["virtual_tool"], r, "rendering",
-               {"samples_at_most_queries", "lag_samples", "unplaced_samples"});
+               {"samples_at_most_queries", "not_converged_samples", "not_initialised_samples"});
   }
   if (!word(r, "rendering", "external").empty()) {
     j["external"] = {{"topic", word(r, "rendering", "external_topic")},
@@ -75,12 +75,12 @@ void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
     add_counts(j["external"], r, "rendering",
                {"external_samples", "external_foreign", "external_not_finite",
                 "external_wrong_frame", "external_late"});
-    add_numbers(j["external"], r, "rendering", {"external_given_j"});
+    add_numbers(j["external"], r, "rendering", {"external_energy_generated_j"});
   }
 }
 
 void add_recording(nlohmann::ordered_json& j, const Reports& r) {
-  add_counts(j, r, "logger", {"written", "dropped", "refused_records", "left_out_messages"});
+  add_counts(j, r, "logger", {"written", "dropped", "refused_records", "skipped_messages"});
   for (const char* stream : {"device_state", "rendering_contact", "coupling_command"})
     j["streams"][stream] = {{"recorded", count(r, "logger", stream + std::string("_recorded"))},
                             {"gaps", count(r, "logger", stream + std::string("_gaps"))}};
@@ -105,8 +105,8 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
                           {"max", number(r, "device", "latency_max_us")}};
   add_counts(j, r, "device", {"answered", "overruns", "deadline_misses"});
   add_counts(j, r, "rendering",
-             {"contact_samples", "held_samples", "saturated_samples", "fast_samples",
-              "missed_samples", "passing_samples"});
+             {"contact_samples", "latched_samples", "saturated_samples", "fast_samples",
+              "tunnelling_suspected_samples", "passed_through_samples"});
   add_what_the_scene_has(j, s);
   add_counts(j, r, "device", {"zero_force_samples", "interruptions", "force_losses"});
   add_numbers(j, r, "device", {"force_lost_s"});
@@ -116,7 +116,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   add_counts(j["validator"], r, "validator",
              {"checked", "skipped", "decided", "agree", "in_band", "disagree"});
   add_recording(j["recording"], r);
-  for (const Judged& judged : s.verdict.limits)
+  for (const CheckedLimit& judged : s.verdict.limits)
     j["limits"][std::string(judged.limit->name)] = {
         {"value", judged.measured ? nlohmann::ordered_json(*judged.measured) : nullptr},
         {judged.limit->at_least ? "at_least" : "at_most", judged.bound},
@@ -149,9 +149,9 @@ std::string figures(const RunSummary& s) {
       number(r, "device", "max_force_n"), count(r, "device", "answered"),
       number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
       number(r, "device", "latency_max_us"), count(r, "device", "deadline_misses"),
-      count(r, "rendering", "contact_samples"), count(r, "rendering", "held_samples"),
+      count(r, "rendering", "contact_samples"), count(r, "rendering", "latched_samples"),
       count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
-      word(r, "coupling", "design_status"), number(r, "coupling", "design_shown_n_per_m"),
+      word(r, "coupling", "design_status"), number(r, "coupling", "design_displayed_n_per_m"),
       number(r, "coupling", "design_gain_margin"), number(r, "coupling", "swing_s"),
       count(r, "device", "refused"), count(r, "device", "refused_late"),
       count(r, "device", "clamped"), count(r, "validator", "checked"),
@@ -170,8 +170,9 @@ std::string figures(const RunSummary& s) {
         number(r, "rendering", "spring_n_per_m"),
         1e3 * number(r, "rendering", "most_penetration_m"),
         1e3 * number(r, "rendering", "most_residual_m"),
-        count(r, "rendering", "samples_at_most_queries"), count(r, "rendering", "lag_samples"),
-        count(r, "rendering", "unplaced_samples"));
+        count(r, "rendering", "samples_at_most_queries"),
+        count(r, "rendering", "not_converged_samples"),
+        count(r, "rendering", "not_initialised_samples"));
   if (!s.bag.empty())
     text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
                         count(r, "logger", "written"), count(r, "logger", "dropped"));
@@ -214,7 +215,7 @@ std::string status_line(const Reports& r, const std::vector<std::string>& nodes)
       "{:>5.0f} us  overruns {}  "
       "contacts {}  validator {}/{} agree",
       count(r, "device", "samples"), number(r, "device", "last_second_max_force_n"),
-      100.0 * number(r, "device", "last_second_answered_share"),
+      100.0 * number(r, "device", "last_second_answered_ratio"),
       number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
       count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
       count(r, "validator", "agree"), count(r, "validator", "decided"));

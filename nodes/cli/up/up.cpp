@@ -13,7 +13,7 @@
 #include "nodes/cli/up/start_report.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -77,17 +77,17 @@ RunSummary run_up(const UpOptions& options) {
               options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
               options.node.lockstep, device.hand.from_page});
   for (const std::string& note : notes)
-    log::tell("note: {}\n", note);
+    console::log("note: {}\n", note);
   return run.go();
 }
 
 int up(const UpOptions& options) {
   const RunSummary summary = run_up(options);
-  log::print_result("{}", options.json ? json_of(summary) : to_text(summary));
+  console::print_result("{}", options.json ? json_of(summary) : to_text(summary));
   if (!options.no_record)
     keep_verdict(summary);
   if (!options.no_record && !options.no_report) {
-    log::finish_results();  // nobody waits for the summary while a page is drawn
+    console::finish_results();  // the summary does not wait while a page is drawn
     report_on(summary);
   }
   return summary.verdict.passed() ? 0 : 1;

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "core/fitting/device_check.hpp"
+#include "core/device_fit/device_check.hpp"
 #include "core/scene/device_workspace.hpp"
 #include "core/types/device_description.hpp"
 #include "devices/registry.hpp"
@@ -40,11 +40,11 @@ void check_bag(const std::filesystem::path& bag) {
 /// sentence. Empty: nothing. What depends on the scene as it is built, rendering and coupling
 /// judge: then the run ends before any force.
 std::string refused_unbuilt(const scene::Scene& scene, const DeviceDescription& description) {
-  if (std::string wrong = what_is_wrong(description); !wrong.empty())
+  if (std::string wrong = validate(description); !wrong.empty())
     return wrong;
-  return fitting::why_not_felt(scene, scene.design ? nullptr : &scene.coupling,
-                               coupling::design::model_of(description),
-                               fitting::least_stiffness_n_per_m(scene), fitting::demand_of(scene));
+  return device_fit::force_not_displayed(
+      scene, scene.design ? nullptr : &scene.coupling, coupling::design::model_of(description),
+      device_fit::least_stiffness_n_per_m(scene), device_fit::demand_of(scene));
 }
 
 }  // namespace
@@ -68,8 +68,8 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
     throw std::runtime_error(does_not_go_with(scene.file, plans.device, why));
   std::vector<std::string> notes;
   if (!scene.design)
-    notes = fitting::check_device(scene, coupling::design::model_of(description),
-                                  fitting::least_stiffness_n_per_m(scene))
+    notes = device_fit::check_device(scene, coupling::design::model_of(description),
+                                     device_fit::least_stiffness_n_per_m(scene))
                 .warnings;
   if (file) {
     notes.push_back(scene::assumed_sentence(*file));

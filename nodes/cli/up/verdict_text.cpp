@@ -30,7 +30,7 @@ std::string external(const RunRecord& run, const Found& f) {
       "{} {} of its values were rendered and gave the hand {:.3g} J. Refused: {} of other writers, "
       "{} with NaN or "
       "infinity, {} in an unknown frame.",
-      f.text, n("external_samples"), n("external_given_j"), n("external_foreign"),
+      f.text, n("external_samples"), n("external_energy_generated_j"), n("external_foreign"),
       n("external_not_finite"), n("external_wrong_frame"));
 }
 
@@ -128,7 +128,7 @@ void add(std::vector<std::string>& to, double n, const char* one, const char* ma
 
 }  // namespace
 
-std::string sentence_of(const Judged& judged) {
+std::string sentence_of(const CheckedLimit& judged) {
   const Limit& limit = *judged.limit;
   return fmt::format("{} is {}{}, limit {}: {}", limit.what,
                      with_unit(judged.measured.value_or(NAN), limit.unit),
@@ -140,7 +140,7 @@ std::vector<std::string> problems_of(const RunRecord& run, const RunVerdict& ver
   std::vector<std::string> all;
   for (const Found& fault : verdict.faults)
     all.push_back(sentence(run, fault));
-  for (const Judged& judged : verdict.limits)
+  for (const CheckedLimit& judged : verdict.limits)
     if (!judged.met)
       all.push_back(sentence_of(judged));
   return unique(std::move(all));
@@ -154,14 +154,14 @@ std::vector<std::string> notes_of(const RunRecord& run, const RunVerdict& verdic
 }
 
 std::string verdict_line(const RunRecord& run, const RunVerdict& verdict) {
-  std::vector<std::string> told;
+  std::vector<std::string> reported;
   if (const std::size_t n = verdict.limits_failed(); n > 0)
-    told.push_back(fmt::format("{} of {} limits", n, verdict.limits.size()));
-  add(told, static_cast<double>(verdict.faults.size()), "other fault", "other faults");
-  add(told, number(run.reports, "device", "faded"), "force fade", "force fades");
-  add(told, static_cast<double>(run.fault_records.size()), "fault record", "fault records");
+    reported.push_back(fmt::format("{} of {} limits", n, verdict.limits.size()));
+  add(reported, static_cast<double>(verdict.faults.size()), "other fault", "other faults");
+  add(reported, number(run.reports, "device", "faded"), "force fade", "force fades");
+  add(reported, static_cast<double>(run.fault_records.size()), "fault record", "fault records");
   return fmt::format("{}{}", verdict.passed() ? "PASSED" : "FAILED",
-                     told.empty() ? "" : fmt::format(" ({})", fmt::join(told, ", ")));
+                     reported.empty() ? "" : fmt::format(" ({})", fmt::join(reported, ", ")));
 }
 
 }  // namespace voxtouch::cli

@@ -14,6 +14,6 @@ std::string verdict_line(const RunRecord& run, const RunVerdict& verdict);
 std::vector<std::string> problems_of(const RunRecord& run, const RunVerdict& verdict);
 std::vector<std::string> notes_of(const RunRecord& run, const RunVerdict& verdict);
 /// A limit that is not met.
-std::string sentence_of(const Judged& judged);
+std::string sentence_of(const CheckedLimit& judged);
 
 }  // namespace voxtouch::cli

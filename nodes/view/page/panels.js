@@ -28,7 +28,7 @@
   function showCounts(counts, nodes) {
     const device = nodes.find(n => n.node === 'device');
     if (!counts) return void ($('counts').textContent = '');
-    const answered = device && device.answered_share !== null ? `answered in the last second ${(100 * device.answered_share).toFixed(1)} % · ` : '';
+    const answered = device && device.answered_ratio !== null ? `answered in the last second ${(100 * device.answered_ratio).toFixed(1)} % · ` : '';
     $('counts').textContent = `${answered}guard: ${counts.refused} refused, ${counts.clamped} clamped · ${counts.overruns} overruns · ` +
       `${counts.deadline_misses} deadlines missed` + (counts.latency_max_us ? ` · latency at most ${counts.latency_max_us} µs` : '');
   }

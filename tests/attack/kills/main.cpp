@@ -1,4 +1,4 @@
-/// kill_campaign: kills and stops each process of the ring in contact, and tells how soon the
+/// kill_campaign: kills and stops each process of the ring in contact, and reports how soon the
 /// device was at zero and what was left. Exit status 1 if something did not hold.
 #include <fmt/core.h>
 #include <signal.h>
@@ -53,7 +53,7 @@ int run(int argc, char** argv) {
   std::vector<std::string> known = o.victims;
   known.push_back("nobody");
   app.add_option("--victim", o.victims,
-                 "which; nobody: what the machine itself does meanwhile, with --how stop")
+                 "which; none: what the machine itself does meanwhile, with --how stop")
       ->check(CLI::IsMember(known));
   app.add_option("--how", o.how, "kill (SIGKILL), stop (SIGSTOP, and on after 0.7 s)")
       ->check(CLI::IsMember(o.how));

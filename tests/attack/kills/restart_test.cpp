@@ -9,7 +9,7 @@
 #include <sstream>
 #include <thread>
 
-#include "tests/attack/kills/felt_ring.hpp"
+#include "tests/attack/kills/contact_ring.hpp"
 #include "tests/attack/kills/leftovers.hpp"
 #include "tests/attack/kills/round.hpp"
 #include "tests/support/process/process.hpp"
@@ -36,7 +36,7 @@ std::string pressing_scene(const std::filesystem::path& folder) {
   return file.string();
 }
 
-/// A ring in a contact that does not end, with these options beside.
+/// A ring in a contact that does not end, with these options next to.
 class PressedRing {
  public:
   explicit PressedRing(const Words& options)
@@ -61,7 +61,7 @@ class PressedRing {
   }
   bool force_comes_back() {
     const std::uint64_t now = ring_.seen().empty() ? 0 : ring_.seen().back().sequence;
-    return wait_until([&] { return ring_.seen().back().sequence > now && ring_.felt(); }, 20s);
+    return wait_until([&] { return ring_.seen().back().sequence > now && ring_.has_force(); }, 20s);
   }
   test::Finished interrupt() {
     ring_.up().signal(SIGINT);
@@ -75,7 +75,7 @@ class PressedRing {
   bool has_problem(const std::string& text) const { return has("problems", text); }
   bool has_note(const std::string& text) const { return has("notes", text); }
 
-  FeltRing& ring() { return ring_; }
+  ContactRing& ring() { return ring_; }
   nlohmann::json summary;
 
  private:
@@ -96,7 +96,7 @@ class PressedRing {
   }
 
   test::TemporaryFolder folder_;
-  FeltRing ring_;
+  ContactRing ring_;
   pid_t killed_ = 0;
 };
 
@@ -133,13 +133,13 @@ void expect_a_ramp(const std::filesystem::path& bag) {
 
 TEST_P(Restart, IsZeroForceUntilTheNodeIsReadyAndThenARamp) {
   PressedRing pressed({"--restart", "1", "--limit", "restarts=1"});
-  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().why_not();
+  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   pressed.kill(GetParam());
   const std::int64_t lost_ns = pressed.ring().lost_at_ns(),
                      again_ns = pressed.started_again_ns(GetParam());
-  ASSERT_NE(again_ns, 0) << pressed.ring().why_not();
+  ASSERT_NE(again_ns, 0) << pressed.ring().refusal();
   const double machine_ms = pressed.ring().machine_ms();
-  ASSERT_TRUE(pressed.force_comes_back()) << pressed.ring().why_not();
+  ASSERT_TRUE(pressed.force_comes_back()) << pressed.ring().refusal();
   std::this_thread::sleep_for(1s);
   const std::vector<Seen> seen = pressed.ring().seen();
   const auto first =
@@ -169,10 +169,10 @@ INSTANTIATE_TEST_SUITE_P(Ring, Restart, testing::Values("rendering", "coupling")
 
 TEST(RestartOfUp, FailsTheRunByDefaultAndASecondDeathEndsIt) {
   PressedRing pressed({"--restart", "1"});
-  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().why_not();
+  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   pressed.kill("rendering");
-  ASSERT_NE(pressed.started_again_ns("rendering"), 0) << pressed.ring().why_not();
-  ASSERT_TRUE(pressed.force_comes_back()) << pressed.ring().why_not();
+  ASSERT_NE(pressed.started_again_ns("rendering"), 0) << pressed.ring().refusal();
+  ASSERT_TRUE(pressed.force_comes_back()) << pressed.ring().refusal();
   pressed.kill("coupling");
   const test::Finished end = pressed.end();
   EXPECT_EQ(end.status, 1);
@@ -184,7 +184,7 @@ TEST(RestartOfUp, FailsTheRunByDefaultAndASecondDeathEndsIt) {
 
 TEST(RestartOfUp, NeverStartsADeviceAgain) {
   PressedRing pressed({"--restart", "3"});
-  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().why_not();
+  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   pressed.kill("device");
   const test::Finished end = pressed.end();
   EXPECT_EQ(end.status, 1);
@@ -194,7 +194,7 @@ TEST(RestartOfUp, NeverStartsADeviceAgain) {
 
 TEST(RestartOfUp, IsNotFeltWhereTheNodeOnlyListens) {
   PressedRing pressed({"--restart", "2", "--limit", "restarts=2"});
-  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().why_not();
+  ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   for (const char* role : {"validator", "logger"}) {
     pressed.kill(role);
     ASSERT_NE(pressed.started_again_ns(role), 0) << role;

@@ -8,7 +8,7 @@
 #include <functional>
 #include <thread>
 
-#include "tests/attack/kills/felt_ring.hpp"
+#include "tests/attack/kills/contact_ring.hpp"
 #include "tests/attack/kills/leftovers.hpp"
 
 namespace voxtouch::attack {
@@ -34,7 +34,7 @@ class Round {
   RoundResult play() {
     result_.played = reach_contact();
     if (!result_.played) {
-      result_.faults.push_back("the ring did not come into contact: " + ring_.why_not());
+      result_.faults.push_back("the ring did not come into contact: " + ring_.refusal());
       return result_;
     }
     send();
@@ -158,8 +158,8 @@ class Round {
       result_.faults.push_back("the device goes on with force");
   }
 
-  /// What only listens must not be felt. Where the machine kept a thread of the ring's priority
-  /// waiting for longer than commands are held, it is the machine that was felt.
+  /// What only listens must not be displayed. Where the machine kept a thread of the ring's
+  /// priority waiting for longer than commands are held, it is the machine that was displayed.
   void judge_undisturbed() {
     for (const Seen& s : ring_.seen())
       result_.unforced += s.written_ns >= at_ns_ && !s.force_on;
@@ -199,7 +199,7 @@ class Round {
     for (const pid_t node : nodes_)
       if (program_of(node).starts_with("voxtouch_"))
         result_.faults.push_back(program_of(node) + " is left behind");
-    // Other tests run beside this one and have such names too, for a moment: left behind is what
+    // Other tests run next to this one and have such names too, for a moment: left behind is what
     // stays.
     std::set<std::string> left;
     wait_until(
@@ -236,7 +236,7 @@ class Round {
 
   RoundOptions ask_;
   std::set<std::string> names_before_;
-  FeltRing ring_;
+  ContactRing ring_;
   std::vector<pid_t> nodes_;
   pid_t victim_ = 0;
   std::int64_t at_ns_ = 0;

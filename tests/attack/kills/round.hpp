@@ -10,7 +10,7 @@ namespace voxtouch::attack {
 
 struct RoundOptions {
   std::string victim = "rendering";  ///< device, rendering, coupling, logger, validator, up; or
-                                     ///< nobody, to compare with
+                                     ///< none, to compare with
   int signal = 9;                    ///< SIGKILL or SIGSTOP
   std::uint32_t domain = 0;
   std::string rig = "haptic";

@@ -1,5 +1,5 @@
 #pragma once
-/// The device as anybody on the network may watch it, without a word to the ring.
+/// The device as any participant on the network may watch it, without a word to the ring.
 #include <atomic>
 #include <cstdint>
 #include <mutex>

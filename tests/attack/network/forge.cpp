@@ -143,9 +143,9 @@ int run(std::uint32_t domain, double seconds, bool says_goodbye) {
   std::size_t most = 0;
   Neighbours known;  // who comes and goes is learned meanwhile
   for (std::uint32_t turn = 1; Clock::now() < until; ++turn) {
-    Neighbours heard =
+    Neighbours received =
         listen_for_neighbours(domain, std::chrono::milliseconds(turn == 1 ? 1000 : 20));
-    known.prefixes.merge(heard.prefixes), known.ports.merge(heard.ports);
+    known.prefixes.merge(received.prefixes), known.ports.merge(received.ports);
     known.ports.insert(discovery_port(domain));
     most = std::max(most, known.prefixes.size());
     for (const GuidPrefix& prefix : known.prefixes)
@@ -171,7 +171,7 @@ int main(int argc, char** argv) {
       "are there: samples far ahead of theirs, heartbeats\n"
       "and gaps that make readers skip theirs, one more writer of theirs, and that they have gone. "
       "A plain ring does not stand it; a secured one\n"
-      "takes none of it. Exit status 1: nobody was there.");
+      "takes none of it. Exit status 1: none was there.");
   std::uint32_t domain = 0;
   double seconds = 5.0;
   bool no_goodbye = false;

@@ -10,8 +10,8 @@ namespace voxtouch::attack {
 
 enum class Garbage : std::uint8_t {
   kBytes,      ///< random bytes
-  kHeaders,    ///< a good header of nobody, then submessages of any kind, flags and length
-  kDiscovery,  ///< a good header of nobody, then what discovery and type lookup are sent by, with
+  kHeaders,    ///< a good header of none, then submessages of any kind, flags and length
+  kDiscovery,  ///< a good header of none, then what discovery and type lookup are sent by, with
                ///< random parameters
   kSpoofed,    ///< as the two before, under the prefix of a neighbour
   kFlipped,    ///< a neighbour's announcement with some bits turned

@@ -99,7 +99,7 @@ int main(int argc, char** argv) {
       "participants it learns first by\n"
       "listening for two seconds. No process may end of it, and the ring goes on; only `spoofed` "
       "and `flipped`, which speak under a\n"
-      "participant's own name, may disturb who hears whom. Exit status 1: nobody was there.");
+      "participant's own name, may disturb who receives whom. Exit status 1: none was there.");
   Options o;
   app.add_option("--domain", o.domain, "DDS domain")->required()->check(CLI::Range(0U, 200U));
   app.add_option("--seconds", o.seconds, "how long it sends")

@@ -6,10 +6,10 @@ other.
     tests/attack/two_rigs/two_rigs.py --duration 8          # what the test runs
 
 Both feel the cup. In the middle the rendering of the left one is killed. Then the left one has to
-end with 1 and say so, while the right one goes on: its bag holds one session, no command of anybody
-else, no sample at which force was lost, and no message on its topics that came from the left one.
-Its own verdict has to follow from its own figures: what it names as a problem is a figure of its
-own (a busy machine is one) and never the other rig. Exit status 1 if something did not hold.
+end with 1 and say so, while the right one goes on: its bag holds one session, no command of any
+participant else, no sample at which force was lost, and no message on its topics that came from the
+left one. Its own verdict has to follow from its own figures: what it names as a problem is a figure
+of its own (a busy machine is one) and never the other rig. Exit status 1 if something did not hold.
 
 A virtual machine stands still now and then, and no ring answers meanwhile: after 24 ms the guard
 takes the force away, as it should. So one witness on each CPU, at a higher real-time priority than
@@ -55,7 +55,7 @@ def arguments():
         "--forms",
         choices=["names", "domains", "both"],
         default="both",
-        help="told apart by rig names, by domains, or first so and then so",
+        help="distinguished by rig names, by domains, or first so and then so",
     )
     return parser.parse_args()
 
@@ -75,7 +75,8 @@ class Machine:
             time.sleep(0.001)
             now = time.time()
             if now - last > float(sys.argv[3]):
-                os.write(1, f"{sys.argv[1]} {last} {now}\\n".encode())  # one write: the file is shared
+                os.write(1, f"{sys.argv[1]} {last} {now}\\n".encode())  # one write: the file is
+                shared
             last = now
         """
 
@@ -113,7 +114,7 @@ class Machine:
 class Rig:
     def __init__(self, ask, name, domain, folder):
         self.name, self.bag = name, folder / name
-        self.said, self.told = open(folder / f"{name}.err", "w+"), open(
+        self.said, self.output = open(folder / f"{name}.err", "w+"), open(
             folder / f"{name}.out", "w+"
         )
         self.process = subprocess.Popen(
@@ -136,7 +137,7 @@ class Rig:
                 "--record-format",
                 "sqlite3",
             ],
-            stdout=self.told,
+            stdout=self.output,
             stderr=self.said,
             stdin=subprocess.DEVNULL,
         )
@@ -163,7 +164,7 @@ class Rig:
 
     def end(self, patience):
         self.status = self.process.wait(patience)
-        self.summary = json.loads(pathlib.Path(self.told.name).read_text())
+        self.summary = json.loads(pathlib.Path(self.output.name).read_text())
 
     def states(self):
         """(Unix time, session, force on) of each recorded sample."""
@@ -248,6 +249,7 @@ def play(ask, form, domains):
                         f"the right rig lost its force at {len(lost) - by_machine} of"
                         f" {len(states) - first} samples, with the machine running: its CPUs stood"
                         " still for"
+                        f""
                         f" {', '.join(f'{1000 * machine.still_before(moment):.0f}' for moment in lost[:20])} ms"
                         f" of the {1000 * WINDOW_S:.0f} before"
                     )

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A rival that takes part by CSV: a row in every table, and files that cannot be used.
+"""A system that takes part by CSV: a row in every table, and files that cannot be used.
 
 usage: csv_test.py
 """

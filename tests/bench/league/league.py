@@ -6,7 +6,7 @@ usage: league.py --voxtouch PROGRAM --out FOLDER [--rows A,B1] [--only NAME,...]
        FOLDER]
 
 FOLDER receives a folder per row with meshes, poses and what is right, result.json, league.md and
-the pictures. README.md tells how another program takes part without this code.
+the pictures. README.md reports how another program takes part without this code.
 """
 import argparse
 import datetime
@@ -21,7 +21,7 @@ import numpy as np
 import by_csv
 import loops
 import page
-import rivals
+import systems
 import rows
 import shapes
 import truth
@@ -87,27 +87,27 @@ def check_addition(options, everybody):
         sys.exit(f"--add {options.add}: take another name, of letters, digits and spaces")
 
 
-def play_loops(options, wanted, taking_part, out, result):
+def play_loops(options, selected, taking_part, out, result):
     names = [name for name, _, _ in taking_part]
     for name, (title, judge, _) in loops.LOOP_ROWS.items():
-        if not wanted(name):
+        if not selected(name):
             continue
         entry = result["rows"].setdefault(name, {"title": title, "judge": judge, "answers": {}})
-        for rival in rivals.everybody(options.voxtouch):
-            if rival.name not in names:
+        for system in systems.everybody(options.voxtouch):
+            if system.name not in names:
                 continue
-            print(f"{name}: {rival.name}", file=sys.stderr)
+            print(f"{name}: {system.name}", file=sys.stderr)
             try:
-                given = loops.answer(name, rival, out / name.replace(" ", "_").replace("/", "_"))
+                given = loops.answer(name, system, out / name.replace(" ", "_").replace("/", "_"))
             except Exception as error:
                 given = reason(error)
             if given is not None:
-                entry["answers"][rival.name] = given
+                entry["answers"][system.name] = given
 
 
 def participants(options):
     """Name, answer and version of everybody who plays."""
-    everybody = rivals.everybody(options.voxtouch)
+    everybody = systems.everybody(options.voxtouch)
     if options.add:
         check_addition(options, everybody)
         return [(options.add, lambda row, folder: by_csv.answer(options.csv, row), "by CSV")]
@@ -124,7 +124,7 @@ def play(options):
     deploy = pathlib.Path(__file__).resolve().parents[3] / "deploy"
     chosen = options.rows.split(",") if options.rows else [""]
 
-    def wanted(name):
+    def selected(name):
         return any(name.startswith(begin) for begin in chosen)
 
     file = out / "result.json"
@@ -135,7 +135,7 @@ def play(options):
     )
     taking_part = participants(options)
     answered = 0
-    for row in rows.all_rows(deploy, truth.nearest_on, wanted):
+    for row in rows.all_rows(deploy, truth.nearest_on, selected):
         folder = out / row.name.replace(" ", "_").replace("/", "_")
         rows.write_row(row, folder)
         entry = result["rows"].setdefault(
@@ -147,7 +147,7 @@ def play(options):
                 given = answer(row, folder)
             except by_csv.CsvError as error:
                 sys.exit(str(error))
-            except Exception as error:  # a rival's own fault is a result, too
+            except Exception as error:  # a system's own fault is a result, too
                 given = reason(error)
             if given is None:
                 continue
@@ -157,7 +157,7 @@ def play(options):
     if options.add and not answered:
         sys.exit(f"--csv {options.csv}: no ROW.csv is named as one of the rows, such as A1.csv")
     if not options.add:
-        play_loops(options, wanted, taking_part, out, result)
+        play_loops(options, selected, taking_part, out, result)
     result["conditions"] = {
         "date": str(datetime.date.today()),
         "machine": machine(),
@@ -179,7 +179,7 @@ if __name__ == "__main__":
     parser.add_argument(
         "--rows", default="", help="only rows whose names begin so, with commas between"
     )
-    parser.add_argument("--only", default="", help="only these rivals")
+    parser.add_argument("--only", default="", help="only these systems")
     parser.add_argument("--add", default="", help="name of a program whose answers are in --csv")
     parser.add_argument("--csv", default="", help="folder with ROW.csv: fx,fy,fz,tx,ty,tz,us")
     play(parser.parse_args())

@@ -12,7 +12,7 @@ import numpy as np
 import rows
 import shapes
 import threads
-from rivals import HULLS, PERIOD_S, STIFF, Bullet, Drake, MuJoCo, Voxtouch, timed
+from systems import HULLS, PERIOD_S, STIFF, Bullet, Drake, MuJoCo, Voxtouch, timed
 
 BOX_M, BOX_KG, SETTLE_STEPS = 0.04, 0.256, 2000
 
@@ -34,10 +34,10 @@ def settled(heights, times):
     }
 
 
-def box_in_mujoco(rival):
+def box_in_mujoco(system):
     import mujoco
 
-    stiff = STIFF if rival.stiff else ""
+    stiff = STIFF if system.stiff else ""
     half = BOX_M / 2
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="{PERIOD_S}"/><worldbody>'
@@ -205,10 +205,10 @@ def press_row():
     )
 
 
-def loop_of_rival(rival, stiffness, folder):
+def loop_of_system(system, stiffness, folder):
     row = press_row()
     rows.write_row(row, folder)
-    step = rival.stepper(row, folder, stiffness)
+    step = system.stepper(row, folder, stiffness)
     device, before, heights, times = Device(0.012), 0.012, [], []
     for n in range(round(END_S / PERIOD_S)):
         target = max(0.0, 0.012 - 0.05 * n * PERIOD_S)
@@ -244,7 +244,7 @@ def loop_of_voxtouch(program, stiffness, folder):
         " speed_m_per_s: 0.05, hold_s: 0}}\n",
         encoding="utf-8",
     )
-    options = ["--motion", "press", "--duration", f"{END_S:g}", "--let-go-at", f"{RELEASE_S:g}"]
+    options = ["--motion", "press", "--duration", f"{END_S:g}", "--release-time", f"{RELEASE_S:g}"]
     run, _, samples = ring(program, scene, folder, *options)
     if not samples:
         return refused(run, scene)
@@ -264,26 +264,26 @@ LOOP_ROWS = {
 }
 
 
-def answer(name, rival, folder):
-    """None if the rival has no part in this row."""
+def answer(name, system, folder):
+    """None if the system has no part in this row."""
     _, judge, stiffness = LOOP_ROWS[name]
-    if not rival.paths and judge != "rest":
+    if not system.paths and judge != "rest":
         return None
     folder.mkdir(parents=True, exist_ok=True)
     if judge == "loop":
-        if isinstance(rival, Voxtouch):
-            return loop_of_voxtouch(rival.program, stiffness, folder)
-        return None if rival.name == "MuJoCo SDF" else loop_of_rival(rival, stiffness, folder)
+        if isinstance(system, Voxtouch):
+            return loop_of_voxtouch(system.program, stiffness, folder)
+        return None if system.name == "MuJoCo SDF" else loop_of_system(system, stiffness, folder)
     if judge == "lock":
-        if isinstance(rival, Voxtouch):
-            return threads.in_voxtouch(rival.program, folder)
-        return threads.in_mujoco(rival, folder) if rival.name == "MuJoCo SDF" else HULLS
-    if isinstance(rival, Voxtouch) and rival.paths:
-        return box_in_voxtouch(rival.program, folder)
-    if isinstance(rival, MuJoCo) and rival.paths and not rival.sdf:
-        return box_in_mujoco(rival)
-    if isinstance(rival, Bullet) and rival.paths and rival.setting == "standard":
+        if isinstance(system, Voxtouch):
+            return threads.in_voxtouch(system.program, folder)
+        return threads.in_mujoco(system, folder) if system.name == "MuJoCo SDF" else HULLS
+    if isinstance(system, Voxtouch) and system.paths:
+        return box_in_voxtouch(system.program, folder)
+    if isinstance(system, MuJoCo) and system.paths and not system.sdf:
+        return box_in_mujoco(system)
+    if isinstance(system, Bullet) and system.paths and system.setting == "standard":
         return box_in_bullet()
-    if isinstance(rival, Drake) and rival.setting == "standard":
+    if isinstance(system, Drake) and system.setting == "standard":
         return box_in_drake()
     return None

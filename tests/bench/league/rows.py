@@ -84,7 +84,7 @@ def read_obj(path, scale=1.0):
     return np.array(vertices), faces
 
 
-def rows_of_balls(deploy, nearest, wanted):
+def rows_of_balls(deploy, nearest, expected):
     random = np.random.default_rng(SEED)
     plane = shapes.box((0.2, 0.2, 0.02), (0, 0, -0.01))
     xy = random.uniform(-0.06, 0.06, (100, 2))
@@ -97,7 +97,7 @@ def rows_of_balls(deploy, nearest, wanted):
     )
     for name, triangles in (("A2", 5_000), ("A3", 50_000), ("A4", 500_000)):
         angle, y = random.uniform(-1, 1, 100), random.uniform(-0.05, 0.05, 100)
-        if not wanted(name):
+        if not expected(name):
             continue
         normal = np.stack([np.sin(angle), np.zeros(100), np.cos(angle)], 1)
         mesh = shapes.cylinder(0.04, 0.2, triangles)
@@ -110,7 +110,7 @@ def rows_of_balls(deploy, nearest, wanted):
         )
         row.direction = outwards(row.poses[:, 4:], *nearest(mesh, row.poses[:, 4:]))
         yield row
-    if not wanted("A5"):
+    if not expected("A5"):
         return
     cup = read_obj(deploy / "meshes" / "cup.obj")
     points, normals = surface_places(cup, 400, random)
@@ -338,16 +338,16 @@ def rows_of_threads():
     )
 
 
-def all_rows(deploy, nearest, wanted):
+def all_rows(deploy, nearest, expected):
     """Every row whose name is wanted; `nearest` gives the truth for rows of balls."""
     for row in itertools.chain(
-        rows_of_balls(deploy, nearest, wanted),
+        rows_of_balls(deploy, nearest, expected),
         rows_of_holes(),
         rows_of_springs(),
         rows_of_edges(),
         rows_of_threads(),
     ):
-        if wanted(row.name):
+        if expected(row.name):
             yield row
 
 

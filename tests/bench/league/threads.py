@@ -6,7 +6,7 @@ import numpy as np
 
 import rows
 import shapes
-from rivals import PERIOD_S, SDF_SEARCH, STIFF, probe_path, timed
+from systems import PERIOD_S, SDF_SEARCH, STIFF, probe_path, timed
 
 PITCH_DIAMETER_M = 0.018376
 LOCKS_FROM = shapes.PITCH_M / (np.pi * PITCH_DIAMETER_M) * np.cos(np.radians(30))
@@ -43,12 +43,12 @@ def write_meshes(folder):
     shapes.write_obj(folder / "tool.obj", *shapes.nut(0.01, rows.THREAD_GAP_M, SIDES))
 
 
-def in_mujoco(rival, folder):
+def in_mujoco(system, folder):
     """A nut of 0.1 kg that falls along and turns about the bolt's axis."""
     import mujoco
 
     write_meshes(folder)
-    geom = f'type="sdf" friction="0 0 0" condim="3"{STIFF if rival.stiff else ""}'
+    geom = f'type="sdf" friction="0 0 0" condim="3"{STIFF if system.stiff else ""}'
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="{PERIOD_S}" cone="elliptic" impratio="10"{SDF_SEARCH}/>'
         f'<asset><mesh name="bolt" file="{folder / "static.obj"}"/>'

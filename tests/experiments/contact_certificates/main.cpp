@@ -12,7 +12,7 @@
 
 #include "core/coupling/design/absolute_stability.hpp"
 #include "core/coupling/design/axis_verdict.hpp"
-#include "core/fitting/design_problem.hpp"
+#include "core/device_fit/design_problem.hpp"
 #include "core/scene/device_file.hpp"
 #include "devices/registry.hpp"
 #include "tests/support/coupling_models/population.hpp"
@@ -35,10 +35,10 @@ cd::DesignProblem problem_of(const std::string& device) {
   scene::Scene scene;
   scene.voxel_size_m = 0.0;
   scene.design.emplace();
-  const double turning = model.gives_torque ? model.rotation.max_stiffness : 0.0;
-  cd::DesignProblem problem = fitting::design_problem(
+  const double max_rotation = model.gives_torque ? model.rotation.max_stiffness : 0.0;
+  cd::DesignProblem problem = device_fit::design_problem(
       scene, model, {0.01 * model.translation.max_stiffness, model.translation.max_stiffness},
-      {0.01 * turning, turning});
+      {0.01 * max_rotation, max_rotation});
   problem.device.name = file ? std::filesystem::path(device).stem().string() : device;
   return problem;
 }
@@ -75,8 +75,8 @@ cd::DesignProblem random_problem(std::uint64_t seed, std::uint64_t index) {
 
 /// Figures over all devices.
 struct Totals {
-  int devices = 0, infeasible = 0, passive = 0, monotone = 0, turning = 0, cases = 0, reached = 0,
-      circle = 0, above = 0;
+  int devices = 0, infeasible = 0, passive = 0, monotone = 0, max_rotation = 0, cases = 0,
+      reached = 0, circle = 0, above = 0;
   std::vector<double> ratios, margins, ms;
 };
 
@@ -130,7 +130,7 @@ void certify(const cd::DesignProblem& problem, Totals& totals) {
   totals.ms.push_back(ms);
   for (const auto& axis : c.axes)
     totals.margins.push_back(axis.margin);
-  totals.turning += c.axes.size() > 1;
+  totals.rotation += c.axes.size() > 1;
   try_each_case(problem, design.spec, totals);
   fmt::print("{:<14} {:<14} {:>5} {:>6.3f} {:>9.4g} {:>7.3g} {:>7.3g} {:>9} {:>7} {:>7.0f}\n",
              problem.device.name, design.spec.kind, c.loops, c.ratio_of_linear, c.axes[0].stiffness,
@@ -158,7 +158,7 @@ int run(const Arguments& a) {
   fmt::print("\ndevices {}, infeasible {}, by passivity {}, any contact {} (seed {})\n",
              totals.devices, totals.infeasible, totals.passive, totals.monotone, a.seed);
   fmt::print("one multiplier: {} devices, {} of them with torque; ratio to the linear limit: {}\n",
-             totals.ratios.size(), totals.turning, least_and_median(totals.ratios));
+             totals.ratios.size(), totals.rotation, least_and_median(totals.ratios));
   fmt::print("margin over what is displayed: {}\n", least_and_median(totals.margins));
   fmt::print(
       "cases by themselves: {}; certified at 0.99 of their limit {}, by the circle criterion {}; "

@@ -1,5 +1,5 @@
 #pragma once
-/// Campaigns of simulated runs that try coupling designs on devices, hands and contacts nobody
+/// Campaigns of simulated runs that try coupling designs on devices, hands and contacts none
 /// chose. Each phase is a pure function of its options: the same seed gives the same counts.
 #include <array>
 #include <cstdint>
@@ -23,7 +23,7 @@ struct Options {
   double overload = 1.0;  ///< designs: every contact this many times stiffer than promised; to see
                           ///< that the campaign sees it
   std::optional<double>
-      damper_share;  ///< designs: as CouplingSpec has it; none: the designer chooses
+      damping_force_ratio;  ///< designs: as CouplingSpec has it; none: the designer chooses
   std::function<void(std::uint64_t done, std::uint64_t all)> progress;  ///< may be empty
 };
 
@@ -37,7 +37,7 @@ struct Tally {
 /// Everything that it takes to see a run again: draw_member(seed, index), or the corner of that
 /// index, and the trial's name.
 struct Failure {
-  std::string trial;
+  std::string setting;
   std::uint64_t seed = 0, index = 0;
   bool corner = false;
   std::string details;
@@ -68,11 +68,11 @@ PhaseResult design_phase(const Options& options);
 /// Random loops around the boundary that the linear model predicts.
 PhaseResult predictor_phase(const Options& options);
 
-/// Push, speed and length of a run for a loop whose contact is set. `shown`: stiffness that reaches
-/// the hand; it says how deep the push goes, half a millimetre to a centimetre or 60 % of
+/// Push, speed and length of a run for a loop whose contact is set. `displayed`: stiffness that
+/// reaches the hand; it says how deep the push goes, half a millimetre to a centimetre or 60 % of
 /// `max_effort`. At least 8 of the loop's slowest time constants and 20 swings, at most two million
 /// samples; the longest eight times that.
-void drive(coupling_models::NonlinearLoop& loop, double shown, double max_effort,
+void drive(coupling_models::NonlinearLoop& loop, double displayed, double max_effort,
            coupling_models::Random& random);
 /// Jitter within +- `jitter`, 1 to 3 % loss of at most `lost_in_a_row`, quantisation, a wall that
 /// only pushes, any of the laws.

@@ -46,12 +46,12 @@ bool PhaseResult::count(const std::string& kind, const coupling_models::Nonlinea
   return !verdict.stable;
 }
 
-void drive(coupling_models::NonlinearLoop& loop, double shown, double max_effort,
+void drive(coupling_models::NonlinearLoop& loop, double displayed, double max_effort,
            coupling_models::Random& random) {
   const double mass = loop.plant.mass + loop.plant.hand_mass;
   const double depth = random.log_uniform(0.5e-3, 10e-3);
-  loop.push = std::min((shown + loop.plant.hand_stiffness) * depth, 0.6 * max_effort);
-  const double swing = std::sqrt((shown + loop.plant.hand_stiffness) / mass);  // rad/s
+  loop.push = std::min((displayed + loop.plant.hand_stiffness) * depth, 0.6 * max_effort);
+  const double swing = std::sqrt((displayed + loop.plant.hand_stiffness) / mass);  // rad/s
   // Up to ten times as deep as the push: more would only be more time in the air.
   loop.start_speed = std::min(random.log_uniform(0.01, 0.3), 10.0 * depth * swing);
   const double slowest = std::max(coupling_models::settling_time(loop), linear_time_constant(loop));

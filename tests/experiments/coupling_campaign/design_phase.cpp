@@ -29,10 +29,10 @@ coupling::design::LoopController controller_of(const coupling::CouplingSpec& spe
 }
 
 coupling::design::DesignProblem request_for(const coupling_models::PopulationMember& member,
-                                            std::optional<double> damper_share,
+                                            std::optional<double> damping_force_ratio,
                                             coupling_models::Random& random) {
   coupling::design::DesignProblem out;
-  out.goals.damper_share = damper_share;
+  out.goals.damping_force_ratio = damping_force_ratio;
   out.device = member.device;
   out.hand.translation = member.hand;
   out.contact = member.contact;
@@ -61,7 +61,7 @@ struct Tried {
     out.plant = plant;
     out.controller = controller;
     out.contact_stiffness = contact;
-    out.damping_only_in_contact = true, out.damping_share = design.spec.damper_share,
+    out.damping_only_in_contact = true, out.damping_fraction = design.spec.damping_force_ratio,
     out.damping_free = design.spec.damper_free_n;
     out.slow_velocity_rad_per_s = 2.0 * std::numbers::pi * design.spec.slow_velocity_hz,
     out.velocity_band = design.spec.velocity_band_m_per_s;
@@ -76,22 +76,22 @@ struct Tried {
   }
 };
 
-struct Trial {
+struct Setting {
   const char* name;
   coupling_models::NonlinearLoop loop;
 };
 
-std::vector<Trial> trials_of(const Tried& t, coupling_models::Random& random) {
+std::vector<Setting> settings_of(const Tried& t, coupling_models::Random& random) {
   const coupling::design::AxisModel& axis = t.member.device.translation;
-  const double shown = t.design.translation.shown_stiffness,
+  const double displayed = t.design.translation.displayed_stiffness,
                period = t.member.device.timing.period_s;
-  std::vector<Trial> out;
+  std::vector<Setting> out;
   const auto add = [&](const char* name, const coupling::design::LoopPlant& plant, auto change) {
-    Trial trial{name, t.loop(plant)};
-    disturb(trial.loop, t.member.device.timing, axis.resolution, random);
-    change(trial.loop);
-    drive(trial.loop, shown, axis.max_effort, random);
-    out.push_back(trial);
+    Setting setting{name, t.loop(plant)};
+    disturb(setting.loop, t.member.device.timing, axis.resolution, random);
+    change(setting.loop);
+    drive(setting.loop, displayed, axis.max_effort, random);
+    out.push_back(setting);
   };
   add("any hand, mass and wall", coupling_models::draw_plant(t.member, random),
       [&](coupling_models::NonlinearLoop& loop) {
@@ -127,16 +127,17 @@ std::vector<Trial> trials_of(const Tried& t, coupling_models::Random& random) {
 double limit_over_promise(const Tried& t, const coupling::design::LoopPlant& plant,
                           coupling_models::Random random) {
   coupling_models::NonlinearLoop loop = t.loop(plant);
-  drive(loop, t.design.translation.shown_stiffness, t.member.device.translation.max_effort, random);
+  drive(loop, t.design.translation.displayed_stiffness, t.member.device.translation.max_effort,
+        random);
   loop.longest_s = 4.0 * loop.duration_s;
   return coupling_models::simulated_limit(loop, t.contact, 64.0 * t.contact) / t.contact;
 }
 
-double quantile(std::vector<double> values, double share) {
+double quantile(std::vector<double> values, double fraction) {
   if (values.empty())
     return 0.0;
   std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+  return values[static_cast<std::size_t>(fraction * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
 class Phase {
@@ -146,7 +147,7 @@ class Phase {
   void member(const coupling_models::PopulationMember& member, std::uint64_t salt, bool corner) {
     coupling_models::Random random(options_.seed ^ salt, member.index);
     const coupling::design::DesignProblem request =
-        request_for(member, options_.damper_share, random);
+        request_for(member, options_.damping_force_ratio, random);
     const coupling::design::Design design = coupling::design::design_coupling(request);
     ++statuses_[static_cast<std::size_t>(design.status)];
     if (!member.hand.any_passive && design.status != coupling::design::DesignStatus::kInfeasible) {
@@ -158,21 +159,22 @@ class Phase {
     const coupling::design::AxisDesign& axis = design.translation;
     // What is infeasible is tried as well, with the little that it shows, unless nothing at all is
     // promised.
-    if (!(axis.shown_stiffness > 0.0 && axis.gain_margin >= 0.999 * request.goals.gain_margin)) {
+    if (!(axis.displayed_stiffness > 0.0 &&
+          axis.gain_margin >= 0.999 * request.goals.gain_margin)) {
       ++nothing_promised_;
       return;
     }
     const Tried tried{
         member, design, controller_of(design.spec),
         options_.overload * std::min(member.contact.all_points, design.spec.stiffness_cap_n_per_m)};
-    for (const Trial& trial : trials_of(tried, random)) {
-      const coupling_models::NonlinearVerdict verdict = coupling_models::simulate(trial.loop);
-      if (out_.count(trial.name, verdict))
+    for (const Setting& setting : settings_of(tried, random)) {
+      const coupling_models::NonlinearVerdict verdict = coupling_models::simulate(setting.loop);
+      if (out_.count(setting.name, verdict))
         out_.failures.push_back(
-            {trial.name, options_.seed, member.index, corner,
+            {setting.name, options_.seed, member.index, corner,
              fmt::format("{}; margin {:.4g}, worst {}; {}",
                          coupling::design::name_of(design.status), axis.gain_margin,
-                         axis.worst_case_text, describe(trial.loop, verdict))});
+                         axis.worst_case_text, describe(setting.loop, verdict))});
     }
     if (!corner && design.status != coupling::design::DesignStatus::kInfeasible &&
         tried.controller.law != Law::kSpringDamper && slowest_.size() < options_.limits) {
@@ -194,17 +196,18 @@ class Phase {
     out_.figures.push_back(
         {"promises compared with the simulated limit", static_cast<double>(slowest_.size())});
     for (const auto& [timing, limits] : {std::pair{"slowest", &slowest_}, {"nominal", &nominal_}})
-      for (const auto& [name, share] :
+      for (const auto& [name, fraction] :
            {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}, {"95 %", 0.95}})
         out_.figures.push_back({fmt::format("limit / promise, {} timing, {}", timing, name),
-                                quantile(*limits, share)});
+                                quantile(*limits, fraction)});
     for (const bool floors : {false, true})
       for (const bool held : {false, true})
-        for (const auto& [name, share] : {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}})
+        for (const auto& [name, fraction] :
+             {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}})
           out_.figures.push_back(
               {fmt::format("damping ratio, {}, {}, {}", floors ? "floors asked for" : "no floors",
                            held ? "held" : "released", name),
-               quantile(swings_[floors][held], share)});
+               quantile(swings_[floors][held], fraction)});
     return std::move(out_);
   }
 
@@ -225,13 +228,13 @@ PhaseResult design_phase(const Options& options) {
   Phase phase(options);
   const std::uint64_t corners = options.corners ? 256 : 0, all = options.members + corners;
   std::uint64_t done = 0;
-  const auto tell = [&] {
+  const auto print = [&] {
     if (options.progress)
       options.progress(++done, all);
   };
   for (std::uint64_t i = 0; i < options.members; ++i) {
     phase.member(coupling_models::draw_member(options.seed, options.first + i), 0xde5160, false);
-    tell();
+    print();
   }
   if (!options.corners)
     return phase.result();
@@ -241,7 +244,7 @@ PhaseResult design_phase(const Options& options) {
          coupling_models::corner_members(family)) {
       phase.member(member, family == coupling_models::DeviceFamily::kPhantomLike ? 0xc0a1 : 0xc0a2,
                    true);
-      tell();
+      print();
     }
   return phase.result();
 }

@@ -82,7 +82,7 @@ struct Result {
   bool feasible = false, swings = false, bounces = false, flagged = false, grew = false;
   double motion_m = 0.0, force_n = 0.0, largest_n = 0.0, promise_n_per_m = 0.0, lookups = 0.0,
          length_s = 0.0;
-  double given_share = -1.0;  ///< energy given in a closed cycle over 2 F A
+  double energy_ratio = -1.0;  ///< energy given in a closed cycle over 2 F A
   std::uint64_t slewed = 0;
   DeviceDescription device;
   double mass_kg = 0.0;
@@ -131,7 +131,7 @@ class ClosedCycles {
     }
     last_m_ = at_m, last_n_ = applied_n;
   }
-  double share() const { return given_j_ / (2.0 * largest_n_ * (high_m_ - low_m_).norm()); }
+  double fraction() const { return given_j_ / (2.0 * largest_n_ * (high_m_ - low_m_).norm()); }
 
  private:
   double given_j_ = 0.0, largest_n_ = 1e-9;
@@ -149,7 +149,7 @@ Vec3 turned_z(double angle) { return {std::sin(angle), 0.0, std::cos(angle)}; }
 /// Walls, motion and what else makes the family.
 void set_up(const std::string& family, Random& random, const coupling::design::Design& design,
             WallLoopOptions& o) {
-  const double cap = design.translation.shown_stiffness,
+  const double cap = design.translation.displayed_stiffness,
                rigid = cap * random.log_uniform(0.1, 1000.0);
   const double depth =
       std::min(random.log_uniform(1e-4, 5e-3), 0.4 * o.designed_for.max_force_n / cap);
@@ -221,7 +221,7 @@ void set_up(const std::string& family, Random& random, const coupling::design::D
     m.speed_m_per_s = kMinimumJerkPeak * (m.path[0] - m.path[1]).norm();  // there and back in 2 s
   }
   if (hand_goes_on(family))
-    o.hand.let_go_at_s = std::numeric_limits<double>::infinity();
+    o.hand.release_time_s = std::numeric_limits<double>::infinity();
 }
 
 /// Runs on until it is at rest, for its slowest motion may take long to decay.
@@ -249,7 +249,7 @@ void simulate(WallLoop& loop, const WallLoopOptions& o, const std::string& famil
   }
   r.lookups /= static_cast<double>(n);
   if (cycle)
-    r.given_share = cycles.share();
+    r.energy_ratio = cycles.fraction();
   const bool moves = !goes_on && r.motion_m > still_m;
   r.swings = moves && r.force_n >= kSwingN;
   r.bounces = moves && !r.swings && r.force_n > kBounceN;
@@ -280,7 +280,7 @@ Result run(const Choice& choice) {
   }
   if (design.status == coupling::design::DesignStatus::kInfeasible)
     return r;
-  r.feasible = true, r.promise_n_per_m = design.translation.shown_stiffness;
+  r.feasible = true, r.promise_n_per_m = design.translation.displayed_stiffness;
   o.device = sim::simulated(o.designed_for);
   o.device.mass_kg =
       Vec3::Constant(random.uniform(o.designed_for.mass_min_kg, o.designed_for.mass_max_kg));
@@ -288,8 +288,8 @@ Result run(const Choice& choice) {
       kArms{"arm", "arm-light", "arm-firm"};
   o.hand = *hand::grip((o.designed_for.grip == "pen" ? kPens : kArms)[random.below(3)]);
   const double arrives_s = 1.5;
-  o.hand.let_go_at_s = random.chance(0.5) ? std::numeric_limits<double>::infinity()
-                                          : arrives_s + random.uniform(0.0, 0.5);
+  o.hand.release_time_s = random.chance(0.5) ? std::numeric_limits<double>::infinity()
+                                             : arrives_s + random.uniform(0.0, 0.5);
   set_up(name, random, design, o);
   DeviceDescription& d = o.device.description;
   if (name == "timing") {
@@ -301,7 +301,7 @@ Result run(const Choice& choice) {
   d.damping_ns_per_m += choice.damping * 2.0 * std::sqrt(o.device.mass_kg.x() * r.promise_n_per_m);
   r.device = o.designed_for, r.mass_kg = o.device.mass_kg.x();
   r.direct = o.kind == "direct", r.virtual_tool = o.virtual_tool;
-  r.let_go = std::isfinite(o.hand.let_go_at_s);
+  r.let_go = std::isfinite(o.hand.release_time_s);
   WallLoop loop(o, design);
   simulate(loop, o, name, r);
   const auto& swing = loop.counters().swing;
@@ -324,7 +324,7 @@ double damping_that_ends(Choice choice) {
 struct Sum {
   std::uint64_t runs = 0, infeasible = 0, swings = 0, bounces = 0, flagged = 0, grew = 0,
                 slewed = 0;
-  double lookups = 0.0, most_n = 0.0, longest_s = 0.0, damping = 0.0, given_share = -1.0;
+  double lookups = 0.0, most_n = 0.0, longest_s = 0.0, damping = 0.0, energy_ratio = -1.0;
 
   void take(const Result& r, const Choice& choice) {
     if (!r.feasible)
@@ -332,7 +332,8 @@ struct Sum {
     ++runs, swings += r.swings, bounces += r.bounces, flagged += r.flagged, grew += r.grew,
         slewed += r.slewed > 0;
     lookups += r.lookups;
-    longest_s = std::max(longest_s, r.length_s), given_share = std::max(given_share, r.given_share);
+    longest_s = std::max(longest_s, r.length_s),
+    energy_ratio = std::max(energy_ratio, r.energy_ratio);
     if (!r.swings && !r.bounces)
       return;
     most_n = std::max(most_n, r.force_n);
@@ -344,7 +345,7 @@ struct Sum {
         family, runs, infeasible, swings, bounces, flagged, grew, slewed, most_n,
         damping > 0.0 ? fmt::format("{:g}", damping) : "",
         runs ? lookups / static_cast<double>(runs) : 0.0, longest_s,
-        given_share > -1.0 ? fmt::format("{:.2g}", given_share) : "");
+        energy_ratio > -1.0 ? fmt::format("{:.2g}", energy_ratio) : "");
     std::fflush(stdout);
   }
 };
@@ -359,9 +360,9 @@ void print_run(const Choice& c, const Result& r) {
   fmt::print(stderr,
              "last third of {:.0f} s {:.3g} mm and {:.3g} N, {:.3g} N at most, promise {:.4g} N/m, "
              "given {:.2g}{}{}{}{}\n",
-             r.length_s, 1e3 * r.motion_m, r.force_n, r.largest_n, r.promise_n_per_m, r.given_share,
-             r.swings ? ", swings" : "", r.flagged ? ", told" : "", r.grew ? ", grew" : "",
-             r.slewed ? ", slewed" : "");
+             r.length_s, 1e3 * r.motion_m, r.force_n, r.largest_n, r.promise_n_per_m,
+             r.energy_ratio, r.swings ? ", swings" : "", r.flagged ? ", reported" : "",
+             r.grew ? ", grew" : "", r.slewed ? ", slewed" : "");
   const DeviceDescription& d = r.device;
   fmt::print(stderr,
              "  {:.3g} kg, {:.3g} Ns/m, {:.3g} N dry, encoder {:.3g} mm, {:.0f} Hz, delay {:.2g} "
@@ -382,7 +383,8 @@ struct Request {
 
 int all(const Request& ask) {
   fmt::print(
-      "| family | runs | not feasible | swing by 0.2 N or more | smaller bounces | told as a swing "
+      "| family | runs | not feasible | swing by 0.2 N or more | smaller bounces | reported as a "
+      "swing "
       "| grew | slew limit acted | most "
       "| damping ratio that ends all | look-ups a sample | longest | energy given, of 2 F A |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
@@ -395,7 +397,7 @@ int all(const Request& ask) {
       const Choice choice{ask.seed, index, f, device, ask.times};
       const Result r = run(choice);
       sum.take(r, choice);
-      const bool odd = r.swings || r.grew || r.slewed || r.flagged || r.given_share > 0.01;
+      const bool odd = r.swings || r.grew || r.slewed || r.flagged || r.energy_ratio > 0.01;
       if (odd || ask.only)
         print_run(choice, r);
     };

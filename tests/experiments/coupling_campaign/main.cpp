@@ -14,7 +14,7 @@ struct Arguments {
   std::uint64_t runs = 10000, seed = 1, first = 0;
   std::vector<std::string> phases{"recipe", "designs", "predictor"};
   double overload = 1.0;
-  std::optional<double> damper_share;
+  std::optional<double> damping_force_ratio;
   bool json = false, corners = true;
 };
 
@@ -35,9 +35,10 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
   app.add_option("--overload", a.overload,
                  "designs: contacts this many times stiffer than promised, to see that it is seen")
       ->check(CLI::PositiveNumber);
-  app.add_option("--damper-share", a.damper_share,
-                 "designs: most that injected damping adds, as a share of the law's force; 0: not "
-                 "bounded. Default: as the designer chooses")
+  app.add_option(
+         "--damping-force-ratio", a.damping_force_ratio,
+         "designs: most that injected damping adds, as a fraction of the law's force; 0: not "
+         "bounded. Default: as the designer chooses")
       ->check(CLI::NonNegativeNumber);
   app.add_flag("--json", a.json, "one JSON array instead of the table");
   app.parse(argc, argv);
@@ -47,15 +48,15 @@ Arguments parse(CLI::App& app, int argc, char** argv) {
 int run(const Arguments& a) {
   Options options;
   options.seed = a.seed, options.first = a.first, options.corners = a.corners,
-  options.overload = a.overload, options.damper_share = a.damper_share;
+  options.overload = a.overload, options.damping_force_ratio = a.damping_force_ratio;
   options.members = (a.runs + 3) / 4;
   std::vector<PhaseResult> results;
   for (const std::string& phase : a.phases) {
-    std::uint64_t told = 0;
+    std::uint64_t reported = 0;
     options.progress = [&](std::uint64_t done, std::uint64_t all) {
-      if (20 * done / all == told)
+      if (20 * done / all == reported)
         return;
-      told = 20 * done / all;
+      reported = 20 * done / all;
       fmt::print(stderr, "{}: {} of {}\n", phase, done, all);
     };
     results.push_back(phase == "recipe"    ? recipe_phase(options)

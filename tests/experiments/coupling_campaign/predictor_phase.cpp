@@ -17,13 +17,14 @@ coupling::design::LoopController draw_controller(const coupling::design::LoopPla
   const double highest = std::min(200.0, 0.6 / (2.0 * std::numbers::pi * plant.period_s));
   out.w0_rad_per_s = 2.0 * std::numbers::pi * random.log_uniform(1.0, highest);
   out.damping_ratio = kRatios[random.below(3)];
-  const double share = random.uniform(0.05, 0.5);
+  const double fraction = random.uniform(0.05, 0.5);
   const bool damped = random.chance(0.5);
   out.use(coupling::design::kVelocityEstimates[random.below(
       coupling::design::kVelocityEstimates.size())]);
   if (damped)
-    out.injected_damping = share * coupling::design::critical_damping(
-                                       plant, out.velocity_filter_rad_per_s, out.velocity_window);
+    out.injected_damping =
+        fraction * coupling::design::critical_damping(plant, out.velocity_filter_rad_per_s,
+                                                      out.velocity_window);
   return out;
 }
 

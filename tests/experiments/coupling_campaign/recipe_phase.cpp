@@ -13,7 +13,7 @@ PhaseResult recipe_phase(const Options& options) {
         coupling_models::draw_member(options.seed, options.first + i);
     coupling_models::Random random(options.seed ^ 0x5eed0a, options.first + i);
     const coupling::design::AxisModel& axis = member.device.translation;
-    const double shown = std::min(member.contact.all_points, axis.max_stiffness);
+    const double displayed = std::min(member.contact.all_points, axis.max_stiffness);
     const auto run = [&](const char* kind, bool held, double friction) {
       coupling_models::NonlinearLoop loop;
       coupling_models::PopulationMember who = member;
@@ -22,11 +22,11 @@ PhaseResult recipe_phase(const Options& options) {
       if (!held)
         loop.plant.hand_mass = loop.plant.hand_damping = loop.plant.hand_stiffness = 0.0;
       loop.controller.w0_rad_per_s = 10.0 * std::numbers::pi;
-      loop.controller.gain = shown / member.contact.all_points;
+      loop.controller.gain = displayed / member.contact.all_points;
       loop.contact_stiffness = member.contact.all_points;
       loop.coulomb_friction = friction;
       disturb(loop, member.device.timing, axis.resolution, random);
-      drive(loop, shown, axis.max_effort, random);
+      drive(loop, displayed, axis.max_effort, random);
       out.count(kind, coupling_models::simulate(loop));
     };
     run("released", false, 0.0);

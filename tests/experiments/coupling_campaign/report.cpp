@@ -20,7 +20,7 @@ std::string as_table(const std::vector<PhaseResult>& phases) {
     for (const Figure& f : phase.figures)
       out += fmt::format("  {:<48}{:>8.4g}\n", f.name, f.value);
     for (const Failure& f : phase.failures)
-      out += fmt::format("  FAILED {}: seed {} {} {}: {}\n", f.trial, f.seed,
+      out += fmt::format("  FAILED {}: seed {} {} {}: {}\n", f.setting, f.seed,
                          f.corner ? "corner" : "member", f.index, f.details);
     out += "\n";
   }
@@ -38,7 +38,7 @@ std::string as_json(const std::vector<PhaseResult>& phases) {
       one["figures"][f.name] = f.value;
     one["failures"] = nlohmann::ordered_json::array();
     for (const Failure& f : phase.failures)
-      one["failures"].push_back({{"trial", f.trial},
+      one["failures"].push_back({{"trial", f.setting},
                                  {"seed", f.seed},
                                  {"index", f.index},
                                  {"corner", f.corner},

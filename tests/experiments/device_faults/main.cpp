@@ -1,4 +1,4 @@
-// device_faults: each fault that a counterpart offers, into the driver at it; what the driver said,
+// device_faults: each fault that a emulator offers, into the driver at it; what the driver said,
 // and what the plant received.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -28,7 +28,7 @@ std::string device_of(const FaultCase& fault) {
   return fault.plant == Plant::kPhantom ? "phantom" : fault.plant == Plant::kLwr ? "lwr" : "fr3";
 }
 
-bool wanted(const Options& o, const FaultCase& fault) {
+bool expected(const Options& o, const FaultCase& fault) {
   for (const std::string& name : o.only)
     if (name == fault.name || name == device_of(fault))
       return true;
@@ -42,9 +42,9 @@ FaultOutcome run(const FaultCase& fault, bool virtual_time) {
   return run_fault(*subject, fault);
 }
 
-std::string told(const FaultOutcome& o) {
+std::string reported(const FaultOutcome& o) {
   std::string text;
-  for (const devices::DeviceError error : o.told)
+  for (const devices::DeviceError error : o.reported)
     text += fmt::format("{}{}", text.empty() ? "" : ", ", devices::name_of(error));
   return text.empty() ? "-" : text;
 }
@@ -65,7 +65,7 @@ nlohmann::json to_json(const FaultOutcome& o) {
     return s ? nlohmann::json(1e3 * *s) : nlohmann::json();
   };
   std::vector<std::string> kinds;
-  for (const devices::DeviceError error : o.told)
+  for (const devices::DeviceError error : o.reported)
     kinds.emplace_back(devices::name_of(error));
   return {{"device", device_of(*o.fault)},
           {"fault", o.fault->name},
@@ -73,7 +73,7 @@ nlohmann::json to_json(const FaultOutcome& o) {
           {"period_ms", 1e3 * o.period_s},
           {"force_before_n", o.before_n},
           {"errors", kinds},
-          {"told_after_ms", in_ms(o.told_after_s)},
+          {"told_after_ms", in_ms(o.reported_after_s)},
           {"zero_after_ms", in_ms(o.zero_after_s)},
           {"bound_ms", 1e3 * o.bound_s},
           {"bound_reason", o.fault->why},
@@ -100,7 +100,7 @@ void write_csv(const std::string& file, const std::vector<FaultOutcome>& outcome
   for (const FaultOutcome& o : outcomes)
     out << fmt::format("{},{},{},{:.3f},{:.4f},{},{},{},{:.3f},{:.9g},{:.9g},{},{},{}\n",
                        device_of(*o.fault), o.fault->name, o.virtual_time ? "virtual" : "real",
-                       1e3 * o.period_s, o.before_n, quoted(told(o)), ms(o.told_after_s),
+                       1e3 * o.period_s, o.before_n, quoted(reported(o)), ms(o.reported_after_s),
                        ms(o.zero_after_s), 1e3 * o.bound_s, o.largest_n, o.largest_nm,
                        name_of(o.after), quoted(verdict(o)), quoted(o.sentence));
   out.flush();
@@ -110,13 +110,13 @@ void write_csv(const std::string& file, const std::vector<FaultOutcome>& outcome
 
 void print(const std::vector<FaultOutcome>& outcomes) {
   fmt::print("{:8} {:15} {:7} {:>6} {:24} {:>8} {:>8} {:>9} {:>9} {:>9} {:14} {}\n", "device",
-             "fault", "time", "push N", "errors", "told ms", "zero ms", "within ms", "then N",
+             "fault", "time", "push N", "errors", "reported ms", "zero ms", "within ms", "then N",
              "then Nm", "then", "verdict");
   for (const FaultOutcome& o : outcomes)
     fmt::print("{:8} {:15} {:7} {:6.2f} {:24} {:>8} {:>8} {:9.1f} {:9.3g} {:9.3g} {:14} {}\n",
                device_of(*o.fault), o.fault->name, o.virtual_time ? "virtual" : "real", o.before_n,
-               told(o), ms(o.told_after_s), ms(o.zero_after_s), 1e3 * o.bound_s, o.largest_n,
-               o.largest_nm, name_of(o.after), verdict(o));
+               reported(o), ms(o.reported_after_s), ms(o.zero_after_s), 1e3 * o.bound_s,
+               o.largest_n, o.largest_nm, name_of(o.after), verdict(o));
   fmt::print("\nWhat the driver said first, and why a bound is longer than one period:\n");
   for (const FaultOutcome& o : outcomes) {
     fmt::print("{} {}: {}\n", device_of(*o.fault), o.fault->name,
@@ -130,7 +130,7 @@ int run_all(const Options& o) {
   std::vector<FaultOutcome> outcomes;
   for (const bool virtual_time : {true, false})
     for (const FaultCase& fault : fault_cases())
-      if (wanted(o, fault) && (virtual_time || o.real_time))
+      if (expected(o, fault) && (virtual_time || o.real_time))
         outcomes.push_back(run(fault, virtual_time));
   if (outcomes.empty())
     throw std::runtime_error("no fault of that name");
@@ -156,7 +156,7 @@ int run_all(const Options& o) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Every fault of the simulated counterparts, into the drivers; exit status 1 where force was "
+      "Every fault of the simulated emulators, into the drivers; exit status 1 where force was "
       "received that should "
       "not be");
   Options options;

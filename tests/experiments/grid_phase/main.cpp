@@ -1,9 +1,9 @@
 // What the place of the voxel grid does to each contact model and to the virtual tool: planes,
-// corners and thin walls along the grid, moved by random shares of a voxel, on the grid whose
+// corners and thin walls along the grid, moved by random fractions of a voxel, on the grid whose
 // borders are multiples of e and on the grid that a scene gives an object.
 //
-// A virtual tool is held beside the exact ball that is drawn to the same hand, which goes in from a
-// voxel outside and rests.
+// A virtual tool is held next to the exact ball that is drawn to the same hand, which goes in from
+// a voxel outside and rests.
 //
 //   grid_phase [--phases N] [--places N] [--seed S]        20 s; a row a model and ground
 #include <fmt/core.h>
@@ -95,7 +95,7 @@ struct Touch {
 };
 
 struct Figures {
-  double missed = 0.0;     ///< share of touches without any force
+  double missed = 0.0;     ///< fraction of touches without any force
   double size = 0.0;       ///< mean force over the mean of the law's
   double direction = 0.0;  ///< median error of those that push [degrees]
 };
@@ -140,14 +140,14 @@ Figures measure_tool(const mesh::TriangleMesh& mesh, const test::Ground& ground,
                              .edge_m = kEdge});
   const std::array grounds = {edges.with({&query, &ground.field, Vec3::Zero()})};
   const auto force_at = [&](const Touch& touch) {
-    constexpr int kWayFrames = 12, kRestFrames = 50;
+    constexpr int kPathFrames = 12, kRestFrames = 50;
     const Vec3 hand = touch.pose.position + shift,
                begin = touch.out + kEdge * touch.out.normalized();
     if (!tool.place({hand + begin, touch.pose.orientation}, grounds))
       return Vec3(Vec3::Zero());
     contact::VirtualToolFrame frame;
-    for (int n = 1; n <= kWayFrames + kRestFrames; ++n) {
-      const double left = std::max(0.0, 1.0 - static_cast<double>(n) / kWayFrames);
+    for (int n = 1; n <= kPathFrames + kRestFrames; ++n) {
+      const double left = std::max(0.0, 1.0 - static_cast<double>(n) / kPathFrames);
       frame = tool.frame({.pose = {hand + left * begin, touch.pose.orientation}}, grounds);
     }
     return frame.wrench(1.0).force;
@@ -200,7 +200,7 @@ int main(int argc, char** argv) {
   for (int n = 0; n < phases; ++n)
     shifts.push_back(kEdge *
                      Vec3(uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)));
-  // Whole voxels, and a nanometre beside: what rounding makes of a part that CAD has put on the
+  // Whole voxels, and a nanometre next to: what rounding makes of a part that CAD has put on the
   // borders.
   const std::vector<Vec3> on_borders = {Vec3::Zero(), Vec3::Constant(1e-9), Vec3::Constant(-1e-9)};
   fmt::print(

@@ -1,6 +1,6 @@
 /// The short form: broken files made for this (tests/data/hostile), and a sample of the collection
 /// where it is installed.
-#include "tests/experiments/hostile_meshes/trial.hpp"
+#include "tests/experiments/hostile_meshes/attempt.hpp"
 
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ TEST(HostileMeshes, MadeForThisAreTouchedOrRefusedForTheRightReason) {
   const Limits l = limits();
   std::size_t met = 0;
   for (const std::filesystem::path& file : files_below(made(""))) {
-    const Verdict v = trial(file, l);
+    const Verdict v = attempt(file, l);
     const std::string name = file.filename().string();
     std::printf("%-22s %-8s %.2f s  %s\n", name.c_str(), name_of(v.outcome).c_str(), v.cpu_s,
                 v.sentence.c_str());
@@ -79,7 +79,7 @@ TEST(HostileMeshes, OfTheCollectionAreTouchedOrRefused) {
     GTEST_SKIP() << "the package assimp-testmodels is not installed";
   Limits l = limits();
   for (std::size_t n = 0; n < known.size(); n += 8) {
-    const Verdict v = trial(known[n], l);
+    const Verdict v = attempt(known[n], l);
     EXPECT_TRUE(v.good()) << known[n] << ": " << name_of(v.outcome) << ": " << v.sentence;
   }
 }
@@ -87,10 +87,10 @@ TEST(HostileMeshes, OfTheCollectionAreTouchedOrRefused) {
 TEST(HostileMeshes, ATrialOutlivesWhateverItsProcessDoes) {
   Limits short_of_time = limits();
   short_of_time.cpu_s = 1, short_of_time.poses = 10'000'000;
-  const Verdict slow = trial(made("inside_out.obj"), short_of_time);
+  const Verdict slow = attempt(made("inside_out.obj"), short_of_time);
   EXPECT_EQ(slow.outcome, Outcome::kOutOfTime) << slow.sentence;
   EXPECT_LT(slow.cpu_s, 3.0);
-  const std::vector<Verdict> verdicts{slow, trial(made("nothing.obj"), limits())};
+  const std::vector<Verdict> verdicts{slow, attempt(made("nothing.obj"), limits())};
   const std::string table = as_markdown(verdicts);
   EXPECT_NE(table.find("| obj | 2 | 0 | 1 | 0 | 0 | 0 | 1 | 0 |"), std::string::npos) << table;
   EXPECT_NE(table.find("**out of time**"), std::string::npos) << table;

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "tests/experiments/hostile_meshes/trial.hpp"
+#include "tests/experiments/hostile_meshes/attempt.hpp"
 
 namespace {
 
@@ -71,7 +71,7 @@ int run(const Arguments& a) {
   std::vector<Verdict> verdicts;
   bool good = true;
   for (const std::filesystem::path& file : files) {
-    verdicts.push_back(trial(file, a.limits));
+    verdicts.push_back(attempt(file, a.limits));
     const Verdict& v = verdicts.back();
     good = good && v.good();
     if (!v.good())
@@ -98,7 +98,7 @@ int run(const Arguments& a) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app{"Touches every mesh of a collection, broken ones included, or hears why not."};
+  CLI::App app{"Touches every mesh of a collection, broken ones included, or receives why not."};
   try {
     Arguments arguments;
     parse(app, argc, argv, arguments);

@@ -6,7 +6,7 @@
 #include <map>
 #include <system_error>
 
-#include "tests/experiments/hostile_meshes/trial.hpp"
+#include "tests/experiments/hostile_meshes/attempt.hpp"
 
 namespace voxtouch::hostile {
 namespace {

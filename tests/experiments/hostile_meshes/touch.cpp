@@ -11,7 +11,7 @@
 #include "core/pointshell/build_shell.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
-#include "tests/experiments/hostile_meshes/trial.hpp"
+#include "tests/experiments/hostile_meshes/attempt.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::hostile {

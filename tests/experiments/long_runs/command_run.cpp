@@ -70,8 +70,9 @@ class Any {
   std::mt19937_64 random_;
 };
 
-/// What may reach a driver, told by what came in and not by the guard: the limits, the slew between
-/// two writes, zero once the last good command is older than hold and fade, and a start that ramps.
+/// What may reach a driver, reported by what came in and not by the guard: the limits, the slew
+/// between two writes, zero once the last good command is older than hold and fade, and a start
+/// that ramps.
 class Judge {
  public:
   Judge(const DeviceDescription& device, const devices::GuardConfig& guard)
@@ -247,7 +248,7 @@ class Attack {
     silent_ = calm_               ? 0
               : silent_           ? silent_ - 1
               : any_.one_in(2000) ? any_.bits() % 100
-                                  : 0;  // nobody speaks for a while
+                                  : 0;  // none speaks for a while
     judge_.clock(now_ns_);
   }
   /// A second and a half of what is formally right and asks for too much: the force gets to its

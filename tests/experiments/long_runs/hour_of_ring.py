@@ -10,15 +10,15 @@
 
 Looks at resident memory and CPU time of every process of the ring once a second, and at the lines
 that `up` prints. Ends with 1 if the ring did not end well, if samples are missing, if a process
-grew by more than --growth-kb after the first tenth, or if the tool touches another share of the
-time in the last tenth than in the first. Times are told, not judged.
+grew by more than --growth-kb after the first tenth, or if the tool touches another fraction of the
+time in the last tenth than in the first. Times are reported, not judged.
 
 Resident memory grows by a few MB in steps, and then no more: each of Cyclone DDS's two receiving
 threads fills a buffer of 1 MB, asks for another, and frees the first, which the allocator keeps
 (seen by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). So each process may
 grow by two buffers a thread and what lies between them, 5 MB as measured; where little is received
 it fills page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read
-the table, which tells memory after each tenth. """
+the table, which reports memory after each tenth. """
 import argparse
 import json
 import os
@@ -30,7 +30,7 @@ import threading
 
 HERE = pathlib.Path(__file__).resolve().parents[3]
 LINE = re.compile(r"^\s*(\d+) samples\s+force\s+([\d.]+) N.*contacts (\d+)")
-CONTACT_SHARE_FROM_S = (
+CONTACT_RATIO_FROM_S = (
     600.0  # below that a tenth is too few rounds of the motion to be like another
 )
 
@@ -137,7 +137,7 @@ class Watch:
     """
 
     def __init__(self, root, samples):
-        self.root, self.samples, self.rows, self.told = root, samples, [], -1
+        self.root, self.samples, self.rows, self.reported = root, samples, [], -1
         self.early = self.late = {}
 
     def line(self, text):
@@ -151,8 +151,8 @@ class Watch:
             (int(match[1]), float(match[2]), int(match[3]), {k: v for k, v in seen.items() if v})
         )
         percent = 100 * self.rows[-1][0] // self.samples
-        if percent != self.told:
-            self.told = percent
+        if percent != self.reported:
+            self.reported = percent
             kb = sum(v[0] for v in self.rows[-1][3].values())
             self.late = {name: places(int(name.split()[-1])) for name in seen}
             if percent >= 10 and not self.early:
@@ -218,13 +218,15 @@ def judge(watch, args):
         )
         if grown > args.growth_kb:
             faults.append(f"{name} grew by {grown} kB")
-    share = [(b[2] - a[2]) / max(b[0] - a[0], 1) for a, b in (first, last)]
+    fraction = [(b[2] - a[2]) / max(b[0] - a[0], 1) for a, b in (first, last)]
     print(
-        f"in contact: {100 * share[0]:.1f} % of the first tenth, {100 * share[1]:.1f} % of the last"
+        f"in contact: {100 * fraction[0]:.1f} % of the first tenth, {100 * fraction[1]:.1f} % of"
+        f" the last"
     )
-    if args.duration >= CONTACT_SHARE_FROM_S and abs(share[1] - share[0]) > 0.03:
+    if args.duration >= CONTACT_RATIO_FROM_S and abs(fraction[1] - fraction[0]) > 0.03:
         faults.append(
-            f"the tool touches {100 * share[1]:.1f} % of the time instead of {100 * share[0]:.1f} %"
+            f"the tool touches {100 * fraction[1]:.1f} % of the time instead of"
+            f" {100 * fraction[0]:.1f} %"
         )
     return faults
 
@@ -267,14 +269,14 @@ def main():
     faults = [] if status == 0 else [f"up ended with {status}"]
     summary = json.loads(out[0]) if out and out[0].strip() else {}
     faults += summary.get("problems", [])
-    for key, wanted in (
+    for key, expected in (
         ("ok", True),
         ("samples", watch.samples),
         ("answered", watch.samples),
         ("overruns", 0),
     ):
-        if summary.get(key) != wanted:
-            faults.append(f"{key} is {summary.get(key)}, not {wanted}")
+        if summary.get(key) != expected:
+            faults.append(f"{key} is {summary.get(key)}, not {expected}")
     if summary.get("guard", {}).get("refused") != 0:
         faults.append(f"the guard refused {summary.get('guard', {}).get('refused')} commands")
     if summary.get("validator", {}).get("disagree") != 0:

@@ -1,6 +1,6 @@
 #pragma once
 /// Runs that are long enough for drift, leaks and slow-down to show. Each gates on counts and
-/// drift; times are told, not judged.
+/// drift; times are reported, not judged.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -12,7 +12,7 @@ namespace voxtouch::long_runs {
 
 using Progress = std::function<void(std::uint64_t done, std::uint64_t all)>;
 
-/// What every run tells.
+/// What every run reports.
 struct Findings {
   std::vector<std::string> faults;  ///< what did not hold, a sentence each; empty: all is well
   std::vector<std::string> lines;   ///< figures, for people
@@ -29,8 +29,8 @@ struct FilterRunOptions {
 Findings run_filter(const FilterRunOptions& ask, const Progress& progress = {});
 
 /// A simulated Phantom wanders over the cup, in contact most of the time, round the whole loop of
-/// device, scene, coupling and guard. Afterwards what has run answers a fixed motion with the same
-/// bits as what is new.
+/// device, scene, coupling and guard. Afterwards what has run answers a fixed motion with
+/// bit-identical results as what is new.
 struct ContactRunOptions {
   std::filesystem::path scene;
   std::string model;  ///< empty: the scene's
@@ -59,7 +59,7 @@ Findings run_traps(const TrapRunOptions& ask, const Progress& progress = {});
 /// Commands of any bits, with any stamps, sessions, sequence numbers and clocks, with gaps and
 /// device errors, through gate and guard of every shipped device; and straight at the driver's own
 /// check, and at what all of them cut with. Judged apart from the guard: finite, within force,
-/// torque and slew limits, ramped, and zero once nobody good speaks.
+/// torque and slew limits, ramped, and zero once none good speaks.
 struct CommandRunOptions {
   std::uint64_t commands = 100'000'000, seed = 1;
 };

@@ -13,16 +13,16 @@ namespace voxtouch::long_runs {
 namespace {
 
 void show(std::uint64_t done, std::uint64_t all) {
-  static std::uint64_t told = 101;
+  static std::uint64_t reported = 101;
   const std::uint64_t percent = all ? 100 * done / all : 100;
-  if (percent == told)
+  if (percent == reported)
     return;
-  told = percent;
+  reported = percent;
   fmt::print(stderr, "\r{:3} %", percent);
   std::fflush(stderr);
 }
 
-int tell(const Findings& f) {
+int print_findings(const Findings& f) {
   fmt::print(stderr, "\n");
   for (const std::string& line : f.lines)
     fmt::print("{}\n", line);
@@ -75,14 +75,14 @@ int run(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   filter.seed = contact.seed = traps.seed = commands.seed = seed;
   if (f->parsed())
-    return tell(run_filter(filter, show));
+    return print_findings(run_filter(filter, show));
   if (c->parsed())
-    return tell(run_contact(contact, show));
+    return print_findings(run_contact(contact, show));
   if (b->parsed())
-    return tell(run_tumble(tumble, show));
+    return print_findings(run_tumble(tumble, show));
   if (h->parsed())
-    return tell(run_commands(commands, show));
-  return tell(run_traps(traps, show));
+    return print_findings(run_commands(commands, show));
+  return print_findings(run_traps(traps, show));
 }
 
 }  // namespace

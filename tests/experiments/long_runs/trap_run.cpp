@@ -9,7 +9,7 @@
 #include <random>
 #include <utility>
 
-#include "core/fitting/coupling_input.hpp"
+#include "core/device_fit/coupling_input.hpp"
 #include "core/scene/scene_file.hpp"
 #include "tests/experiments/long_runs/long_runs.hpp"
 #include "tests/support/loop_rig/loop_rig.hpp"
@@ -24,7 +24,7 @@ struct Place {
 };
 Place place;
 
-extern "C" void tell_trap(int, siginfo_t* info, void*) {
+extern "C" void print_trap(int, siginfo_t* info, void*) {
   const char* what = info->si_code == FPE_FLTDIV   ? "division by zero"
                      : info->si_code == FPE_FLTOVF ? "overflow"
                      : info->si_code == FPE_FLTINV ? "invalid operation"
@@ -42,7 +42,7 @@ class TrapsOn {
  public:
   TrapsOn() {
     struct sigaction action {};
-    action.sa_sigaction = tell_trap;
+    action.sa_sigaction = print_trap;
     action.sa_flags = static_cast<int>(SA_SIGINFO | SA_RESETHAND);
     sigaction(SIGFPE, &action, nullptr);
     feclearexcept(FE_ALL_EXCEPT);
@@ -74,7 +74,7 @@ class Dice {
   std::mt19937_64 random_;
 };
 
-/// A tool that somebody shakes about the surface: tiny and large steps, jumps to other places,
+/// A tool that a person shakes about the surface: tiny and large steps, jumps to other places,
 /// places exactly on the grid, rests.
 class Shaken {
  public:
@@ -242,7 +242,7 @@ void shake(const Case& c, const TrapRunOptions& ask, std::uint64_t frames, Dice&
       const rendering::SceneFrame frame =
           built->scene_renderer().render(tool, static_cast<double>(sample.time_ns) * 1e-9);
       const coupling::CouplingOutput answer =
-          coupling.step(fitting::coupling_input(frame, tool.pose), dt_s);
+          coupling.step(device_fit::coupling_input(frame, tool.pose), dt_s);
       const Wrench force = guard.pass(
           devices::GuardInput{
               rendering::wrench_to_device(c.scene.device, answer.wrench, tool.pose.orientation),

@@ -92,21 +92,21 @@ FilterExperiment filter_experiment() {
 
 std::vector<Merit> filter_merits() {
   const FilterExperiment e = filter_experiment();
-  const std::string way = "cylinder of 20 e, 1 e deep, 0.1 m/s, adapted; ";
+  const std::string setup = "cylinder of 20 e, 1 e deep, 0.1 m/s, adapted; ";
   const auto one = [](const std::string& what, double ours, double reference,
                       const std::string& conditions) {
     return Merit{what, ours, ours, ours, reference, conditions};
   };
   return {
       one("noise of the raw force over its mean", e.of_raw.noise, 0.19,
-          way + "falls with the depth: 0.40 at 0.5 e"),
+          setup + "falls with the depth: 0.40 at 0.5 e"),
       one("noise behind a 5 Hz filter", e.of_filter.noise, 0.076,
-          way + "falls with the speed, as voxels pass faster: 0.10 at 0.05 m/s, 0.06 at 0.2 m/s"),
+          setup + "falls with the speed, as voxels pass faster: 0.10 at 0.05 m/s, 0.06 at 0.2 m/s"),
       one("largest step in a millisecond, raw", e.of_raw.largest_step, 0.28,
-          way + "the largest of about 3,300"),
+          setup + "the largest of about 3,300"),
       one("largest step in a millisecond behind the filter", e.of_filter.largest_step, 0.008,
-          way + "the largest of about 3,300; goes with the raw step, and with how many points "
-                "enter at once"),
+          setup + "the largest of about 3,300; goes with the raw step, and with how many points "
+                  "enter at once"),
       one("rise time of the filter, to 90 % [s]", e.rise_time_s, 0.124, "d = 1, 5 Hz: 3.89 / w0")};
 }
 

@@ -151,10 +151,12 @@ int main(int argc, char** argv) {
       "The paper's experiments on contact and coupling (Renz et al. 2001, figures 2, 3, 8, 9, 11), "
       "every contact_case of the "
       "contact\n"
-      "beside the paper's two, as one JSON file; tests/experiments/report/make_report.py draws it. "
+      "next to the paper's two, as one JSON file; tests/experiments/report/make_report.py draws "
+      "it. "
       "Seconds; no random "
       "numbers\n"
-      "but one fixed seed, so the same bits every time. Figure 12 goes through the real ring: see "
+      "but one fixed seed, so bit-identical results every time. Figure 12 goes through the real "
+      "ring: see "
       "make_report.py.");
   std::filesystem::path file = "paper_experiments.json";
   bool quick = false;

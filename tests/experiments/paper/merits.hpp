@@ -1,5 +1,5 @@
 #pragma once
-/// The experiments' figures of merit, each beside the value of the reference implementation.
+/// The experiments' figures of merit, each next to the value of the reference implementation.
 #include <string>
 #include <vector>
 

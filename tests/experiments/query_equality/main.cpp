@@ -12,11 +12,11 @@
 int main(int argc, char** argv) {
   using namespace voxtouch;
   using test::uniform;
-  const double wanted = argc > 1 ? parse_number<double>(argv[1]).value_or(0.0) : 1e9;
+  const double expected = argc > 1 ? parse_number<double>(argv[1]).value_or(0.0) : 1e9;
   const auto seed = argc > 2 ? parse_number<std::uint64_t>(argv[2]).value_or(1) : std::uint64_t{1};
   std::mt19937_64 random(seed);
   double decided = 0.0, hits_seen = 0.0;
-  while (decided < wanted) {
+  while (decided < expected) {
     // Voxels of any size, grids up to 1e6 m away, tools of 1 to 100 voxels.
     const double e = std::pow(10.0, uniform(random, -5, 1)),
                  away = std::pow(10.0, uniform(random, -3, 6));

@@ -249,7 +249,7 @@ def experiments(page, build, out, quick):
     if done.returncode != 0:
         return page.fail("paper_experiments", done.stderr[-400:])
     data = json.loads((out / "paper_experiments.json").read_text())
-    page.heading("Figures of merit beside the reference values")
+    page.heading("Figures of merit next to the reference values")
     rows = []
     for m in data["merits"]:
         difference = f"{100 * (m['ours'] / m['reference'] - 1):+.0f} %" if m["reference"] else "-"
@@ -498,7 +498,7 @@ def accuracy(page, build, out, quick):
             r["model"],
             r["weights"],
             number(r, "voxel_m", 1e3),
-            number(r, "missed_share", 100),
+            number(r, "missed_ratio", 100),
             number(r, "direction_mean_deg"),
             number(r, "direction_p95_deg"),
             number(r, "force_ratio"),

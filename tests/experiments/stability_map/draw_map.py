@@ -14,7 +14,7 @@ from matplotlib.ticker import NullLocator
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "deploy" / "tools"))
 from plot import check_picture, save  # noqa: E402
-from plot_layout import legend_beside, new_figure  # noqa: E402
+from plot_layout import legend_at_side, new_figure  # noqa: E402
 from plot_style import BLUE, ORANGE, STYLE  # noqa: E402
 
 SHOWN_RADIUS, FLOOR = (
@@ -117,7 +117,7 @@ def stability_figure(file):
     axes[0][0].set_ylabel("tilt against the grid [deg]")
     axes[1][0].set_ylabel("energy given / (force × way) [1]")
     figure.colorbar(image, ax=list(axes[0]), pad=0.01).set_label("energy given / (force × way) [1]")
-    legend_beside(axes[1][-1])
+    legend_at_side(axes[1][-1])
     return figure, f"shows {len(rows)} loops' energies"
 
 

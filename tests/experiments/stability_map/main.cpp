@@ -33,7 +33,7 @@ void write(std::ofstream& out, int loops, std::uint64_t seed) {
           const voxtouch::sliding::Created made =
               bench.worst_loop(model, depth, radius > 15.0 ? (loops + 1) / 2 : loops, seed);
           out << fmt::format("{},{},{},{},{:.6g},{:.6g},{:.6g},{:.6g}\n", name_of(model), radius,
-                             depth, tilt, made.share, made.per_crossing, made.mean_force_n,
+                             depth, tilt, made.fraction, made.per_crossing, made.mean_force_n,
                              made.largest_step);
         }
     }

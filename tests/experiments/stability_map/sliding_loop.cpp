@@ -63,12 +63,12 @@ class Crossings {
 };
 
 struct Loop {
-  double energy_j = 0.0, force_sum = 0.0, way_m = 0.0, crossed = 0.0, largest_step = 0.0;
+  double energy_j = 0.0, force_sum = 0.0, path_m = 0.0, crossed = 0.0, largest_step = 0.0;
   int frames = 0;
 };
 
 /// Work of the contact on the hand along the closed way of `count` poses, by the trapezoid rule:
-/// what is there beside the lag of a held force, which goes to zero with the period.
+/// what is there next to the lag of a held force, which goes to zero with the period.
 template <class PoseOf>
 Loop go_round(contact::ContactRenderer& renderer, int count, const PoseOf& pose_of) {
   Loop loop;
@@ -80,10 +80,10 @@ Loop go_round(contact::ContactRenderer& renderer, int count, const PoseOf& pose_
   for (int n = 1; n <= count; ++n) {
     const Pose pose = pose_of(n % count);
     const Vec3 now = renderer.render(pose).contact.wrench.force,
-               way = pose.position - last.position;
-    loop.energy_j += 0.5 * (force + now).dot(way);
+               displacement = pose.position - last.position;
+    loop.energy_j += 0.5 * (force + now).dot(displacement);
     loop.force_sum += now.norm();
-    loop.way_m += way.norm();
+    loop.path_m += displacement.norm();
     loop.crossed += crossings.count(renderer.hits(), grid);
     loop.largest_step = std::max(loop.largest_step, (now - force).norm());
     last = pose, force = now;
@@ -121,9 +121,9 @@ Created Bench::worst_loop(contact::ContactModelKind model, double depth_voxels, 
   Created worst;
   for (int n = 0; n < loops; ++n) {
     const double x = 4.0 * edge_ * drawn(random), y = 4.0 * edge_ * drawn(random);
-    for (const double way : {1.0, -1.0}) {
+    for (const double displacement : {1.0, -1.0}) {
       const auto pose_of = [&](int k) {
-        const double angle = way * 2.0 * std::numbers::pi * k / count;
+        const double angle = displacement * 2.0 * std::numbers::pi * k / count;
         return at(x + round_m * std::cos(angle), y + round_m * std::sin(angle), depth_m);
       };
       contact.reset();
@@ -133,7 +133,7 @@ Created Bench::worst_loop(contact::ContactModelKind model, double depth_voxels, 
       if (!(loop.force_sum > 0.0))
         continue;
       const double mean = loop.force_sum / loop.frames;
-      worst.share = std::max(worst.share, loop.energy_j / (mean * loop.way_m));
+      worst.fraction = std::max(worst.fraction, loop.energy_j / (mean * loop.path_m));
       worst.mean_force_n = std::max(worst.mean_force_n, mean);
       worst.largest_step = std::max(worst.largest_step, loop.largest_step / mean);
       if (loop.crossed > 0.0)

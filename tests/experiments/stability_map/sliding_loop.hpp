@@ -18,7 +18,7 @@ struct Setting {
 /// Of the worst of several loops: circles of a fifth of the ball's radius, but at least three
 /// voxels, at random places, both ways round.
 struct Created {
-  double share =
+  double fraction =
       0.0;  ///< energy that the hand is given over (mean force times the length of the way)
   double per_crossing =
       0.0;  ///< the same over k e^2 times the weights of the points that crossed a voxel border

@@ -29,9 +29,9 @@ struct Wall {
   double room, push;
 };
 
-/// The shortest change of `way` that keeps to all walls: Hildreth's method on the pushes.
-Vec3 kept_out(const Vec3& way, std::vector<Wall>& walls) {
-  Vec3 out = way;
+/// The shortest change of `displacement` that keeps to all walls: Hildreth's method on the pushes.
+Vec3 kept_out(const Vec3& displacement, std::vector<Wall>& walls) {
+  Vec3 out = displacement;
   for (int sweep = 0; sweep < 2000; ++sweep) {
     double most = 0.0;
     for (Wall& wall : walls) {
@@ -79,11 +79,11 @@ const Vec3& GodObject::draw_to(const Vec3& hand) {
       if (const double far = from.norm(); far < radius_m_ + 2.0 * kStep)
         walls.push_back({from / far, far - radius_m_, 0.0});
     }
-    Vec3 way = kept_out(hand - centre_, walls);
-    if (const double length = way.norm(); length > kStep)
-      way *= kStep / length;
-    centre_ += way;
-    if (way.norm() < 1e-8)
+    Vec3 displacement = kept_out(hand - centre_, walls);
+    if (const double length = displacement.norm(); length > kStep)
+      displacement *= kStep / length;
+    centre_ += displacement;
+    if (displacement.norm() < 1e-8)
       break;
   }
   return centre_;

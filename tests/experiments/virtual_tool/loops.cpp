@@ -28,15 +28,15 @@ bool dies_out(const LoopOptions& o, Rig* rig, const Vec3& normal, double k) {
   std::vector<Vec3> waiting(late + 1, o.pull_n * normal);
   double early[2] = {1.0, -1.0},
          last[2] = {1.0, -1.0};  // least and most along the normal, early and late
-  Vec3 felt = o.pull_n * normal;
+  Vec3 delayed = o.pull_n * normal;
   const int fine_per_sample = static_cast<int>(std::lround(kPeriod / kFine)), samples = 1500;
   const Vec3 rest = x;
   for (int n = 0; n < samples; ++n) {
     const Vec3 force = force_at(x);
     for (int f = 0; f < fine_per_sample; ++f) {
       waiting.push_back(force);
-      felt = waiting[waiting.size() - 1 - late];
-      v += kFine / o.mass_kg * (felt - o.pull_n * normal - o.damping_ns_per_m * v);
+      delayed = waiting[waiting.size() - 1 - late];
+      v += kFine / o.mass_kg * (delayed - o.pull_n * normal - o.damping_ns_per_m * v);
       x += kFine * v;
     }
     waiting.erase(waiting.begin(), waiting.end() - static_cast<std::ptrdiff_t>(late) - 1);
@@ -227,14 +227,14 @@ PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t s
   constexpr int kFrames = 2000;
   double last = 0.0;
   for (int n = 1; n <= kFrames; ++n) {
-    const double turn = turn_rad * n / kFrames, wanted = exact(turn);
+    const double turn = turn_rad * n / kFrames, expected = exact(turn);
     const double torque = -rig.frame(Pose{Vec3(0, 0, z), Quat(Eigen::AngleAxisd(turn, axis))})
                                .wrench(kStiffness)
                                .torque.dot(axis);
     figures.step_over_torque =
         std::max(figures.step_over_torque, std::abs(torque - last) / figures.torque_nm);
-    if (wanted > 0.2 * figures.torque_nm)
-      figures.torque_error = std::max(figures.torque_error, std::abs(torque / wanted - 1.0));
+    if (expected > 0.2 * figures.torque_nm)
+      figures.torque_error = std::max(figures.torque_error, std::abs(torque / expected - 1.0));
     last = torque;
   }
   return figures;

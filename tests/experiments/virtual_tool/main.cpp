@@ -6,14 +6,14 @@
 
 #include "loops.hpp"
 #include "open_meshes.hpp"
+#include "runs.hpp"
 #include "thrown.hpp"
-#include "trials.hpp"
 
 using namespace voxtouch::virtual_tool;
 
 namespace {
 
-void tell_press(const PressOptions& o) {
+void print_press(const PressOptions& o) {
   const PressFigures f = press(o);
   fmt::print(
       "press {:22} e {:g} mm {:g} mm deep{} | dir {:.2f} {:.2f} deg | |F| {:+.2f} % ({:+.2f} to "
@@ -26,21 +26,21 @@ void tell_press(const PressOptions& o) {
   std::fflush(stdout);
 }
 
-void tell_slide(const SlideOptions& o) {
+void print_slide(const SlideOptions& o) {
   const SlideFigures f = slide(o);
   fmt::print(
       "slide {:10} e {:g} mm {:g} m/s mu {:g} | {:.3f} N, noise {:.3f} % | dir {:.2f} {:.2f} deg | "
       "step {:.4f} N, {:.4f} | E/FL {:+.5f} | "
       "queries {:.2f} / {} | {:.1f}, {:.1f} us\n",
       o.scene, 1e3 * o.edge, o.speed, o.friction, f.mean, 100 * f.noise, f.direction_median,
-      f.direction_95, f.step_worst, f.step_over_force, f.energy_over_way, f.queries_mean,
+      f.direction_95, f.step_worst, f.step_over_force, f.energy_per_path, f.queries_mean,
       f.queries_most, f.frame_us, f.frame_us_999);
   std::fflush(stdout);
 }
 
 /// Which starts at thin plates are taken for one: those with the plate through the tool, and light
 /// touches.
-void tell_starts(std::uint64_t seed) {
+void print_starts(std::uint64_t seed) {
   using voxtouch::Vec3;
   struct Tool {
     const char* name;
@@ -75,7 +75,7 @@ void tell_starts(std::uint64_t seed) {
 }
 
 /// Which walls a thrown mass passes, with and without what the penalty ring remembers.
-void tell_thrown(std::uint64_t seed) {
+void print_thrown(std::uint64_t seed) {
   using voxtouch::contact::ContactModelKind;
   const std::pair<const char*, Holder> holders[] = {
       {"virtual tool", {std::nullopt}},
@@ -103,7 +103,7 @@ void tell_thrown(std::uint64_t seed) {
 }
 
 /// What of open meshes and other odd ones a ball is held by.
-void tell_open(std::uint64_t seed, int places) {
+void print_open(std::uint64_t seed, int places) {
   DriveFigures all;
   for (const char* const shape : open_shapes()) {
     for (const double radius : {5.0, 2.5})
@@ -118,7 +118,7 @@ void tell_open(std::uint64_t seed, int places) {
             f.rest_95, f.rest_worst);
         std::fflush(stdout);
       }
-    tell_press(
+    print_press(
         {.scene = std::string("open:") + shape, .places = places, .turned = true, .seed = seed});
   }
   fmt::print("open: passed {} of {}, at a rim {}\n", all.passed, all.runs, all.rims);
@@ -148,20 +148,21 @@ int main(int argc, char** argv) {
     for (const double e : {0.002, 0.001})
       for (const char* scene : {"plane", "tilted", "cylinder", "cylinder:384", "cup"})
         for (const bool turned : {false, true})
-          tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
+          print_press(
+              {.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
   }
   if (all || what == "press" || what == "corners") {
     for (const double e : {0.002, 0.001}) {
       for (const double depth : {0.003, 0.007})
         for (const bool turned : {false, true})
-          tell_press({.scene = "edge",
-                      .edge = e,
-                      .depth_m = depth,
-                      .places = places,
-                      .turned = turned,
-                      .seed = seed});
+          print_press({.scene = "edge",
+                       .edge = e,
+                       .depth_m = depth,
+                       .places = places,
+                       .turned = turned,
+                       .seed = seed});
       for (const bool turned : {false, true})
-        tell_press(
+        print_press(
             {.scene = "corner", .edge = e, .places = places, .turned = turned, .seed = seed});
     }
   }
@@ -171,17 +172,18 @@ int main(int argc, char** argv) {
            {"plate:0.002", "plate:0.0005", "plate:0.002:askew", "plate:0.0005:askew",
             "plate:0.0025:askew", "plate:0", "plate:0:askew"})
         for (const bool turned : {false, true})
-          tell_press({.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
+          print_press(
+              {.scene = scene, .edge = e, .places = places, .turned = turned, .seed = seed});
   }
   if (all || what == "slide") {
     for (const double e : {0.002, 0.001})
       for (const char* scene : {"plane", "tilted", "cylinder"})
         for (const double speed : {0.05, 0.5})
-          tell_slide({.scene = scene, .edge = e, .speed = speed, .seed = seed});
+          print_slide({.scene = scene, .edge = e, .speed = speed, .seed = seed});
   }
   if (all || what == "slide" || what == "friction") {
     for (const char* scene : {"plane", "tilted", "cylinder"})
-      tell_slide({.scene = scene, .friction = 0.4, .seed = seed});
+      print_slide({.scene = scene, .friction = 0.4, .seed = seed});
   }
   if (all || what == "walls") {
     int runs = 0, passed = 0;
@@ -201,11 +203,11 @@ int main(int argc, char** argv) {
     fmt::print("walls: passed {} of {}\n", passed, runs);
   }
   if (all || what == "starts")
-    tell_starts(seed);
+    print_starts(seed);
   if (all || what == "thrown")
-    tell_thrown(seed);
+    print_thrown(seed);
   if (all || what == "open")
-    tell_open(seed, places);
+    print_open(seed, places);
   if (all || what == "tumble") {
     for (const double e : {0.002, 0.001})
       for (const bool box : {false, true})
@@ -216,8 +218,8 @@ int main(int argc, char** argv) {
               "tumble {:4} e {:g} mm {:g} m/s | contact {:.2f} lag {:.2f} | inside {} not exact {} "
               "| depth {:.3f} e | queries {:.2f} iterations {:.1f} | "
               "{:.1f} {:.1f} {:.1f} us\n",
-              box ? "box" : "ball", 1e3 * e, speed, f.contact_share, f.lag_share, f.inside,
-              f.not_exact, f.depth_worst, f.queries_mean, f.iterations_mean, f.frame_us,
+              box ? "box" : "ball", 1e3 * e, speed, f.contact_ratio, f.not_converged_ratio,
+              f.inside, f.not_exact, f.depth_worst, f.queries_mean, f.iterations_mean, f.frame_us,
               f.frame_us_999, f.frame_us_worst);
           std::fflush(stdout);
         }

@@ -188,9 +188,9 @@ DriveFigures drive(const DriveOptions& o) {
         }
         return frame.wrench(kStiffness).force;
       };
-      const auto go = [&](const Vec3& way, double edges) {
+      const auto go = [&](const Vec3& displacement, double edges) {
         for (double gone = 0.0; gone < edges; gone += speed)
-          step(speed * e * way);
+          step(speed * e * displacement);
       };
       const Vec3 in = (0.4 * random_direction(random) - place.normal).normalized(),
                  along = place.normal.cross(random_direction(random)).normalized();
@@ -207,7 +207,7 @@ DriveFigures drive(const DriveOptions& o) {
         force = next;
       }
       jitter.push_back(worst);
-      for (int way = 0; way < 3; ++way)
+      for (int displacement = 0; displacement < 3; ++displacement)
         go(random_direction(random), 12.0);
       if (nearest < 0.5 * radius)
         ++(at_rim ? figures.rims : figures.passed);

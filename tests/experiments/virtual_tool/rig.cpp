@@ -115,8 +115,9 @@ Place random_place(const std::string& scene, const mesh::TriangleMesh& mesh,
       return Vec3(uniform(random, low, high), uniform(random, low, high),
                   uniform(random, low, high));
     };
-    const Vec3 start = within(0.011, 0.02), way = (start - within(0.0, 0.008)).normalized();
-    return {start - (kBall + 0.004) * way, way};
+    const Vec3 start = within(0.011, 0.02),
+               displacement = (start - within(0.0, 0.008)).normalized();
+    return {start - (kBall + 0.004) * displacement, displacement};
   }
   if (scene == "plane")
     return on_face(0.0, Quat::Identity());

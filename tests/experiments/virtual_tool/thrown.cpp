@@ -6,7 +6,7 @@
 namespace voxtouch::virtual_tool {
 namespace {
 
-constexpr double kMass = 0.15, kDamping = 1.0, kPull = 0.1, kFelt = 0.05;
+constexpr double kMass = 0.15, kDamping = 1.0, kPull = 0.1, kMinForceN = 0.05;
 constexpr double kHalfSide = 0.08;  ///< of the wall: no throw goes as far aside
 
 mesh::TriangleMesh wall_mesh(const ThrowOptions& o) {
@@ -57,7 +57,7 @@ ThrowFigures thrown(const ThrowOptions& o) {
       bool met = false;
       for (int frame = 0; frame < 1500; ++frame) {
         const Vec3 force = force_at({x, orientation});
-        if (!met && force.norm() > kFelt)
+        if (!met && force.norm() > kMinForceN)
           met = true, directions.push_back(test::degrees_between(force, normal));
         v += kPeriod / kMass * (force - kPull * normal - kDamping * v);
         x += kPeriod * v;

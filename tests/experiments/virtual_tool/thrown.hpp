@@ -14,7 +14,7 @@ namespace voxtouch::virtual_tool {
 struct Holder {
   std::optional<contact::ContactModelKind> model;  ///< none: the virtual tool
   bool remembers =
-      true;  ///< depths that are held; else the model alone, as `rendering: model_alone`
+      true;  ///< depths that are held; else the model alone, as `rendering: memoryless`
 };
 
 /// A ball of 10 mm on a mass of 0.15 kg (stylus and hand) with 1 Ns/m, thrown at a wall at 0.02 to

@@ -1,7 +1,7 @@
 // How a node of the ring should be woken: three processes hand a sample round as device, rendering
-// and coupling do, once with each way, in turns, and the time of a round is told. What a node
+// and coupling do, once with each way, in turns, and the time of a round is reported. What a node
 // computes is left out; the ways differ in nothing else. With --protection the same under DDS
-// Security: a process of the ring has one set of keys, so kinds of protection are told apart by
+// Security: a process of the ring has one set of keys, so kinds of protection are distinguished by
 // runs (tests/security/cost.py).
 #include <spawn.h>
 #include <sys/prctl.h>
@@ -30,7 +30,7 @@ namespace voxtouch::wake_up {
 namespace {
 
 constexpr std::int64_t kPeriodNs = 1'000'000;
-const std::vector<std::string>& kWays = test::ways_to_be_woken();
+const std::vector<std::string>& kWays = test::wake_methods();
 
 qos::Topic row(std::string_view path) {
   return {path, "voxtouch_msgs/msg/DeviceState", qos::ProfileId::kStream, 1000};
@@ -39,8 +39,8 @@ qos::Topic row(std::string_view path) {
 using Woken = test::Woken<msg::DeviceState>;
 
 struct Options {
-  std::string way, relay;  ///< `relay`: "first" or "second" for a child
-  std::string protection;  ///< kind; empty: plain
+  std::string method, relay;  ///< `relay`: "first" or "second" for a child
+  std::string protection;     ///< kind; empty: plain
   std::filesystem::path keys;
   std::uint32_t domain = 93;
   double seconds = 10.0;
@@ -61,18 +61,18 @@ int relay(const Options& o) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const bus::Participant participant = join(o);
   const bool first = o.relay == "first";
-  bus::Writer<msg::DeviceState> writer(participant, row(first ? "b" : "c"), o.way,
+  bus::Writer<msg::DeviceState> writer(participant, row(first ? "b" : "c"), o.method,
                                        qos::profile(qos::ProfileId::kStream));
-  Woken reader(participant, row(first ? "a" : "b"), o.way, o.way,
+  Woken reader(participant, row(first ? "a" : "b"), o.method, o.method,
                [&](const msg::DeviceState& sample) { writer.write(sample); });
   reader.run_until(runtime::monotonic_ns() + static_cast<std::int64_t>((o.seconds + 30.0) * 1e9));
   return 0;
 }
 
-pid_t start(const Options& o, const std::string& way, const std::string& relay) {
+pid_t start(const Options& o, const std::string& method, const std::string& relay) {
   std::vector<std::string> words = {"wake_up",
                                     "--way",
-                                    way,
+                                    method,
                                     "--relay",
                                     relay,
                                     "--domain",
@@ -90,14 +90,14 @@ pid_t start(const Options& o, const std::string& way, const std::string& relay) 
 }
 
 /// A device's part for `seconds`: writes at an absolute deadline, counts what comes back.
-void measure(const Options& o, const std::string& way, runtime::LatencyHistogram& latency) {
-  const pid_t children[] = {start(o, way, "first"), start(o, way, "second")};
+void measure(const Options& o, const std::string& method, runtime::LatencyHistogram& latency) {
+  const pid_t children[] = {start(o, method, "first"), start(o, method, "second")};
   {
     const bus::Participant participant = join(o);
-    bus::Writer<msg::DeviceState> writer(participant, row("a"), way,
+    bus::Writer<msg::DeviceState> writer(participant, row("a"), method,
                                          qos::profile(qos::ProfileId::kStream));
     std::uint64_t back = 0;
-    Woken reader(participant, row("c"), way, way, [&](const msg::DeviceState& sample) {
+    Woken reader(participant, row("c"), method, method, [&](const msg::DeviceState& sample) {
       if (++back > 500)
         latency.record(runtime::monotonic_ns() - sample.sample_time_ns);
     });
@@ -123,19 +123,19 @@ int run(Options o) {
   o.keys = folder / "keys";
   if (!o.protection.empty())
     make_keys_of(o.protection, o.keys);
-  const std::vector<std::string> ways = o.way.empty() ? kWays : std::vector{o.way};
+  const std::vector<std::string> methods = o.method.empty() ? kWays : std::vector{o.method};
   std::map<std::string, runtime::LatencyHistogram> of;
   for (int round = 0; round < o.rounds; ++round)
-    for (const std::string& way : ways) {
-      std::fprintf(stderr, "\rround %d of %d: %s          ", round + 1, o.rounds, way.c_str());
-      measure(o, way, of[way]);
+    for (const std::string& method : methods) {
+      std::fprintf(stderr, "\rround %d of %d: %s          ", round + 1, o.rounds, method.c_str());
+      measure(o, method, of[method]);
     }
   std::fprintf(stderr, "\r");
   std::printf("%-18s %8s %9s %9s %9s\n", "way", "rounds", "p50 us", "p99 us", "p99.9 us");
-  for (const std::string& way : ways)
-    std::printf("%-18s %8lu %9.0f %9.0f %9.0f\n", way.c_str(),
-                static_cast<unsigned long>(of[way].count()), of[way].quantile_us(0.5),
-                of[way].quantile_us(0.99), of[way].quantile_us(0.999));
+  for (const std::string& method : methods)
+    std::printf("%-18s %8lu %9.0f %9.0f %9.0f\n", method.c_str(),
+                static_cast<unsigned long>(of[method].count()), of[method].quantile_us(0.5),
+                of[method].quantile_us(0.99), of[method].quantile_us(0.999));
   return 0;
 }
 
@@ -152,7 +152,8 @@ int main(int argc, char** argv) {
   app.add_option("--seconds", o.seconds, "of each way in a round (10)");
   app.add_option("--rounds", o.rounds, "how often each way takes its turn (3)");
   app.add_option("--domain", o.domain, "DDS domain (93)");
-  app.add_option("--way", o.way, "this one only")->check(CLI::IsMember(voxtouch::wake_up::kWays));
+  app.add_option("--way", o.method, "this one only")
+      ->check(CLI::IsMember(voxtouch::wake_up::kWays));
   app.add_option("--protection", o.protection, "under DDS Security, protected like this")
       ->check(CLI::IsMember(voxtouch::wake_up::protections()));
   app.add_option("--keys", o.keys)->group("");

@@ -142,7 +142,8 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
       const contact::StageResult a = disturbed.render(good), b = clean.render(good);
       EXPECT_EQ(a.contact.wrench.force, b.contact.wrench.force)
           << contact::name_of(kind) << " at " << z;
-      EXPECT_TRUE(a.missed == b.missed && a.fast == b.fast && a.retained == b.retained);
+      EXPECT_TRUE(a.tunnelling_suspected == b.tunnelling_suspected && a.fast == b.fast &&
+                  a.latched == b.latched);
     }
   }
 }
@@ -168,7 +169,7 @@ TEST(F7PosesThatAreNone, AQuaternionAndItsNegativeAreOneOrientationToTheBit) {
           << contact::name_of(kind) << " " << n;
       EXPECT_EQ(x.contact.wrench.torque, y.contact.wrench.torque);
       EXPECT_EQ(x.fast, y.fast);
-      EXPECT_EQ(x.missed, y.missed);
+      EXPECT_EQ(x.tunnelling_suspected, y.tunnelling_suspected);
       fast += x.fast;
     }
     EXPECT_GT(fast, 10);

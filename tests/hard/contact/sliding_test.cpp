@@ -23,13 +23,13 @@ constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
 /// The bound that the map shows (deploy/pictures/stability_map.png): energy given on a closed loop,
 /// over mean force times way, for a ball of `radius_voxels`. core/coupling/passivity.hpp states the
 /// same.
-double most_share(contact::ContactModelKind model, double radius_voxels) {
+double most_ratio(contact::ContactModelKind model, double radius_voxels) {
   switch (model) {
     case contact::ContactModelKind::kOriginal:
     case contact::ContactModelKind::kAdapted:
-      return coupling::kSlidingShare / radius_voxels;
+      return coupling::kSlidingRatio / radius_voxels;
     case contact::ContactModelKind::kField:
-      return radius_voxels < 5.0 ? 0.4 * coupling::kSlidingShare / radius_voxels : 1e-6;
+      return radius_voxels < 5.0 ? 0.4 * coupling::kSlidingRatio / radius_voxels : 1e-6;
   }
   return 0.0;
 }
@@ -43,7 +43,7 @@ TEST(F2SlidingOverVoxelBorders, GivesNoMoreEnergyOnAClosedLoopThanTheMapStates) 
       for (const contact::ContactModelKind model : kModels)
         for (const double depth : {0.25, 0.5, 1.5}) {
           const Created made = bench.worst_loop(model, depth, 1, seed);
-          EXPECT_LE(made.share, most_share(model, radius))
+          EXPECT_LE(made.fraction, most_ratio(model, radius))
               << contact::name_of(model) << " R/e " << radius << " depth " << depth << " tilt "
               << tilt;
           // The row's own bound: k e^2 for each point and crossing.
@@ -55,7 +55,7 @@ TEST(F2SlidingOverVoxelBorders, GivesNoMoreEnergyOnAClosedLoopThanTheMapStates) 
 
 struct Slid {
   double lowest_j = 0.0;  ///< translation, of the observer
-  double largest_n = 0.0, way_m = 0.0, longest_m = 0.0, mean_n = 0.0;
+  double largest_n = 0.0, path_m = 0.0, longest_m = 0.0, mean_n = 0.0;
 };
 
 /// A hand that nothing moves slides round and round at `speed`, 1 kHz; the commands are what the
@@ -88,8 +88,8 @@ Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_vox
     out.largest_n = std::max(out.largest_n, in.contact.force.norm());
     sum += in.contact.force.norm();
     if (n > 0) {
-      const double way = (pose.position - last).norm();
-      out.way_m += way, out.longest_m = std::max(out.longest_m, way);
+      const double displacement = (pose.position - last).norm();
+      out.path_m += displacement, out.longest_m = std::max(out.longest_m, displacement);
     }
     last = pose.position;
   }
@@ -107,13 +107,13 @@ TEST(F2SlidingOverVoxelBorders,
         for (const double speed : {0.01, 0.03, 0.1, 0.3, 1.0, 3.0}) {
           const int rounds = speed < 0.05 ? 3 : 20;
           const Slid alone = slide(bench, model, depth, speed, rounds);
-          const double period_j = alone.largest_n * alone.longest_m, s = most_share(model, 5.0);
+          const double period_j = alone.largest_n * alone.longest_m, s = most_ratio(model, 5.0);
           const double voxel_j =
               alone.largest_n * bench.edge_m();  // given and taken back within one
-          EXPECT_GE(alone.lowest_j, -5.0 * period_j - voxel_j - s * alone.mean_n * alone.way_m)
+          EXPECT_GE(alone.lowest_j, -5.0 * period_j - voxel_j - s * alone.mean_n * alone.path_m)
               << contact::name_of(model) << " depth " << depth << " tilt " << tilt << " at "
               << speed << " m/s";
-          least = std::min(least, alone.lowest_j / (alone.mean_n * alone.way_m));
+          least = std::min(least, alone.lowest_j / (alone.mean_n * alone.path_m));
         }
   }
   std::printf("most debt: %.4f F L\n", -least);
@@ -128,7 +128,7 @@ struct Round {
         ground(mesh, kEdge),
         contact(ground.renderer(test::exact_shell(ball.mesh, kEdge), model)),
         coupling(spec(), {.max_force_n = 1e4, .max_torque_nm = 1e3}, kPeriod, 0.0) {
-    series.aim_for({1.0 / 300.0, 0.0});
+    series.set_target({1.0 / 300.0, 0.0});
   }
   static coupling::CouplingSpec spec() {
     coupling::CouplingSpec s;
@@ -137,8 +137,8 @@ struct Round {
   }
   /// To the angle and depth given, in small steps; the force that is held does its work on each.
   void go(double to_angle, double to_depth) {
-    const double way = std::hypot(radius * (to_angle - angle), to_depth - depth);
-    const int steps = std::max(1, static_cast<int>(std::ceil(way / kStep)));
+    const double displacement = std::hypot(radius * (to_angle - angle), to_depth - depth);
+    const int steps = std::max(1, static_cast<int>(std::ceil(displacement / kStep)));
     const double from_angle = angle, from_depth = depth;
     for (int n = 1; n <= steps; ++n) {
       angle = from_angle + (to_angle - from_angle) * n / steps,
@@ -155,8 +155,8 @@ struct Round {
           {{result.contact.wrench.force, Vec3::Zero()}, translation_of(result.contact.stiffness)}));
       ++frames;
       if (known)
-        given_j += force.dot(pose.position - last),
-            way_n_m += force.norm() * (pose.position - last).norm();
+        energy_generated_j += force.dot(pose.position - last),
+            path_n_m += force.norm() * (pose.position - last).norm();
       coupling::CouplingInput in;
       in.contact.force = series.wrench().force;
       in.contact_stiffness =
@@ -180,7 +180,8 @@ struct Round {
   test::Ground ground;
   contact::ContactRenderer contact;
   coupling::RunningCoupling coupling;
-  double angle = 0.1, depth = -1e-3, given_j = 0.0, way_n_m = 0.0, lowest_j = 0.0, most_n = 0.0;
+  double angle = 0.1, depth = -1e-3, energy_generated_j = 0.0, path_n_m = 0.0, lowest_j = 0.0,
+         most_n = 0.0;
   Vec3 force = Vec3::Zero(), last = Vec3::Zero();
   bool known = false;
 };
@@ -205,18 +206,18 @@ TEST(F2SlidingOverVoxelBorders, GivesNoMoreWhereTheForceIsHeldWhileTheHandGoesIn
             round.go(0.1, between);
           }
           round.go(0.1, -1e-3);
-          const double share = round.given_j / round.way_n_m;
+          const double fraction = round.energy_generated_j / round.path_n_m;
           std::printf(
               "%s %s, %g mm deep, %s: up to %.3f N, given %+.2e J, %+.4f of force times way, "
               "observer's lowest %+.2e J\n",
               within ? "hollow" : "cylinder", std::string(contact::name_of(model)).c_str(),
-              1e3 * deep, leaves ? "pulled out" : "never out", round.most_n, round.given_j, share,
-              round.lowest_j);
-          EXPECT_LE(share, coupling::kSlidingShare / 4.0) << contact::name_of(model);
+              1e3 * deep, leaves ? "pulled out" : "never out", round.most_n,
+              round.energy_generated_j, fraction, round.lowest_j);
+          EXPECT_LE(fraction, coupling::kSlidingRatio / 4.0) << contact::name_of(model);
           EXPECT_GE(round.lowest_j, -5.0 * round.most_n * Round::kStep -
                                         round.most_n * Round::kEdge -
-                                        coupling::kSlidingShare / 5.0 * round.way_n_m);
-          most = std::max(most, share);
+                                        coupling::kSlidingRatio / 5.0 * round.path_n_m);
+          most = std::max(most, fraction);
         }
   std::printf("most given over force times way %.4f\n", most);
 }

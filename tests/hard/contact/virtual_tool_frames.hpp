@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/experiments/virtual_tool/runs.hpp"
 #include "tests/unit/contact/fixtures.hpp"
 
 namespace voxtouch::virtual_tool {
@@ -21,8 +21,8 @@ inline bool finite(const contact::VirtualToolFrame& f) {
 inline void expect_sound(const contact::VirtualToolFrame& f) {
   ASSERT_TRUE(finite(f));
   ASSERT_LE(f.queries, 8 + 2);  // one more to start, or where an object has moved
-  ASSERT_GE(f.share, 0.0);
-  ASSERT_LE(f.share, 1.0);
+  ASSERT_GE(f.fraction, 0.0);
+  ASSERT_LE(f.fraction, 1.0);
 }
 
 inline mesh::TriangleMesh slot_mesh(double width) {

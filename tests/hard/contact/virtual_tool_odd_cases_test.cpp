@@ -9,7 +9,7 @@
 
 #include "core/contact/limits.hpp"
 #include "tests/experiments/virtual_tool/open_meshes.hpp"
-#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/experiments/virtual_tool/runs.hpp"
 #include "tests/hard/contact/virtual_tool_frames.hpp"
 #include "tests/support/seed.hpp"
 #include "tests/unit/contact/fixtures.hpp"
@@ -242,8 +242,8 @@ TEST(VirtualToolTumbling, NeverHasItsMiddleInsideAndIsFreeToTheBit) {
       const TumbleFigures f =
           tumble({.box = box, .speed = speed, .spin = 30 * speed, .frames = 2000, .seed = seed});
       std::printf("%s at %g m/s: contact %.2f, lag %.3f, deepest row %.3f e, queries %.1f\n",
-                  box ? "box" : "ball", speed, f.contact_share, f.lag_share, f.depth_worst,
-                  f.queries_mean);
+                  box ? "box" : "ball", speed, f.contact_ratio, f.not_converged_ratio,
+                  f.depth_worst, f.queries_mean);
       EXPECT_EQ(f.inside, 0);
       EXPECT_EQ(f.not_exact, 0);
       EXPECT_LT(f.depth_worst, 1.0);
@@ -294,7 +294,7 @@ INSTANTIATE_TEST_SUITE_P(OpenInvertedMoebiusOverlapping, BrokenMesh, ::testing::
 
 /// Driven at from either side, rubbed, left, at 0.1 to 4 e a frame: no face of what encloses
 /// nothing comes into a ball, at rest nothing changes. Rims may come in between a ball's points, a
-/// few in a hundred: virtual_tool_trials open counts them.
+/// few in a hundred: virtual_tool_runs open counts them.
 TEST(VirtualToolOpenMeshes, HoldABallFromEitherSide) {
   int runs = 0, rims = 0;
   for (const char* const shape : open_shapes())
@@ -355,7 +355,8 @@ TEST(VirtualToolNoise, OfTheEncoderIsNotMadeLarger) {
   }
 }
 
-/// The scene moved by multiples of e, with numbers that a double holds exactly: the same bits.
+/// The scene moved by multiples of e, with numbers that a double holds exactly: bit-identical
+/// results.
 TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
   const double e = 0x1p-9;
   const Vec3 shift = e * Vec3(512, -1024, 256);

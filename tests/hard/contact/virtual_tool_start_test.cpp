@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/experiments/virtual_tool/runs.hpp"
 #include "tests/hard/contact/virtual_tool_frames.hpp"
 #include "tests/support/seed.hpp"
 #include "tests/unit/contact/fixtures.hpp"
@@ -37,7 +37,7 @@ TEST(VirtualToolStartInAThinWall, GivesNoForceUntilTheHandIsFree) {
           return plate.rig.frame(plate.lie * Vec3(0.003, 0.002, side * z));
         };
         for (int n = 0; n < 100; ++n)
-          ASSERT_TRUE(at(std::abs(from)).unplaced);
+          ASSERT_TRUE(at(std::abs(from)).not_initialised);
         bool placed = false;
         for (double z = std::abs(from); z < touch + kEdge; z += 5e-5) {
           const contact::VirtualToolFrame f = at(z);
@@ -45,10 +45,10 @@ TEST(VirtualToolStartInAThinWall, GivesNoForceUntilTheHandIsFree) {
           ASSERT_LT(f.wrench(kStiffness).force.norm(),
                     0.05);  // it may be placed half a voxel deep, and is faded in
           if (z < touch - kEdge) {
-            ASSERT_TRUE(f.unplaced) << z;
+            ASSERT_TRUE(f.not_initialised) << z;
             ASSERT_TRUE(f.wrench(kStiffness).zero());
           }
-          placed = placed || !f.unplaced;
+          placed = placed || !f.not_initialised;
         }
         ASSERT_TRUE(placed);
         for (int n = 0; n < 200; ++n)
@@ -80,9 +80,9 @@ TEST(VirtualToolStartInAThinWall, IsNoPlaceForAToolOfASceneBefore) {
 struct StartTool {
   const char* name;
   Vec3 box;           ///< [e]
-  double touching;    ///< least share of light touches that are placed; a box has rows at its edges
-                      ///< that are too deep
-  double rim_across;  ///< greatest share of those with a plate's rim inside them
+  double touching;    ///< least fraction of light touches that are placed; a box has rows at its
+                      ///< edges that are too deep
+  double rim_across;  ///< greatest fraction of those with a plate's rim inside them
 };
 void PrintTo(const StartTool& tool, std::ostream* out) { *out << tool.name; }
 class VirtualToolStarts : public ::testing::TestWithParam<StartTool> {};
@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(Tools, VirtualToolStarts,
                                            StartTool{"bar", Vec3(2, 2, 15), 0.75, 0.03}),
                          [](const auto& one) { return std::string(one.param.name); });
 
-/// Free between two thin plates, beside one, and flat on one: nothing is in the tool.
+/// Free between two thin plates, next to one, and flat on one: nothing is in the tool.
 TEST(VirtualToolStartBesideThinWalls, IsAStart) {
   for (const double thick : kThick)
     for (const bool askew : {false, true})

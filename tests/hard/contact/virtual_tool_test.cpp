@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "tests/experiments/virtual_tool/loops.hpp"
-#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/experiments/virtual_tool/runs.hpp"
 #include "tests/hard/contact/virtual_tool_frames.hpp"
 #include "tests/support/seed.hpp"
 #include "tests/unit/contact/fixtures.hpp"
@@ -228,15 +228,15 @@ TEST(VirtualToolObjects, FasterThanHalfAVoxelAFrameAreToldOf) {
   contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
   contact::ToolGround moving{&query, &ground.field, Vec3(0, 0, -0.02)};
   ASSERT_TRUE(tool.place({Vec3::Zero(), Quat::Identity()}, {&moving, 1}));
-  bool told = false;
+  bool reported = false;
   for (int n = 0; n < 20; ++n) {
     moving.displacement.z() += 0.6 * kEdge;
     const contact::VirtualToolFrame f =
         tool.frame({{Vec3::Zero(), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
     expect_sound(f);
-    told = told || f.moved_too_far;
+    reported = reported || f.moved_too_far;
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reported);
 }
 
 TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
@@ -247,7 +247,7 @@ TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
     const double z = -0.02 + 1e-4 * n;  // from 30 mm deep to free
     const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, z));
     expect_sound(f);
-    if (f.unplaced) {
+    if (f.not_initialised) {
       ASSERT_TRUE(f.wrench(kStiffness).zero());
       ASSERT_LT(z, kBall);
     } else if (!placed) {
@@ -265,7 +265,7 @@ TEST(VirtualToolStart, InsideIsNoPlaceForAToolOfASceneBefore) {
   EXPECT_FALSE(rig.place({Vec3(0, 0, -0.01), Quat::Identity()}));
   EXPECT_FALSE(rig.place({Vec3(0, 0, kBall - kEdge), Quat::Identity()}));
   EXPECT_TRUE(rig.place({Vec3(0, 0, kBall - 0.1 * kEdge), Quat::Identity()}));
-  EXPECT_EQ(rig.frame(Vec3(0, 0, kBall - 0.005)).share, 1.0);
+  EXPECT_EQ(rig.frame(Vec3(0, 0, kBall - 0.005)).fraction, 1.0);
 }
 
 TEST(VirtualToolStart, FadesInAfterAReset) {
@@ -273,11 +273,12 @@ TEST(VirtualToolStart, FadesInAfterAReset) {
   rig.frame(Vec3(0, 0, 0.02));
   for (int n = 0; n < 120; ++n) {
     const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 1e-4 * n));
-    EXPECT_NEAR(f.share, (n + 1) * kPeriod / 0.2, 1e-9);
+    EXPECT_NEAR(f.fraction, (n + 1) * kPeriod / 0.2, 1e-9);
   }
   rig.tool.reset();
-  EXPECT_TRUE(rig.frame(Vec3(0, 0, 0.005)).unplaced);  // in contact: the hand must come out first
-  EXPECT_FALSE(rig.frame(Vec3(0, 0, 0.02)).unplaced);
+  EXPECT_TRUE(
+      rig.frame(Vec3(0, 0, 0.005)).not_initialised);  // in contact: the hand must come out first
+  EXPECT_FALSE(rig.frame(Vec3(0, 0, 0.02)).not_initialised);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ struct Wall {
 
 /// Whether a model feels a wall at all: `original` and `adapted` whatever has a surface layer,
 /// `field` where a voxel's corner lies inside.
-bool felt(const Wall& wall, contact::ContactModelKind kind) {
+bool has_force(const Wall& wall, contact::ContactModelKind kind) {
   return kind != contact::ContactModelKind::kField ||
          (wall.thick >= 1.0 && wall.ground.field.has_inside());
 }
@@ -59,8 +59,8 @@ const std::array kTurns = {Quat::Identity(),
 struct Passage {
   double pushed_on = 0.0,
          most = 0.0;  ///< [N]: largest push along the motion before the middles meet; any push
-  int fast = 0, missed = 0,
-      near = 0;  ///< frames; near: that moved while some point was beside the wall
+  int fast = 0, tunnelling_suspected = 0,
+      near = 0;  ///< frames; near: that moved while some point was next to the wall
 };
 
 /// Straight through the wall, `step` [e] a frame, from `side` (+1, -1) of it.
@@ -76,11 +76,11 @@ Passage drive_through(const Wall& wall, contact::ContactModelKind kind, double s
     if (z > 0.5 * (wall.thick + 1.0) * kEdge)
       seen.pushed_on = std::max(seen.pushed_on, on);
     seen.most = std::max(seen.most, std::abs(on));
-    seen.fast += r.fast, seen.missed += r.missed;
+    seen.fast += r.fast, seen.tunnelling_suspected += r.tunnelling_suspected;
     const bool near = z < begin && z - wall.touch_m() < kEdge && z + step * kEdge > -wall.touch_m();
     seen.near += near;
     if (r.fast && near) {
-      EXPECT_TRUE(r.missed) << z;
+      EXPECT_TRUE(r.tunnelling_suspected) << z;
     }
   }
   return seen;
@@ -100,16 +100,16 @@ TEST(V7WallThinnerThanAVoxel, IsNotPassedUntoldAtAnySpeed) {
             SCOPED_TRACE(::testing::Message() << contact::name_of(kind) << ", wall " << thick
                                               << " e, " << step << " e a frame, side " << side);
             if (step < 0.5) {
-              EXPECT_EQ(one.fast + one.missed, 0);
+              EXPECT_EQ(one.fast + one.tunnelling_suspected, 0);
               EXPECT_LE(one.pushed_on, 0.02 * one.most + 1e-12);
-              if (felt(wall, kind)) {
+              if (has_force(wall, kind)) {
                 EXPECT_GT(one.most, 0.0);
               }
             } else {
-              EXPECT_GE(one.missed, 1);
-              EXPECT_GE(one.missed, one.near);
+              EXPECT_GE(one.tunnelling_suspected, 1);
+              EXPECT_GE(one.tunnelling_suspected, one.near);
               if (step < 8.0) {
-                EXPECT_LT(one.missed, one.fast)
+                EXPECT_LT(one.tunnelling_suspected, one.fast)
                     << "far from all that is there nothing can be missed";
               }
             }
@@ -129,14 +129,14 @@ TEST(V7WallThinnerThanAVoxel, PushesBackFromBothSidesWhileTheToolIsPressedSlowly
           for (double z = wall.touch_m() + kEdge; z > 0.5 * (thick + 1.0) * kEdge;
                z -= 0.05 * kEdge) {
             const contact::StageResult r = renderer.render(wall.at(side * z));
-            EXPECT_FALSE(r.fast || r.missed);
+            EXPECT_FALSE(r.fast || r.tunnelling_suspected);
             const double push = side * r.contact.wrench.force.dot(wall.across());
             back = std::max(back, push), on = std::max(on, -push);
           }
           SCOPED_TRACE(::testing::Message()
                        << contact::name_of(kind) << ", wall " << thick << " e, side " << side);
           EXPECT_LE(on, 0.02 * back + 1e-12);
-          if (felt(wall, kind)) {
+          if (has_force(wall, kind)) {
             EXPECT_GT(back, 0.0);
           }
         }
@@ -155,12 +155,13 @@ TEST(FastMotion, ATurnIsToldOfToo) {
        {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted})
     for (const double step : {0.01, 0.05, 0.19}) {
       contact::ContactRenderer renderer = ground.renderer(shell, kind);
-      bool missed = false;
+      bool tunnelling_suspected = false;
       for (double angle = 0.5; angle > -0.35; angle -= step)
-        missed =
-            missed ||
-            renderer.render({Vec3::Zero(), Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()))}).missed;
-      EXPECT_EQ(missed, step > 0.02) << contact::name_of(kind) << " at " << step;
+        tunnelling_suspected =
+            tunnelling_suspected ||
+            renderer.render({Vec3::Zero(), Quat(Eigen::AngleAxisd(-angle, Vec3::UnitY()))})
+                .tunnelling_suspected;
+      EXPECT_EQ(tunnelling_suspected, step > 0.02) << contact::name_of(kind) << " at " << step;
     }
 }
 
@@ -169,21 +170,21 @@ TEST(FastMotion, IsNothingAfterAResetAndBesideNothing) {
   for (const contact::ContactModelKind kind : kModels) {
     contact::ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
     const auto at = [&](double z) { return renderer.render(wall.at(z * kEdge)); };
-    EXPECT_FALSE(at(6.0).missed) << "the first pose";
-    EXPECT_TRUE(at(-6.0).missed) << "a jump over the wall";
+    EXPECT_FALSE(at(6.0).tunnelling_suspected) << "the first pose";
+    EXPECT_TRUE(at(-6.0).tunnelling_suspected) << "a jump over the wall";
     renderer.reset();
-    EXPECT_FALSE(at(6.0).missed);
+    EXPECT_FALSE(at(6.0).tunnelling_suspected);
     renderer.reset();
     at(200.0);
     const contact::StageResult far = at(150.0);
-    EXPECT_TRUE(far.fast && !far.missed);
+    EXPECT_TRUE(far.fast && !far.tunnelling_suspected);
   }
 }
 
 /// A mass that flies at a wall at 1 kHz and is pushed by nothing but the contact.
 struct Drop {
   double exit_speed = 0.0;  ///< [m/s] on the far side; 0: it came back or stays
-  bool missed = false, fast = false;
+  bool tunnelling_suspected = false, fast = false;
 };
 
 Drop drop(const Wall& wall, contact::ContactModelKind kind, double speed, double side,
@@ -198,7 +199,8 @@ Drop drop(const Wall& wall, contact::ContactModelKind kind, double speed, double
   const int frames = static_cast<int>(std::min(20000.0, 6.0 * (z - far) / (speed * kPeriod)) + 200);
   for (int n = 0; n < frames; ++n) {
     const contact::StageResult r = renderer.render(wall.at(side * z));
-    out.missed = out.missed || r.missed, out.fast = out.fast || r.fast;
+    out.tunnelling_suspected = out.tunnelling_suspected || r.tunnelling_suspected,
+    out.fast = out.fast || r.fast;
     v += kPeriod * side * r.contact.wrench.force.dot(wall.across()) / mass;
     z += kPeriod * v;
     if (z > wall.touch_m() + 3.0 * kEdge && v > 0.0)
@@ -218,7 +220,7 @@ TEST(F4Tunnelling, ADroppedMassThatPassesAWallIsToldOfUnlessItIsSlowAndGainsLitt
   for (const double thick : {0.1, 0.5, 1.0, 2.0, 5.0}) {
     const Wall wall(thick, kTurns[1]);
     for (const contact::ContactModelKind kind : kModels) {
-      if (!felt(wall, kind))
+      if (!has_force(wall, kind))
         continue;
       double stopped_up_to = 1e9, faster = 0.0;
       for (const double speed : {0.001, 0.01, 0.05, 0.1, 0.3, 0.6, 1.0, 2.0, 3.0, 3.9, 5.0, 10.0})
@@ -230,7 +232,7 @@ TEST(F4Tunnelling, ADroppedMassThatPassesAWallIsToldOfUnlessItIsSlowAndGainsLitt
             continue;
           // A mass with more energy than the wall takes loses what it had to climb and gets it
           // back.
-          EXPECT_TRUE(d.fast ? d.missed : d.exit_speed < 1.1 * speed)
+          EXPECT_TRUE(d.fast ? d.tunnelling_suspected : d.exit_speed < 1.1 * speed)
               << "exit at " << d.exit_speed << " m/s";
           stopped_up_to = std::min(stopped_up_to, speed),
           faster = std::max(faster, d.exit_speed / speed);

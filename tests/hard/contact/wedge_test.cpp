@@ -131,7 +131,7 @@ TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
                       Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitZ()))};
       const contact::ContactResult x = a.render(pose).contact, y = b.render(pose).contact,
                                    z = again.render(pose).contact;
-      EXPECT_EQ(x.wrench.force, z.wrench.force) << "the same order: the same bits";
+      EXPECT_EQ(x.wrench.force, z.wrench.force) << "the same order: bit-identical results";
       EXPECT_EQ(x.surface_hits, y.surface_hits);
       // Sums of n terms in another order: n ulp of their largest partial sum at most.
       EXPECT_LE((x.wrench.force - y.wrench.force).norm(), 1e-11 * (1e-6 + x.wrench.force.norm()))
@@ -162,7 +162,7 @@ TEST(F5DeepPenetration, ForceIsFlaggedFromWhereItNoLongerGrowsAndNeverPullsTheTo
     if (in && up < 0.98 * peak) {
       fallen = std::min(fallen, depth);
       EXPECT_TRUE(r.contact.saturated)
-          << "at " << depth << ": less force than before, and not told";
+          << "at " << depth << ": less force than before, and not reported";
     }
     return up;
   };

@@ -25,7 +25,7 @@ std::filesystem::path clutch_scene(Inputs& inputs, double press_s, double releas
 
 struct ClutchRun {
   std::vector<double> force_n, tool_z_m, virtual_z_m;
-  std::size_t unplaced = 0;
+  std::size_t not_initialised = 0;
 };
 
 ClutchRun clutch_run(const std::filesystem::path& scene, std::size_t samples) {
@@ -37,7 +37,7 @@ ClutchRun clutch_run(const std::filesystem::path& scene, std::size_t samples) {
     out.force_n.push_back(rig.step().force.norm());
     out.tool_z_m.push_back(rig.front().frame().object.position.z());
     out.virtual_z_m.push_back(rig.front().frame().object.position.z());
-    out.unplaced += rig.front().frame().tool.unplaced;
+    out.not_initialised += rig.front().frame().tool.not_initialised;
   }
   return out;
 }
@@ -46,7 +46,7 @@ TEST(ClutchInContact, LeavesTheWallClosed) {
   for (const double held_s : {0.05, 0.3, 1.0}) {
     Inputs inputs;
     const ClutchRun r = clutch_run(clutch_scene(inputs, 3.0, 3.0 + held_s), 9000);
-    EXPECT_EQ(r.unplaced, 0U);
+    EXPECT_EQ(r.not_initialised, 0U);
     EXPECT_GT(*std::ranges::min_element(r.virtual_z_m), 0.0095) << "the ball stays above the plate";
     EXPECT_GT(r.force_n.back(), 3.0) << "the hand is far behind it";
   }

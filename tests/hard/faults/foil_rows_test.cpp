@@ -13,21 +13,21 @@ namespace voxtouch::faults {
 namespace {
 
 struct Outcome {
-  int passed = 0, seen = 0, unseen = 0;  ///< unseen: passed, and never told
+  int passed = 0, seen = 0, unseen = 0;  ///< unseen: passed, and never reported
 };
 
-/// `trials` balls pushed at a foil, both in mm, the voxel 2 mm, and 15 mm beyond it.
-Outcome foils(double radius_mm, double foil_mm, double step_mm, int trials) {
+/// `attempts` balls pushed at a foil, both in mm, the voxel 2 mm, and 15 mm beyond it.
+Outcome foils(double radius_mm, double foil_mm, double step_mm, int attempts) {
   Inputs inputs;
   const double foil = 1e-3 * foil_mm, radius = 1e-3 * radius_mm;
   inputs.mesh("foil", {{{-0.03, -0.03, -foil}, {0.03, 0.03, 0.0}}});
   std::mt19937 random(17);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   Outcome out;
-  for (int trial = 0; trial < trials; ++trial) {
+  for (int attempt = 0; attempt < attempts; ++attempt) {
     const Vec3 axis = Vec3(uniform(random), uniform(random), uniform(random)).normalized();
     const Quat tilt =
-        trial == 0 ? Quat::Identity() : Quat(Eigen::AngleAxisd(uniform(random), axis));
+        attempt == 0 ? Quat::Identity() : Quat(Eigen::AngleAxisd(uniform(random), axis));
     const auto file = inputs.scene(
         "foil", fmt::format("static: [{{mesh: foil.obj, orientation: [{}, {}, {}, {}]}}]\n"
                             "dynamic: {{mesh: {}/meshes/sphere.obj, scale: {}}}\n"
@@ -35,7 +35,7 @@ Outcome foils(double radius_mm, double foil_mm, double step_mm, int trials) {
                             tilt.w(), tilt.x(), tilt.y(), tilt.z(), VOXTOUCH_DEPLOY, radius));
     const auto built = rendering::build_scene(scene::load_scene(file), serial_for());
     rendering::LiveScene live(*built);
-    live.aim_for_spring(300.0);
+    live.set_spring_target(300.0);
     const Vec3 aside(0.004 * uniform(random), 0.004 * uniform(random), 0.0);
     double last = 0.0;
     bool seen = false;
@@ -45,7 +45,7 @@ Outcome foils(double radius_mm, double foil_mm, double step_mm, int trials) {
       hand.pose.position = tilt * (aside + Vec3(0, 0, z));
       const rendering::SceneFrame frame = live.render(hand, 1e-3 * n++);
       last = (tilt.conjugate() * frame.object.position).z();
-      seen |= frame.touch.passing;
+      seen |= frame.touch.passed_through;
       if (last < -radius) {
         EXPECT_TRUE(seen) << "before the whole of it is behind";
       }
@@ -66,7 +66,7 @@ TEST(ThinFoils, HoldWhatThePlanSaysTheyHold) {
   }
 }
 
-/// A ball of 1.5 mm in foils of 0.2 and 0.5 mm is beyond that: such a sample is told.
+/// A ball of 1.5 mm in foils of 0.2 and 0.5 mm is beyond that: such a sample is reported.
 TEST(ThinFoils, ARunInWhichOneIsPassedIsTold) {
   int passed = 0;
   for (const double foil : {0.02, 0.2, 0.5}) {

@@ -37,17 +37,18 @@ TEST_P(StaticLoad, IsHeldWholeNextToWhatIsStiff) {
     long_runs::LoopRig rig(options);
     const auto samples = static_cast<std::size_t>(3.0 * rig.device_description().rate_hz);
     const std::size_t last = samples / 10;
-    double along = 0.0, shown = 0.0;
+    double along = 0.0, displayed = 0.0;
     for (std::size_t n = 0; n < samples; ++n) {
       const Wrench& given = rig.step();
       if (n + last >= samples)
         along += given.force.x() / static_cast<double>(last);
       const Mat3 stiffness = rig.front().frame().stiffness.topLeftCorner<3, 3>();
-      shown = std::max(shown, Eigen::SelfAdjointEigenSolver<Mat3>(stiffness).eigenvalues()[2]);
+      displayed =
+          std::max(displayed, Eigen::SelfAdjointEigenSolver<Mat3>(stiffness).eigenvalues()[2]);
     }
     EXPECT_NEAR(along, -1.0, 0.03);
     EXPECT_EQ(rig.front().counters().capped, 0U) << "nothing is scaled";
-    EXPECT_LE(shown, rig.spec().stiffness_cap_n_per_m * (1 + 1e-9));
+    EXPECT_LE(displayed, rig.spec().stiffness_cap_n_per_m * (1 + 1e-9));
   }
 }
 

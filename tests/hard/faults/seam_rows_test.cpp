@@ -114,10 +114,10 @@ TEST_P(SeamsOfObjects, AreNotFeltByAToolThatSlides) {
   const auto step = [&](const Vec3& at) {
     const Vec3 right =
         made.one->contacts().render({at, Quat::Identity()}, 0.0).contact.wrench.force;
-    const Vec3 told =
+    const Vec3 reported =
         made.three->contacts().render({at, Quat::Identity()}, 0.0).contact.wrench.force;
     largest = std::max(largest, right.norm());
-    worst = std::max(worst, (told - right).norm() / std::max(right.norm(), 0.1));
+    worst = std::max(worst, (reported - right).norm() / std::max(right.norm(), 0.1));
   };
   for (int n = 0; n <= 60; ++n)
     step({-0.03, 0.004, 0.01 - 0.0001 * n});

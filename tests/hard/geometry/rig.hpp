@@ -31,7 +31,7 @@ Vec3 stepped(const Vec3& x, double step);
 
 /// A tilted box with a ball let into it; closed parts that overlap.
 mesh::TriangleMesh ground_mesh();
-/// A ball that lies askew about a point beside its origin.
+/// A ball that lies askew about a point next to its origin.
 mesh::TriangleMesh tool_mesh();
 
 /// The voxels that are not free, sorted, with their kind.

@@ -112,7 +112,7 @@ TEST(P1PointOfAVoxel, LiesInItAndIsTheNearestInAMillionRandomTriangles) {
                            << x[2].transpose();
   }
   std::printf("largest |p - c| %.17g e, largest difference of distance %.2Lg e\n", beyond, worst);
-  EXPECT_LE(beyond, 0.5);  // e/2 to the bit: 4 eps are not needed
+  EXPECT_LE(beyond, 0.5);  // e/2 bit-identically: 4 eps are not needed
 }
 
 TEST(P1PointOfAVoxel, KeepsItsVoxelWhereTheWorldsNumbersRoundItOut) {

@@ -104,7 +104,7 @@ voxmap::Voxmap chessboard(const voxmap::Grid& grid, int n) {
 
 TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
   constexpr double e =
-      0.0037;  // no power of two: a multiple of it lies on the border, or an ulp beside it
+      0.0037;  // no power of two: a multiple of it lies on the border, or an ulp next to it
   const voxmap::Grid grid{Vec3(0.1, -0.2, 0.3), e};
   const voxmap::Voxmap map = chessboard(grid, 5);
   Random random(1);
@@ -216,7 +216,7 @@ TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
     ASSERT_LT((clean.shell.point(p) - dirty.shell.point(p)).norm(), 2e-12)
         << p;  // a sliver's own width
     ASSERT_LT((clean.shell.normal(p) - dirty.shell.normal(p)).norm(), 1e-7)
-        << p;  // a sliver's share of the voxel's area
+        << p;  // a sliver's fraction of the voxel's area
     ASSERT_NEAR(dirty.shell.normal(p).norm(), 1.0, 1e-14) << p;
   }
   Off off;

@@ -1,6 +1,6 @@
-/// What may not change what is felt: where the scene stands, how it is turned or mirrored, in which
-/// units of a power of two it is given, in which order triangles and points come, how many threads
-/// build it, how finely a flat face is cut.
+/// What may not change what is displayed: where the scene stands, how it is turned or mirrored, in
+/// which units of a power of two it is given, in which order triangles and points come, how many
+/// threads build it, how finely a flat face is cut.
 #include <algorithm>
 #include <cmath>
 #include <numeric>

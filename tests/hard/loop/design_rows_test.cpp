@@ -109,17 +109,17 @@ TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
   for (coupling_models::NonlinearLoop loop : {robot(), stylus}) {
     const double step = loop.contact_stiffness * loop.resolution;
     double without = 0.0;
-    for (const double share : {0.0, 0.5, 1.0}) {
-      loop.coulomb_friction = share * step;
+    for (const double fraction : {0.0, 0.5, 1.0}) {
+      loop.coulomb_friction = fraction * step;
       double worst = 0.0;
       for (int i = 0; i < 40; ++i) {
         loop.push = 1.0 + 0.013 * i;
         worst = std::max(worst, coupling_models::simulate(loop).late_amplitude);
       }
-      if (share == 0.0) {
+      if (fraction == 0.0) {
         without = worst;
       } else {
-        EXPECT_LE(worst, 0.01 * loop.resolution) << share;
+        EXPECT_LE(worst, 0.01 * loop.resolution) << fraction;
       }
     }
     EXPECT_LE(without, 1.5 * loop.resolution);

@@ -52,7 +52,7 @@ Turned turn(const std::string& device, int lever_mm, double degrees) {
     low = std::min(low, at), high = std::max(high, at);
   }
   const coupling::CouplingCounters& c = rig.front().counters();
-  out.bound_j = coupling::energy_bound_j(c.most_force_n, c.longest_way_m, kVoxelM) +
+  out.bound_j = coupling::energy_bound_j(c.most_force_n, c.longest_path_m, kVoxelM) +
                 coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad,
                                                   c.most_force_n, kVoxelM);
   out.late_mm = high - low;

@@ -86,8 +86,8 @@ TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLig
     const double step_m = ask.device.description.position_resolution_m;
     double at_s = ask.path->hold_s;
     for (std::size_t i = 1; i < ask.path->path.size(); ++i) {
-      const double way_m = (ask.path->path[i] - ask.path->path[i - 1]).norm();
-      at_s += kMinimumJerkPeak * way_m / ask.path->speed_m_per_s + ask.path->hold_s;
+      const double path_m = (ask.path->path[i] - ask.path->path[i - 1]).norm();
+      at_s += kMinimumJerkPeak * path_m / ask.path->speed_m_per_s + ask.path->hold_s;
       Watch rest;
       double force_n = 0.0;
       while (static_cast<double>(rig.device().time_ns()) * 1e-9 < at_s) {
@@ -141,13 +141,13 @@ INSTANTIATE_TEST_SUITE_P(Cup, EncoderResolution,
 // --- L1
 
 /// What the encoder does to the force through the injected damping, from the one extreme to the
-/// other: 2 B q/T (1 - e^(-w T)), or the share of a window.
+/// other: 2 B q/T (1 - e^(-w T)), or the fraction of a window.
 double encoder_step_n(const RigOptions& ask, const coupling::CouplingSpec& spec) {
   const coupling::design::VelocityEstimate velocity = coupling::design::velocity_of(spec);
   const double period_s = 1.0 / ask.device.description.rate_hz;
   return 2.0 * spec.injected_damping_ns_per_m * ask.device.description.position_resolution_m /
          period_s *
-         coupling::design::step_share(velocity.filter_rad_per_s(), velocity.window, period_s);
+         coupling::design::step_ratio(velocity.filter_rad_per_s(), velocity.window, period_s);
 }
 
 /// The scene is built anew, twice as stiff, and taken in while the tool is pressed into it.
@@ -161,7 +161,7 @@ TEST(L1StiffnessStep, OfASceneThatIsTakenInUnderPressureGivesTheHandWhatTheRampM
     ask.stiffness_times = stiffness_times;
     LoopRig rig(ask);
     Watch watch;
-    double before_n = 0.0, given_j = 0.0;
+    double before_n = 0.0, energy_generated_j = 0.0;
     Vec3 before = Vec3::Zero(), last = Vec3::Zero();
     for (int n = 0; n < 5300; ++n) {
       if (n == 3800) {
@@ -177,25 +177,25 @@ TEST(L1StiffnessStep, OfASceneThatIsTakenInUnderPressureGivesTheHandWhatTheRampM
       if (n >= 3799)
         watch.see(at, given, 0.0);
       if (n >= 3800)
-        given_j += given.force.dot(at - last);
+        energy_generated_j += given.force.dot(at - last);
       last = at;
     }
     const double after_n = rig.front().out().wrench.force.norm(),
-                 way_m = (rig.device().plant().pose().position - before).norm();
-    const double must_j = 0.5 * (before_n + after_n) * way_m;
+                 path_m = (rig.device().plant().pose().position - before).norm();
+    const double must_j = 0.5 * (before_n + after_n) * path_m;
     ASSERT_GT(after_n, 1.3 * before_n);
     ASSERT_EQ(rig.front().counters().capped, 0U);
     // By the device's true path: the observer's figure also has the encoder's steps, twice as much
     // as this in so light a contact.
-    EXPECT_NEAR(given_j, must_j,
+    EXPECT_NEAR(energy_generated_j, must_j,
                 0.2 * must_j + after_n * ask.device.description.position_resolution_m);
     EXPECT_LE(watch.steepest_n(), 1.5 * (after_n - before_n) * 1e-3 / rendering::LiveScene::kFadeS +
                                       encoder_step_n(ask, rig.spec()));
     std::printf(
         "from %.3g N to %.3g N over %.2g m, largest step %.2g N (an encoder step %.2g N), given "
         "%.3g J, must %.3g J\n",
-        before_n, after_n, way_m, watch.steepest_n(), encoder_step_n(ask, rig.spec()), given_j,
-        must_j);
+        before_n, after_n, path_m, watch.steepest_n(), encoder_step_n(ask, rig.spec()),
+        energy_generated_j, must_j);
   }
 }
 
@@ -211,18 +211,18 @@ class Wire {
   void send(const LoopRig::Command& command, std::uint64_t now) {
     if (loses())
       return;
-    under_way_.push_back({now + late(), command});
+    pending_.push_back({now + late(), command});
     if (uniform() < 0.1)
-      under_way_.push_back({now + 1 + late(), command});
+      pending_.push_back({now + 1 + late(), command});
   }
   /// What arrives at `now`, the last that was sent first.
   std::vector<LoopRig::Command> arriving(std::uint64_t now) {
     std::vector<LoopRig::Command> out;
-    for (std::size_t i = under_way_.size(); i-- > 0;) {
-      if (under_way_[i].at > now)
+    for (std::size_t i = pending_.size(); i-- > 0;) {
+      if (pending_[i].at > now)
         continue;
-      out.push_back(under_way_[i].command);
-      under_way_.erase(under_way_.begin() + static_cast<std::ptrdiff_t>(i));
+      out.push_back(pending_[i].command);
+      pending_.erase(pending_.begin() + static_cast<std::ptrdiff_t>(i));
     }
     return out;
   }
@@ -237,7 +237,7 @@ class Wire {
 
   double loss_;
   std::mt19937_64 random_;
-  std::deque<Letter> under_way_;
+  std::deque<Letter> pending_;
 };
 
 TEST(L5Wire, LossDuplicatesAndOvertakingLeaveTheToolAtRestAndTheNewestCommandCounts) {

@@ -15,7 +15,7 @@
 namespace voxtouch::long_runs {
 namespace {
 
-constexpr double kFeltN = 0.05;
+constexpr double kMinForceN = 0.05;
 
 class Slides : public testing::TestWithParam<const char*> {};
 
@@ -24,10 +24,10 @@ TEST_P(Slides, WithFrictionMakeNoStepThatIsFelt) {
     RigOptions options;
     options.scene = std::string(VOXTOUCH_STABILITY) + "/slide_friction.yaml";
     options.device = named_device(GetParam());
-    const double way_m = std::min(0.06, 1.5 * speed);
+    const double path_m = std::min(0.06, 1.5 * speed);
     Motion motion;
     motion.path = {Vec3(-0.03, 0, 0.012), Vec3(-0.03, 0, 0.006),
-                   Vec3(way_m - 0.03, 0.01 * way_m / 0.06, 0.006)};
+                   Vec3(path_m - 0.03, 0.01 * path_m / 0.06, 0.006)};
     motion.speed_m_per_s = speed, motion.hold_s = 0.2, motion.repeat_from = 1;
     options.path = motion;
     LoopRig rig(options);
@@ -47,7 +47,7 @@ TEST_P(Slides, WithFrictionMakeNoStepThatIsFelt) {
     std::printf("%s, %.0f mm/s: steps across of %.3f N at 95 %%, %.3f N at most\n", GetParam(),
                 1e3 * speed, at_95, steps.back());
     // Not met by a Premium 3.0 at 200 mm/s.
-    const double most = std::string(GetParam()) == "premium_3" && speed > 0.1 ? 0.07 : kFeltN;
+    const double most = std::string(GetParam()) == "premium_3" && speed > 0.1 ? 0.07 : kMinForceN;
     EXPECT_LE(at_95, most) << speed;
   }
 }

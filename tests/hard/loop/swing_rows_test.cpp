@@ -108,7 +108,7 @@ TEST(Swings, ABlowEndsWithinASecond) {
 
 TEST(Swings, APegInASlotRestsWithinTwoSecondsOfTheRelease) {
   RigOptions options = ask("slot.yaml", "slot_arm.yaml", "aside", "arm");
-  options.hand->let_go_at_s = 6.0;
+  options.hand->release_time_s = 6.0;
   LoopRig rig(options);
   const std::vector<Row> rows = run(rig, 12.0, 2);
   const Swing late = swing(rows, 2000.0, 8.0);

@@ -1,6 +1,6 @@
 #pragma once
 /// A ball of 10 mm on a virtual tool, e = 2 mm, in a hand on a simulated device: the whole loop as
-/// function calls (LoopRig), beside what the device does not tell, its pose before the encoder.
+/// function calls (LoopRig), next to what the device does not tell, its pose before the encoder.
 #include <fstream>
 
 #include "core/scene/scene_file.hpp"
@@ -40,13 +40,13 @@ struct ToolRun {
   std::vector<ToolSample> samples;
 };
 
-inline ToolRun run_tool(const std::string& scene, sim::SimParameters device,
-                        const LeftOut& left_out, double duration_s) {
+inline ToolRun run_tool(const std::string& scene, sim::SimParameters device, const LeftOut& skipped,
+                        double duration_s) {
   long_runs::RigOptions ask;
   ask.scene = scene, ask.motion = "it", ask.designed_for = device.description;
-  if (left_out.encoder)
+  if (skipped.encoder)
     device.description.position_resolution_m = device.description.orientation_resolution_rad = 0.0;
-  if (left_out.friction)
+  if (skipped.friction)
     device.description.coulomb_friction_n = device.coulomb_friction_nm = 0.0;
   ask.device = device;
   long_runs::LoopRig rig(ask);

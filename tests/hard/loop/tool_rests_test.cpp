@@ -70,7 +70,8 @@ Spread rests(const char* name, const sim::SimParameters& device, const char* kin
     }
   }
   std::printf(
-      "%-11s %-14s%s: hand within %.2f steps, as told %.2f; contact's force within %.2f of spring "
+      "%-11s %-14s%s: hand within %.2f steps, as reported %.2f; contact's force within %.2f of "
+      "spring "
       "times step, command within %.3f N\n",
       name, kind, friction ? "" : ", no dry friction", most.pose_steps, most.encoder_steps,
       most.contact, most.commanded_n);

@@ -27,7 +27,7 @@ bool slides(const ToolRun& run, std::size_t i) {
          0.5 * kSpeed * 2e-3 * static_cast<double>(kHalf);
 }
 
-/// What is left of `of` beside its mean over 100 ms where it slides, as a root of mean squares.
+/// What is left of `of` next to its mean over 100 ms where it slides, as a root of mean squares.
 double noise(const ToolRun& run, const std::function<double(const ToolSample&)>& of) {
   double squares = 0.0;
   int count = 0;
@@ -68,58 +68,59 @@ const std::vector<Ground>& grounds() {
 }
 
 /// Shares of the mean force where it slides.
-struct Shares {
+struct Fractions {
   double force_n = 0.0, slid_s = 0.0;
   double total = 0.0;    ///< of what the device is given
   double moved = 0.0;    ///< of the spring times the true depth
-  double encoder = 0.0;  ///< of what the contact gives more at the pose that the device tells
+  double encoder = 0.0;  ///< of what the contact gives more at the pose that the device reports
   double rendered =
       0.0;  ///< of what the rendering gives more than the spring times the depth, at the true pose
   double coupled = 0.0;  ///< of what the coupling gives more than the contact: filter and damper
 };
 
-Shares shares(const ToolRun& run, const Ground& ground) {
+Fractions fractions(const ToolRun& run, const Ground& ground) {
   const auto moved = [&](const ToolSample& s) {
     return ground.depth ? run.spring_n_per_m * ground.depth(s.true_hand) : s.true_force.norm();
   };
-  Shares out;
+  Fractions out;
   int count = 0;
   for (std::size_t i = kHalf; i + kHalf < run.samples.size(); ++i)
     if (slides(run, i))
       out.force_n += run.samples[i].commanded.norm(), ++count;
   out.force_n /= std::max(count, 1), out.slid_s = 1e-3 * count;
-  const auto share = [&](const std::function<double(const ToolSample&)>& of) {
+  const auto fraction = [&](const std::function<double(const ToolSample&)>& of) {
     return noise(run, of) / out.force_n;
   };
-  out.total = share([](const ToolSample& s) { return s.commanded.norm(); });
-  out.moved = share(moved);
-  out.encoder = share([](const ToolSample& s) { return s.contact.norm() - s.true_force.norm(); });
-  out.rendered = share([&](const ToolSample& s) { return s.true_force.norm() - moved(s); });
-  out.coupled = share([](const ToolSample& s) { return s.commanded.norm() - s.contact.norm(); });
+  out.total = fraction([](const ToolSample& s) { return s.commanded.norm(); });
+  out.moved = fraction(moved);
+  out.encoder =
+      fraction([](const ToolSample& s) { return s.contact.norm() - s.true_force.norm(); });
+  out.rendered = fraction([&](const ToolSample& s) { return s.true_force.norm() - moved(s); });
+  out.coupled = fraction([](const ToolSample& s) { return s.commanded.norm() - s.contact.norm(); });
   return out;
 }
 
-Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground,
-             const std::string& mesh, const char* kind, const LeftOut& left_out,
-             double voxel_m = kToolVoxel) {
+Fractions slide(const char* name, const sim::SimParameters& device, const Ground& ground,
+                const std::string& mesh, const char* kind, const LeftOut& skipped,
+                double voxel_m = kToolVoxel) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool(tool_scene(folder, mesh, ground.motion, kind, voxel_m), device,
-                               left_out, ground.duration_s);
-  const Shares s = shares(run, ground);
+                               skipped, ground.duration_s);
+  const Fractions s = fractions(run, ground);
   std::printf(
       "%-11s %-12s %-14s%s%s: %.0f N/m, %.2f N for %.2f s, noise %.2f %%: true depth %.2f, encoder "
       "%.2f, rendering %.2f, coupling %.2f\n",
-      name, ground.mesh, kind, left_out.encoder ? ", no steps" : "",
-      left_out.friction ? ", no dry friction" : "", run.spring_n_per_m, s.force_n, s.slid_s,
+      name, ground.mesh, kind, skipped.encoder ? ", no steps" : "",
+      skipped.friction ? ", no dry friction" : "", run.spring_n_per_m, s.force_n, s.slid_s,
       100 * s.total, 100 * s.moved, 100 * s.encoder, 100 * s.rendered, 100 * s.coupled);
   EXPECT_GT(s.slid_s, 0.7);
   EXPECT_GT(s.force_n, 0.5);
   return s;
 }
-Shares slide(const char* name, const sim::SimParameters& device, const Ground& ground,
-             const char* kind, const LeftOut& left_out) {
+Fractions slide(const char* name, const sim::SimParameters& device, const Ground& ground,
+                const char* kind, const LeftOut& skipped) {
   return slide(name, device, ground, std::string(VOXTOUCH_DEPLOY) + "/meshes/" + ground.mesh, kind,
-               left_out);
+               skipped);
 }
 
 /// A closed tube as high and as wide as the cup's wall, about z.
@@ -144,7 +145,7 @@ std::string tube(const TemporaryFolder& folder, int sides) {
 }
 
 /// What the encoder's steps add to the noise without them.
-double of_steps(const Shares& with, const Shares& without) {
+double of_steps(const Fractions& with, const Fractions& without) {
   return std::sqrt(std::max(0.0, with.total * with.total - without.total * without.total));
 }
 
@@ -163,11 +164,11 @@ TEST(ToolSlides, QuietlyOnAStylusWithAndWithoutTheEncodersSteps) {
 TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutTheEncodersSteps) {
   for (const Ground& ground : grounds()) {
     const bool cup = !ground.depth;
-    const Shares as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {}),
-                 no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter",
-                                  {.encoder = true, .friction = false}),
-                 no_friction = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter",
-                                     {.encoder = false, .friction = true});
+    const Fractions as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {}),
+                    no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter",
+                                     {.encoder = true, .friction = false}),
+                    no_friction = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter",
+                                        {.encoder = false, .friction = true});
     EXPECT_LE(as_it_is.total, cup ? 0.11 : 0.04);
     EXPECT_LE(no_friction.total, cup ? 0.11 : 0.04) << "nor does dry friction hide it";
     EXPECT_LE(no_steps.total, cup ? 0.09 : 0.003);
@@ -180,13 +181,13 @@ TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutTheEncodersSteps) {
 
 /// What is left on the cup is what the arm feels of its 64 sides and of the points of its own ball,
 /// 2 mm apart: on a tube of 512 sides it is less, and with a ball of finer points less again; with
-/// these the 64 sides alone are felt most.
+/// these the 64 sides alone are displayed most.
 TEST(ToolSlides, OnAnArmAMeshsSidesAndTheToolsPointsAreWhatIsFeltOfACup) {
-  const auto noise_of = [](int sides, double voxel_m, const LeftOut& left_out) {
+  const auto noise_of = [](int sides, double voxel_m, const LeftOut& skipped) {
     const TemporaryFolder folder;
     const Ground round{"tube.obj", grounds().back().motion, 4.5, {}};
     std::printf("%d sides, %g mm ", sides, 1e3 * voxel_m);
-    return slide("sim-lwr", sim::sim_lwr(), round, tube(folder, sides), "shaping_filter", left_out,
+    return slide("sim-lwr", sim::sim_lwr(), round, tube(folder, sides), "shaping_filter", skipped,
                  voxel_m)
         .total;
   };
@@ -204,9 +205,9 @@ TEST(ToolSlides, OnAnArmAMeshsSidesAndTheToolsPointsAreWhatIsFeltOfACup) {
 /// longer, and these are what is left.
 TEST(ToolSlides, WithASpringDamperAnArmsEncoderIsFeltByLessThanFourPercent) {
   for (const Ground& ground : grounds()) {
-    const Shares as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper", {}),
-                 no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper",
-                                  {.encoder = true, .friction = false});
+    const Fractions as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper", {}),
+                    no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper",
+                                     {.encoder = true, .friction = false});
     EXPECT_LE(of_steps(as_it_is, no_steps), 0.03);
     EXPECT_LE(as_it_is.total, 0.045);
     EXPECT_LE(no_steps.total, 0.045);

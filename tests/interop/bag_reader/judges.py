@@ -20,9 +20,9 @@ STATE, NOTE = "/haptic/device/state", "/haptic/note"
 IDL = pathlib.Path(__file__).resolve().parents[3] / "idl"
 
 
-def equal(what, got, wanted):
-    if got != wanted:
-        sys.exit(f"{what}: got {got!r}, wanted {wanted!r}")
+def equal(what, got, expected):
+    if got != expected:
+        sys.exit(f"{what}: got {got!r}, wanted {expected!r}")
 
 
 def rosbags_types(storage):
@@ -113,24 +113,24 @@ def by_mcap(folder):
 
 
 def main(make_bag):
-    wanted = [(START + 1_000_000 * i, i, 0.002 * i) for i in range(500)]
+    expected = [(START + 1_000_000 * i, i, 0.002 * i) for i in range(500)]
     for storage in ("sqlite3", "mcap"):
-        for way in ("closed", "killed"):
+        for ending in ("closed", "killed"):
             for split in ((), ("split",)):
                 with tempfile.TemporaryDirectory() as parent:
                     folder = pathlib.Path(parent) / "run"
-                    made = subprocess.run([make_bag, folder, way, storage, *split], check=False)
+                    made = subprocess.run([make_bag, folder, ending, storage, *split], check=False)
                     equal(
                         "exit of make_bag",
                         made.returncode,
-                        0 if way == "closed" else -signal.SIGKILL,
+                        0 if ending == "closed" else -signal.SIGKILL,
                     )
                     endings = {"sqlite3": "*.db3", "mcap": "*.mcap"}[storage]
                     equal("files", len(list(folder.glob(endings))), 3 if split else 1)
-                    equal("rosbags", by_rosbags(folder, storage), wanted)
+                    equal("rosbags", by_rosbags(folder, storage), expected)
                     if storage == "mcap":
-                        equal("mcap", by_mcap(folder), wanted)
-                    print(f"{storage}, {way}{', split' if split else ''}: every message is read")
+                        equal("mcap", by_mcap(folder), expected)
+                    print(f"{storage}, {ending}{', split' if split else ''}: every message is read")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 /// make_bag FOLDER closed|killed [sqlite3|mcap] [split]: 500 messages of the size and fields of
 /// DeviceState and one latched text, through the recorder as the logger uses it. `killed` ends
-/// itself by SIGKILL once everything is committed, with the write-ahead log beside the bag.
+/// itself by SIGKILL once everything is committed, with the write-ahead log next to the bag.
 /// `split`: a file for each 0.2 s.
 #include <csignal>
 #include <cstdio>

@@ -75,13 +75,13 @@ def load_yaml(text):
     return theirs
 
 
-def equal(what, got, wanted):
-    if got != wanted:
-        sys.exit(f"{what}: got {got!r}, wanted {wanted!r}")
+def equal(what, got, expected):
+    if got != expected:
+        sys.exit(f"{what}: got {got!r}, wanted {expected!r}")
 
 
 def check_columns(database):
-    wanted = {
+    expected = {
         "schema": [("schema_version", "INTEGER", 0, 1), ("ros_distro", "TEXT", 1, 0)],
         "metadata": [
             ("id", "INTEGER", 0, 1),
@@ -105,8 +105,8 @@ def check_columns(database):
     tables = {
         name for (name,) in database.execute("SELECT name FROM sqlite_master WHERE type = 'table'")
     }
-    equal("tables", tables, set(wanted))
-    for table, columns in wanted.items():
+    equal("tables", tables, set(expected))
+    for table, columns in expected.items():
         rows = database.execute(f"PRAGMA table_info({table})").fetchall()
         equal(
             f"columns of {table}",
@@ -248,28 +248,28 @@ def check_metadata(folder, database, topics, closed):
 
 
 def main():
-    make_bag, way = sys.argv[1:]
+    make_bag, ending = sys.argv[1:]
     with tempfile.TemporaryDirectory() as parent:
         folder = os.path.join(parent, "run")
-        made = subprocess.run([make_bag, folder, way], check=False)
-        equal("exit of make_bag", made.returncode, 0 if way == "closed" else -signal.SIGKILL)
+        made = subprocess.run([make_bag, folder, ending], check=False)
+        equal("exit of make_bag", made.returncode, 0 if ending == "closed" else -signal.SIGKILL)
         left = sorted(os.listdir(folder))
-        wanted = ["metadata.yaml", "run_0.db3", "voxtouch_recording.json"]
-        if way == "killed":
-            wanted[2:2] = ["run_0.db3-shm", "run_0.db3-wal"]
+        expected = ["metadata.yaml", "run_0.db3", "voxtouch_recording.json"]
+        if ending == "killed":
+            expected[2:2] = ["run_0.db3-shm", "run_0.db3-wal"]
             if (
                 "voxtouch_recording.json" not in left
             ):  # the logger's report of losses, which comes once a second: the kill may be sooner
-                wanted.remove("voxtouch_recording.json")
-        equal("files in the folder", left, wanted)
+                expected.remove("voxtouch_recording.json")
+        equal("files in the folder", left, expected)
         # Read-only, as rosbag2 opens it.
         database = sqlite3.connect(f"file:{folder}/run_0.db3?mode=ro", uri=True)
         check_columns(database)
         topics = check_topics(database)
         check_messages(database, topics)
-        check_metadata(folder, database, topics, way == "closed")
+        check_metadata(folder, database, topics, ending == "closed")
         database.close()
-    print(f"a bag that was {way} is as rosbag2 wants it")
+    print(f"a bag that was {ending} is as rosbag2 wants it")
 
 
 main()

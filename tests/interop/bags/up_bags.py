@@ -1,5 +1,5 @@
 """Bags of `voxtouch up`: rosbags, mcap and our own reader open each of them, and each run is
-replayed: in lockstep, and in real time where nothing was lost, to the bit.
+replayed: in lockstep, and in real time where nothing was lost, bit-identically.
 
 usage: up_bags.py BIN DEPLOY [RINGS] [SECONDS]
 Plays RINGS rings (6), each of SECONDS (2) of the device's time, in turns of scene, storage and
@@ -35,7 +35,7 @@ IDL = pathlib.Path(__file__).resolve().parents[3] / "idl"
 
 
 def types_of_idl():
-    """Of our messages, as somebody gives them who has a workspace: sqlite3 bags hold none."""
+    """Of our messages, as a person gives them who has a workspace: sqlite3 bags hold none."""
     types = {}
     for file in sorted((IDL / "msg").glob("*.msg")):
         types |= get_types_from_msg(file.read_text(), f"voxtouch_msgs/msg/{file.stem}")
@@ -163,25 +163,28 @@ def judge(bin_folder, bag, is_mcap, lockstep, killed):
             faults.append(f"mcap reads {dict(other)}, rosbags {dict(counts)}")
     except Exception as error:  # whatever a reader of others does is what is asked here
         faults.append(f"a reader fails: {type(error).__name__}: {error}")
-    status, told = replayed(bin_folder, bag)
-    if "samples" not in told:
-        return "refused", faults + [f"replay: {told.get('error')}"]
-    # rosbags opens sqlite3 as a file that nobody writes, and so leaves out the write-ahead log that
-    # a kill leaves beside it.
-    without_log = killed and not is_mcap and 0 < counts[STATE] < told["samples"]
-    doubled = any("bear a number that was there before" in note for note in told["notes"])
-    if told["samples"] != counts[STATE] and not doubled and not without_log:
-        faults.append(f"our reader reads {told['samples']} device samples, rosbags {counts[STATE]}")
+    status, output = replayed(bin_folder, bag)
+    if "samples" not in output:
+        return "refused", faults + [f"replay: {output.get('error')}"]
+    # rosbags opens sqlite3 as a file that none writes, and so leaves out the write-ahead log that
+    # a kill leaves next to it.
+    without_log = killed and not is_mcap and 0 < counts[STATE] < output["samples"]
+    doubled = any("bear a number that was there before" in note for note in output["notes"])
+    if output["samples"] != counts[STATE] and not doubled and not without_log:
+        faults.append(
+            f"our reader reads {output['samples']} device samples, rosbags {counts[STATE]}"
+        )
     if without_log:
         print(
-            f"    rosbags reads {counts[STATE]} of {told['samples']} device samples: the rest is in"
+            f"    rosbags reads {counts[STATE]} of {output['samples']} device samples: the rest"
+            f" is in"
             " the write-ahead log"
         )
-    if status == 0 and told["ok"] and not told["missing"]:
+    if status == 0 and output["ok"] and not output["missing"]:
         return "equal", faults
-    if told["missing"] and not (lockstep and not killed):
+    if output["missing"] and not (lockstep and not killed):
         return "lost", faults
-    return "differs", faults + [f"nothing is missing, and it differs: {json.dumps(told)[:2000]}"]
+    return "differs", faults + [f"nothing is missing, and it differs: {json.dumps(output)[:2000]}"]
 
 
 def main(bin_folder, deploy, rings, seconds):

@@ -83,7 +83,7 @@ class Unreadable(Exception):
 
 
 def tables_are_whole():
-    """No byte of a packet is left out or told twice."""
+    """No byte of a packet is left out or reported twice."""
     for kind, size, table in KINDS.values():
         at = 0
         for name, offset, code, count in table:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """An installation alone: what it holds names no folder it was built in, its programs run from any
-folder, a program of somebody else's is built against it, and its bag goes to the user's data
+folder, a program of another program's is built against it, and its bag goes to the user's data
 folder.
 
 usage: installed_test.py BUILD CMAKE
@@ -63,7 +63,7 @@ class Installed(unittest.TestCase):
     def test_runs_a_scene_by_its_name_from_any_folder(self):
         for program in ("device", "rendering", "coupling", "logger", "validator"):
             self.assertTrue((self.prefix / "bin" / f"voxtouch_{program}").exists(), program)
-        told = run(
+        output = run(
             self.prefix / "bin/voxtouch",
             "up",
             "cup",
@@ -78,7 +78,7 @@ class Installed(unittest.TestCase):
             cwd=self.elsewhere,
             env=self.environment(),
         )
-        summary = json.loads(told)
+        summary = json.loads(output)
         self.assertTrue(summary["ok"])
         self.assertEqual(list(self.elsewhere.iterdir()), [])
         bags = list((self.at / "home/.local/share/voxtouch/recordings").iterdir())
@@ -88,7 +88,7 @@ class Installed(unittest.TestCase):
 
     def test_says_where_it_cannot_record(self):
         if os.geteuid() == 0:
-            home = "/proc"  # nobody may write there, root neither
+            home = "/proc"  # none may write there, root neither
         else:
             home = "/"
         done = subprocess.run(
@@ -122,8 +122,8 @@ class Installed(unittest.TestCase):
             "-DCMAKE_BUILD_TYPE=Debug",
         )
         run(CMAKE, "--build", self.at / "consumer")
-        told = run(self.at / "consumer/consumer", self.prefix / "share/voxtouch/scenes/cup.yaml")
-        force = float(re.fullmatch(r"([\d.]+) N at most\n", told).group(1))
+        output = run(self.at / "consumer/consumer", self.prefix / "share/voxtouch/scenes/cup.yaml")
+        force = float(re.fullmatch(r"([\d.]+) N at most\n", output).group(1))
         self.assertGreater(force, 0.1)  # the slide wants 3 mm of depth in the cup
         self.assertLess(force, 100.0)
 

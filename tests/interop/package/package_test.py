@@ -119,9 +119,9 @@ class Computes(unittest.TestCase):
                 *(["--model", model] if model else []),
             )
             self.assertEqual(ran.returncode, 0, ran.stderr)
-            wanted = table_of(ran.stdout)
+            expected = table_of(ran.stdout)
             got = voxtouch.probe("cup", poses, model=model, points=True)
-            for n, row in enumerate(wanted):
+            for n, row in enumerate(expected):
                 self.assertEqual(
                     (got["surface_hits"][n], got["interior_hits"][n]),
                     (int(row["nS"]), int(row["nI"])),
@@ -165,8 +165,8 @@ class Computes(unittest.TestCase):
 
     def test_the_coupling_of_design(self):
         ran = run(VOXTOUCH, "design", "--device", "sim-phantom", "--scene", "cup", "--json")
-        wanted, got = json.loads(ran.stdout), voxtouch.design("sim-phantom", "cup")
-        self.assertEqual(got, wanted)
+        expected, got = json.loads(ran.stdout), voxtouch.design("sim-phantom", "cup")
+        self.assertEqual(got, expected)
         self.assertEqual(
             voxtouch.design("sim:touch")["device"],
             json.loads(run(VOXTOUCH, "design", "--device", "sim:touch", "--json").stdout)["device"],
@@ -227,8 +227,8 @@ class Bags(unittest.TestCase):
         self.assertEqual(first.types, second.types)
         self.assertEqual(len(list((FOLDER / "mcap").glob("*.mcap"))), 3)
         for bag in (first, second):
-            told = {one["name"]: one["written"] for one in bag.recording()["topics"]}
-            self.assertEqual({topic: len(bag[topic]) for topic in bag}, told)
+            output = {one["name"]: one["written"] for one in bag.recording()["topics"]}
+            self.assertEqual({topic: len(bag[topic]) for topic in bag}, output)
             self.assertEqual(bag.notes, [])
         for topic in STREAMS:
             one, other = (
@@ -351,10 +351,12 @@ class OwnEffect(unittest.TestCase):
         self.assertGreater(len(written), 300, ran.stdout)
         self.assertGreater(written.min(), 0.0)
         self.assertLess(written.max(), 1.0 + 1e-9, "the example's own bound")
-        felt = sizes(bag["/haptic/rendering/contact"]["effects_wrench"])
-        self.assertGreater(felt.max(), 0.5)
-        self.assertLess(felt.max(), 1.5, "the scene's bound")
-        self.assertEqual(felt[-100:].max(), 0.0, "nothing is felt of a program that has ended")
+        effect_force = sizes(bag["/haptic/rendering/contact"]["effects_wrench"])
+        self.assertGreater(effect_force.max(), 0.5)
+        self.assertLess(effect_force.max(), 1.5, "the scene's bound")
+        self.assertEqual(
+            effect_force[-100:].max(), 0.0, "nothing is displayed of a program that has ended"
+        )
         self.assertGreater(
             sizes(bag["/haptic/coupling/command"]["wrench"]).max(),
             0.1,
@@ -363,7 +365,7 @@ class OwnEffect(unittest.TestCase):
 
 
 class Ring(unittest.TestCase):
-    """Beside a ring in real time."""
+    """Next to a ring in real time."""
 
     def setUp(self):
         self.bag = FOLDER / f"ring_{self.id().rsplit('.', 1)[-1]}"
@@ -441,7 +443,7 @@ class Ring(unittest.TestCase):
             played["/haptic/rendering/made"][1],
         )
         self.assertEqual(len(played["/haptic/rendering/change"][1]), 1)
-        # What is written before the rendering knows the writer is answered by nobody, and on a busy
+        # What is written before the rendering knows the writer is answered by none, and on a busy
         # machine that may take longer than it is played.
         until = time.monotonic() + 20
         while (

@@ -108,10 +108,10 @@ TEST_P(StrangersFromPyPI, ReadAndWriteEveryTopicAndNoProcessOfTheRingEnds) {
     }
     EXPECT_GT(ours["matched"][name], 0) << name;  // its own reader, and the ring's
   }
-  for (const char* heard :
+  for (const char* received :
        {"rt/haptic/device/state", "rt/haptic/rendering/contact", "rt/haptic/coupling/command",
         "rt/haptic/device/description", "rt/haptic/rendering/change", "rt/haptic/node_status"})
-    EXPECT_GT(ours["matched"][heard], 1) << heard;
+    EXPECT_GT(ours["matched"][received], 1) << received;
 
   const json foreign = stranger(types.path(), "foreign");
   ASSERT_TRUE(foreign.is_object());

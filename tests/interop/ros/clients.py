@@ -4,10 +4,11 @@ loop's topics at 1 kHz, changes of an effect.
 usage: clients.py VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS ROS2_CLIENT
        [TABLE]
 Prints a table, and writes it to TABLE as Markdown. ROS2_CLIENT is built by deploy/interop; where it
-is not there, the test says so. Lost samples and times are of the machine as it was. Beside other
+is not there, the test says so. Lost samples and times are of the machine as it was. Next to other
 programs that take the processors a client of ordinary priority stands still, and how much it loses
-then says nothing of it: what a client must hold is judged where others took little, and told with
-their share otherwise. Exit status 77, with a sentence: this machine allows no network namespaces.
+then says nothing of it: what a client must hold is judged where others took little, and reported
+with their fraction otherwise. Exit status 77, with a sentence: this machine allows no network
+namespaces.
 """
 import os
 import pathlib
@@ -51,7 +52,7 @@ HEAD = [
 MOST_LOST, ANSWERED_MS = (
     0.01,
     20.0,
-)  # of a client on a quiet machine: a share of each topic, and 19 of 20 changes
+)  # of a client on a quiet machine: a fraction of each topic, and 19 of 20 changes
 
 
 def commands(clients, rust):
@@ -65,7 +66,7 @@ def commands(clients, rust):
         yield "ros2-client 0.12.1 (Rust)", [rust, DOMAIN, SECONDS], "service"
 
 
-def row_of(name, answer, way, others):
+def row_of(name, answer, variant, others):
     read = {topic for topic, count in answer["standard"].items() if count}
     expect(read == STANDARD, f"{name} reads nothing of {sorted(STANDARD - read)}")
     streams = answer["streams"].values()
@@ -101,7 +102,7 @@ def row_of(name, answer, way, others):
         losses,
         f"{median:.1f} ms",
         f"{max(answers or [float('inf')]):.1f} ms",
-        way,
+        variant,
         f"{100 * others:.0f} %",
     ]
 
@@ -117,9 +118,10 @@ def own_gaps(summary):
     """A sample that the ring itself has not answered has no ContactState and no ForceCommand that a
     client could lose.
     """
-    share = 1.0 - summary["limits"]["answered_share"]["value"]
+    fraction = 1.0 - summary["limits"]["answered_ratio"]["value"]
     return (
-        f"From its first answer on the ring itself left {100 * share:.2f} % of its samples without"
+        f"From its first answer on the ring itself left {100 * fraction:.2f} % of its samples"
+        f" without"
         " one: their ContactState and ForceCommand were never written, and count as lost above.\n"
     )
 
@@ -133,7 +135,7 @@ def main():
             " crates can be had"
         )
         rust = None
-    if rust:  # it has no list of peers and hears multicast alone
+    if rust:  # it has no list of peers and receives multicast alone
         ring = Ring(voxtouch)
         samples = ask([rust, DOMAIN, "3"])["samples"]
         print(f"ros2-client on loopback alone: {samples} samples in 3 s")
@@ -147,10 +149,10 @@ def main():
         Ring(voxtouch, "--json", scene="cup_friction"),
         [],
     )
-    for name, command, way in commands(clients, rust):
+    for name, command, variant in commands(clients, rust):
         processors = Processors()
         answer = ask([*command, CHANGES])
-        rows.append(row_of(name, answer, way, processors.taken_by_others()))
+        rows.append(row_of(name, answer, variant, processors.taken_by_others()))
         print(" | ".join(rows[-1]), flush=True)
     written = table(rows) + "\n" + own_gaps(ring.close())
     del other

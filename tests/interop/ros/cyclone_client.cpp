@@ -97,7 +97,7 @@ struct Counted : Read {
   std::size_t received = 0;
 };
 
-/// Milliseconds until each of so many changes was answered as made. A shorter list: somebody did
+/// Milliseconds until each of so many changes was answered as made. A shorter list: a person did
 /// not answer.
 std::vector<double> ask_for_changes(const Entity& participant, int count) {
   using std::chrono::seconds;

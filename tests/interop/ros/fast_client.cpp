@@ -232,7 +232,7 @@ Bytes change(std::uint64_t request, double gain) {
   return bytes;
 }
 
-/// Milliseconds until each of so many changes was answered as made. A shorter list: somebody did
+/// Milliseconds until each of so many changes was answered as made. A shorter list: a person did
 /// not answer.
 std::vector<double> ask_for_changes(DomainParticipant* participant, Subscriber* subscriber,
                                     int count) {

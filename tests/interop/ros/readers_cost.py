@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What readers cost the ring: its p50 and p99 without and with processes beside it that read all of
-its 1 kHz topics and all standard ones, in turns.
+"""What readers cost the ring: its p50 and p99 without and with processes next to it that read all
+of its 1 kHz topics and all standard ones, in turns.
 
     deploy/build voxtouch_cyclone_client && tests/interop/ros/readers_cost.py --build build      #
     six readers, eight turns: 3 minutes
@@ -56,13 +56,13 @@ def main():
 
     rounds = in_turns(ask.turns, ["alone", "with readers"], measure)
     for n, name in ((0, "p50"), (1, "p99")):
-        alone, beside = (
+        alone, loaded = (
             statistics.median(f[n] for f in rounds[kind]) for kind in ("alone", "with readers")
         )
         ratios = sorted(w[n] / a[n] for a, w in zip(rounds["alone"], rounds["with readers"]))
         print(
-            f"figure: {name}: {alone:.0f} us alone, {beside:.0f} us with {ask.readers} readers:"
-            f" {beside / alone:.2f} times; by turns {ratios[0]:.2f} to {ratios[-1]:.2f}, median"
+            f"figure: {name}: {alone:.0f} us alone, {loaded:.0f} us with {ask.readers} readers:"
+            f" {loaded / alone:.2f} times; by turns {ratios[0]:.2f} to {ratios[-1]:.2f}, median"
             f" {statistics.median(ratios):.2f}"
         )
 

@@ -203,7 +203,7 @@ def found(voxtouch, cyclone, fast, python):
     expected -= {
         "rt/haptic/external",
         "rt/haptic/rendering/external",
-    }  # of a scene that follows somebody outside
+    }  # of a scene that follows a person outside
     seconds = 3.0
     for name, command in clients.commands(str(seconds)):
         answer = ask(command)
@@ -239,7 +239,7 @@ def found(voxtouch, cyclone, fast, python):
 
 LISTENER = """
 import socket, time
-heard, end = 0, time.monotonic() + 1.5
+received, end = 0, time.monotonic() + 1.5
 with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as group:
     group.bind(("", 7400))
     membership = socket.inet_aton("239.255.0.1") + socket.inet_aton("10.77.0.2")
@@ -247,10 +247,10 @@ with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as group:
     group.settimeout(0.1)
     while time.monotonic() < end:
         try:
-            heard += bool(group.recv(65536))
+            received += bool(group.recv(65536))
         except TimeoutError:
             pass
-print(heard)
+print(received)
 """
 
 
@@ -459,7 +459,7 @@ def doctor(voxtouch, cyclone, fast):
     if tool:  # it reads the graph without a type's hash, as Humble does
         expect("--ros humble" in text, f"a Humble is seen: {text}")
         tool.wait()
-        expect("--ros humble" not in examine(voxtouch)[1], "nobody is taken for a Humble")
+        expect("--ros humble" not in examine(voxtouch)[1], "none is taken for a Humble")
     settings = dict(
         line.removeprefix("export ").split("=", 1)
         for line in text.splitlines()
@@ -488,15 +488,15 @@ def doctor(voxtouch, cyclone, fast):
     del other
 
 
-def heard_from(other, voxtouch, *arguments):
-    """Whether `voxtouch status` on the other host hears all nodes over its card; None if it hears
-    nobody.
+def received_from(other, voxtouch, *arguments):
+    """Whether `voxtouch status` on the other host receives all nodes over its card; None if it
+    receives none.
     """
     command = [voxtouch, "status", "--json", "--domain", DOMAIN, "--interface", "far0", *arguments]
     end = subprocess.run(other.inside(*command), stdout=subprocess.PIPE, text=True, check=False)
     rigs = json.loads(end.stdout)["rigs"]
-    heard = {node["node"] for nodes in rigs.values() for node in nodes}
-    return heard == set(NODES) if heard else None
+    received = {node["node"] for nodes in rigs.values() for node in nodes}
+    return received == set(NODES) if received else None
 
 
 def expect_settings_under_those_of_the_environment(voxtouch):
@@ -527,21 +527,22 @@ def peers(voxtouch):
     other = OtherHost()
     expect_settings_under_those_of_the_environment(voxtouch)
     ring = Ring(voxtouch, "--interface", "eth0")
-    expect(heard_from(other, voxtouch), "by multicast all nodes are heard")
+    expect(received_from(other, voxtouch), "by multicast all nodes are received")
     ring.close()
     for port in ("port0", "port1"):  # from now on no multicast passes the switch
         run("bridge", "link", "set", "dev", port, "mcast_flood", "off")
     ring = Ring(voxtouch, "--interface", "eth0", "--discovery-peer", "10.77.0.2")
     expect(
-        heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"),
-        "without multicast all nodes are heard by peers on both sides",
+        received_from(other, voxtouch, "--discovery-peer", "10.77.0.1"),
+        "without multicast all nodes are received by peers on both sides",
     )
-    expect(heard_from(other, voxtouch), "the ring's side asks by itself")
+    expect(received_from(other, voxtouch), "the ring's side asks by itself")
     ring.close()
     ring = Ring(voxtouch, "--interface", "eth0")
-    expect(heard_from(other, voxtouch) is None, "without multicast and peers nobody is heard")
+    expect(received_from(other, voxtouch) is None, "without multicast and peers none is received")
     expect(
-        heard_from(other, voxtouch, "--discovery-peer", "10.77.0.1"), "one side that asks is enough"
+        received_from(other, voxtouch, "--discovery-peer", "10.77.0.1"),
+        "one side that asks is enough",
     )
     ring.close()
 

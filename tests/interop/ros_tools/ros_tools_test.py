@@ -212,7 +212,7 @@ class Pictures(unittest.TestCase):
             DEPLOY / "scenes" / "plane.yaml", "--motion", "slide", "--lockstep", "--duration", "6"
         ) as up:
             looker.look(60.0, lambda: up.process.poll() is None)
-            self.assertEqual(up.process.returncode, 0, up.told())
+            self.assertEqual(up.process.returncode, 0, up.output())
         clock = [seconds(m.clock) for _, _, m in looker.seen["clock"]]
         self.assertGreater(len(clock), 20)
         self.assertEqual(clock, sorted(clock))
@@ -233,7 +233,7 @@ class Pictures(unittest.TestCase):
 
 
 class Stopped(unittest.TestCase):
-    """A reliable reader that stands still: nobody waits for it."""
+    """A reliable reader that stands still: none waits for it."""
 
     def test_costs_neither_the_ring_nor_who_else_looks(self):
         looker = Looker(join(DOMAIN), paths=("pose", "markers"), depth=1000)
@@ -254,15 +254,15 @@ class Stopped(unittest.TestCase):
             for how, number in (("runs", signal.SIGCONT), ("stands", signal.SIGSTOP)) * 2:
                 # New readers make the ring send meshes, of which the one that stands takes none.
                 other.send_signal(number)
-                told = len(up.told())
+                output = len(up.output())
                 for n in range(3):
                     more = Looker(join(DOMAIN), paths=("markers",))
                     looker.look(2.0)
                     more.look(0.01)
                 latencies[how] += [
-                    int(x) for x in re.findall(r"latency p50 +(\d+)", up.told()[told:])
+                    int(x) for x in re.findall(r"latency p50 +(\d+)", up.output()[output:])
                 ]
-            answered = [float(x) for x in re.findall(r"answered +([\d.]+) %", up.told())]
+            answered = [float(x) for x in re.findall(r"answered +([\d.]+) %", up.output())]
         print(json.dumps(latencies))
         written = [at for _, at, _ in looker.seen["pose"]]
         gaps = sorted(b - a for a, b in zip(written, written[1:]))

@@ -66,9 +66,9 @@ class Frames:
             ):
                 if wrong:
                     self.errors.append(f"frame {child}: {sentence}")
-            way = known["way"] if known else []
-            way.append((stamp, (place.translation.x, place.translation.y, place.translation.z)))
-            self.of[child] = {"parent": parent, "fixed": fixed, "stamp": stamp, "way": way}
+            track = known["way"] if known else []
+            track.append((stamp, (place.translation.x, place.translation.y, place.translation.z)))
+            self.of[child] = {"parent": parent, "fixed": fixed, "stamp": stamp, "way": track}
 
     def reach(self, frame, root):
         """Whether tf2 can turn `frame` into `root`."""
@@ -102,7 +102,7 @@ class Markers:
                 if self.shown.pop(key, None):
                     self.deleted.append(key)
             elif m.action == ADD:
-                self.errors += [f"marker {key}: {e}" for e in wrong_of(m)]
+                self.errors += [f"marker {key}: {e}" for e in fault_of(m)]
                 lifetime = seconds(m.lifetime)
                 self.shown[key] = (m, now + lifetime if lifetime > 0 else None)
                 if m.type == TRIANGLES:
@@ -114,7 +114,7 @@ class Markers:
         return [m for (ns, _), (m, _) in sorted(self.shown.items()) if ns == name_space]
 
 
-def wrong_of(m):
+def fault_of(m):
     """Sentences on a marker that is added."""
     lifetime, count = seconds(m.lifetime), len(m.points)
     needs = {

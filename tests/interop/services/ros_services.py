@@ -332,7 +332,7 @@ class Client:
 
     count = 0
 
-    def __init__(self, participant, node, service, hears=True):
+    def __init__(self, participant, node, service, receives=True):
         request, response = SERVICES[service]
         Client.count += 1
         qos = Qos(*QOS, Policy.Userdata(f"clientid={participant.guid}.{Client.count};".encode()))
@@ -341,7 +341,7 @@ class Client:
             DataReader(
                 participant, Topic(participant, f"rr{node}/{service}Reply", response), qos=qos
             )
-            if hears
+            if receives
             else None
         )
         self.writer = DataWriter(

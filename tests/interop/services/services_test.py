@@ -41,7 +41,7 @@ NODE = "/haptic/rendering"
 SWITCH, GAIN, VALUE = 1, 2, 3
 LOST_OF_STREAMS = re.compile(
     r"The (rendering|coupling) made \d+ (contacts|commands) more than the bag has, and nothing"
-    r" tells of which samples: "
+    r" reports of which samples: "
     r"|The device's sample \d+ was answered and is not in the bag: "
 )
 LATER_SPRING = re.compile(
@@ -136,7 +136,7 @@ class Asked(unittest.TestCase):
         """What `voxtouch replay` says of the bag, when the ring has ended."""
         self.up.process.send_signal(2)
         self.up.process.wait(200)
-        self.assertNotIn("voxtouch_rendering died", self.up.told())
+        self.assertNotIn("voxtouch_rendering died", self.up.output())
         end = subprocess.run(
             [BIN / "voxtouch", "replay", str(self.bag), "--json"],
             capture_output=True,
@@ -215,11 +215,11 @@ class Services(Asked):
             (("viscosity", "damping_ns_per_m=10000"), "viscosity.damping_ns_per_m", 1e4),
             (("guide_point", "beyond=1"), "guide_point.beyond", "hold"),
         ):
-            status, told = change(*words)
+            status, output = change(*words)
             self.assertNotEqual(status, 0)
             reason = self.set(name, value)
             self.assertGreater(len(reason), 20, name)
-            self.assertIn(reason, told)
+            self.assertIn(reason, output)
         for name, value in (
             ("friction.on", 1.0),
             ("friction.coulomb", "much"),
@@ -396,7 +396,9 @@ class Services(Asked):
             self.assertTrue(others >= QUIET or statistics.median(ms) < 20.0, service)
 
     def test_h_goes_on_beside_clients_that_mean_ill(self):
-        deaf = Client(self.participant, NODE, "set_parameters", hears=False)  # no reader of replies
+        deaf = Client(
+            self.participant, NODE, "set_parameters", receives=False
+        )  # no reader of replies
         lists = Client(self.participant, NODE, "get_parameters")
         until(lambda: deaf.writer.get_matched_subscriptions() and lists.ready(), 20, "services")
         before = self.get("friction.coulomb")
@@ -417,7 +419,7 @@ class Services(Asked):
             patience_s=60.0, again_s=0.5, parameters=[parameter("viscosity.gain", 0.25)]
         )
         self.assertTrue(set_again.results[0].successful, set_again.results[0].reason)
-        self.assertIsNone(self.up.process.poll(), self.up.told())
+        self.assertIsNone(self.up.process.poll(), self.up.output())
 
     def test_i_leaves_a_bag_with_every_change_and_the_first_sample(self):
         status, replayed = self.replayed()
@@ -440,8 +442,8 @@ class Services(Asked):
 
 
 class InLockstep(Asked):
-    """Nothing that is recorded is lost, on the busiest machine: each change is replayed to the bit,
-    once, whoever asked for it.
+    """Nothing that is recorded is lost, on the busiest machine: each change is replayed
+    bit-identically, once, whoever asked for it.
     """
 
     more = ("--lockstep",)
@@ -473,7 +475,7 @@ class InLockstep(Asked):
 
 
 class Arm(unittest.TestCase):
-    """A device that is an arm tells its joints, and itself; the arm's own kinematics are compared
+    """A device that is an arm reports its joints, and itself; the arm's own kinematics are compared
     with the description by `urdf_test`.
     """
 
@@ -503,15 +505,19 @@ class Arm(unittest.TestCase):
             str(DOMAIN),
             "--no-record",
         ) as up:
-            told, states = [], []
-            until(lambda: told.extend(valid(arm)) or told, 60, f"a robot description:\n{up.told()}")
+            output, states = [], []
+            until(
+                lambda: output.extend(valid(arm)) or output,
+                60,
+                f"a robot description:\n{up.output()}",
+            )
             until(
                 lambda: states.extend(valid(joints)) or len(states) > 300,
                 60,
-                f"joints:\n{up.told()}",
+                f"joints:\n{up.output()}",
             )
         self.assertEqual(
-            [name for name in names if f'<joint name="{name}" type="revolute">' in told[0].data],
+            [name for name in names if f'<joint name="{name}" type="revolute">' in output[0].data],
             names,
         )
         for state in states:

@@ -89,9 +89,9 @@ void ExactPlant::slide(double h, double u, double friction) noexcept {
     const double a = fade_rate_;
     const double drive =
         constant * (1.0 - c.fade) / a + fading * (1.0 - c.fade * c.fade) / (2.0 * a);
-    const double ends = mass_ * (c.fade * to.v - v_), way = c.fade * to.x - x_;
-    work_ +=
-        fading * (drive - ends + stiffness_ * way / a) / (a * mass_ + damping_ + stiffness_ / a);
+    const double ends = mass_ * (c.fade * to.v - v_), displacement = c.fade * to.x - x_;
+    work_ += fading * (drive - ends + stiffness_ * displacement / a) /
+             (a * mass_ + damping_ + stiffness_ / a);
   }
   x_ = to.x, v_ = to.v, f_ = u + fading * c.fade;
 }

@@ -14,7 +14,7 @@ namespace voxtouch::coupling_models {
 /// Dry friction is exact as well: while the body slides one way it is a constant effort, so the
 /// closed form holds up to the instant at which the speed becomes zero; there the body rests until
 /// the net effort exceeds the friction (that instant is a logarithm). Friction therefore never
-/// drives, and a body at rest under less than the friction stays where it is, to the bit.
+/// drives, and a body at rest under less than the friction stays where it is, bit-identically.
 class ExactPlant {
  public:
   /// Mass of device and hand together > 0, damping, stiffness and lag >= 0. A lag within 0.1 % of a

@@ -31,7 +31,7 @@ LoopLaw::LoopLaw(const NonlinearLoop& loop)
     : controller_(loop.controller),
       wall_(loop.wall),
       knee_(loop.wall_knee),
-      damping_share_(loop.damping_share),
+      damping_fraction_(loop.damping_fraction),
       damping_free_(loop.damping_free),
       max_effort_(loop.max_effort > 0.0 ? loop.max_effort
                                         : std::numeric_limits<double>::infinity()),
@@ -111,8 +111,9 @@ double LoopLaw::step(double position, double stiffness, double period_s) {
     if (!only_in_contact_ || wall_ == WallLaw::kBilateral) {
       effort += damping;
     } else if (wall > 0.0) {
-      const double most = damping_share_ > 0.0 ? damping_share_ * std::abs(effort) + damping_free_
-                                               : std::numeric_limits<double>::infinity();
+      const double most = damping_fraction_ > 0.0
+                              ? damping_fraction_ * std::abs(effort) + damping_free_
+                              : std::numeric_limits<double>::infinity();
       effort = std::max(0.0, effort + std::min(damping, most));
     }
   }

@@ -29,7 +29,7 @@ class LoopLaw {
 
   coupling::design::LoopController controller_;
   WallLaw wall_;
-  double knee_, damping_share_, damping_free_, max_effort_, input_limit_, nominal_s_,
+  double knee_, damping_fraction_, damping_free_, max_effort_, input_limit_, nominal_s_,
       slow_rad_per_s_, velocity_band_;
   bool only_in_contact_, measured_period_, saturated_ = false, started_ = false;
   Pt2 filter_;

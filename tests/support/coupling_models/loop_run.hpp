@@ -13,7 +13,7 @@
 namespace voxtouch::coupling_models {
 
 /// Efforts that are under way to the device, by time of arrival, counted from the current sample.
-class EffortsUnderWay {
+class PendingEfforts {
  public:
   struct Effort {
     double in_s, value;
@@ -104,9 +104,9 @@ class LoopRun {
     const LoopDisturbance& d = loop_.disturbance;
     if (d.stiffness_factor == 1.0 || !disturbed())
       return loop_.contact_stiffness;
-    const double share =
+    const double fraction =
         d.stiffness_ramp_s > 0.0 ? std::min(1.0, (time_ - d.at_s) / d.stiffness_ramp_s) : 1.0;
-    return loop_.contact_stiffness * (1.0 + share * (d.stiffness_factor - 1.0));
+    return loop_.contact_stiffness * (1.0 + fraction * (d.stiffness_factor - 1.0));
   }
   bool loses() noexcept {
     const LoopDisturbance& d = loop_.disturbance;
@@ -158,18 +158,18 @@ class LoopRun {
         faded(law_.step(measured_, stiffness(), loop_.measured_period ? last_period_ : nominal));
     out.effort.add(effort);
     statistics_.saturated += law_.saturated() ? 1 : 0;
-    statistics_.overtaken += under_way_.send(delay(), effort);
+    statistics_.overtaken += pending_.send(delay(), effort);
     const double period =
         loop_.jitter > 0.0 ? nominal * (1.0 + loop_.jitter * random_.uniform(-1.0, 1.0)) : nominal;
     double now = 0.0;
-    while (under_way_.any_within(period)) {
-      const EffortsUnderWay::Effort next = under_way_.take();
+    while (pending_.any_within(period)) {
+      const PendingEfforts::Effort next = pending_.take();
       const double at = std::max(now, next.in_s);
       move(at - now, out);
       now = at, applied_ = next.value;
     }
     move(period - now, out);
-    under_way_.pass(period);
+    pending_.pass(period);
     most_work_ = std::max(most_work_, plant_.work());
     statistics_.period_min = std::min(statistics_.period_min, period);
     statistics_.period_max = std::max(statistics_.period_max, period);
@@ -180,7 +180,7 @@ class LoopRun {
   LoopLaw law_;
   ExactPlant plant_;
   Random random_;
-  EffortsUnderWay under_way_;
+  PendingEfforts pending_;
   LoopStatistics statistics_;
   double measured_ = 0.0, applied_ = 0.0, error_ = 0.0, weight_ = 1.0, most_work_ = 0.0,
          time_ = 0.0;

@@ -27,7 +27,7 @@ void refuse_nonsense(const NonlinearLoop& l) {
        "delay and its jitter must not be below 0.");
   const double latest =
       l.plant.delay_s + l.delay_jitter_s + std::max(0.0, l.disturbance.more_delay_s);
-  need(latest < 0.9 * EffortsUnderWay::kMaxEfforts * l.plant.period_s * (1.0 - l.jitter),
+  need(latest < 0.9 * PendingEfforts::kMaxEfforts * l.plant.period_s * (1.0 - l.jitter),
        "the delay is beyond some 200 of the shortest periods.");
 }
 

@@ -53,8 +53,8 @@ struct NonlinearLoop {
       0;  ///< more lost in a row than this: effort fades out within kFadeOutS; 0: never
   bool damping_only_in_contact =
       false;  ///< injected damping as the ring does it: in contact, never pulling,
-  double damping_share =
-      0.0;  ///< and adding at most this share of the law's effort, 0: without that bound,
+  double damping_fraction =
+      0.0;  ///< and adding at most this fraction of the law's effort, 0: without that bound,
   double damping_free = 0.0;             ///< and this
   double slow_velocity_rad_per_s = 0.0;  ///< within `velocity_band` of the controller's velocity it
                                          ///< acts on that of a filter with this cut-off
@@ -103,10 +103,10 @@ struct NonlinearVerdict {
   LoopStatistics statistics;
 };
 
-/// The same loop and seed give the same bits.
+/// The same loop and seed give bit-identical results.
 ///
 /// The verdict compares the peak-to-peak positions of the run's quarters. A run that is not at rest
-/// but still falls is doubled, up to `longest_s`, and judged again: slow decays are told from
+/// but still falls is doubled, up to `longest_s`, and judged again: slow decays are reported from
 /// oscillations by going on, not by hoping. Given up is a run that at its present rate would not
 /// fall by a tenth within a quarter of the longest run either, at two lengths in a row. So
 /// `duration_s` should be some times the slowest time constant; `settling_time` says which.

@@ -1,5 +1,6 @@
 #pragma once
-/// Random devices, hands and contacts for experiments: a seed gives the same bits on every machine.
+/// Random devices, hands and contacts for experiments: a seed gives bit-identical results on every
+/// machine.
 ///
 /// Ranges: Phantom-like m .03-.2 kg, b .003-1 Ns/m, contact 20-5000 N/m, held like a stylus;
 /// LWR-like m 1.6-24 kg, b 6-63 Ns/m, contact 100-16000 N/m, led by an arm. Both: T .25-4 ms, delay

@@ -1,13 +1,14 @@
 #pragma once
-/// Random numbers that are the same bits on every machine: the standard library's distributions are
-/// not.
+/// Random numbers that are bit-identical results on every machine: the standard library's
+/// distributions are not.
 #include <cmath>
 #include <cstdint>
 
 namespace voxtouch::coupling_models {
 
 /// SplitMix64 (Steele, Lea, Flood 2014) and the distributions that the experiments need. Only
-/// integer arithmetic, products and square roots, which IEEE 754 fixes to the bit; no exp or log.
+/// integer arithmetic, products and square roots, which IEEE 754 fixes bit-identically; no exp or
+/// log.
 class Random {
  public:
   explicit Random(std::uint64_t seed) noexcept : state_(seed) {}

@@ -14,7 +14,7 @@ enum class Family : std::uint8_t { kRigid, kStribeck, kMode };
 
 /// Mass 0.03 to 15 kg, viscous 0 to 5 Ns/m, delay 0.2 to 5 ms, half of them with a force lag of 0.2
 /// to
-/// 3 ms beside it, encoder step 0.5 um to 0.1 mm, 500 Hz to 4 kHz, friction and bias up to 0.6 of
+/// 3 ms next to it, encoder step 0.5 um to 0.1 mm, 500 Hz to 4 kHz, friction and bias up to 0.6 of
 /// the
 /// allowed force. The axes of a device have one clock, encoder and delay.
 std::array<AxisTruth, 3> random_device(std::mt19937_64& random, Family family);

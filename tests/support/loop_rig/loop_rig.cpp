@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/fitting/coupling_input.hpp"
-#include "core/fitting/design_problem.hpp"
-#include "core/fitting/fit_coupling.hpp"
+#include "core/device_fit/coupling_input.hpp"
+#include "core/device_fit/design_problem.hpp"
+#include "core/device_fit/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
 
 namespace voxtouch::long_runs {
@@ -27,10 +27,11 @@ std::unique_ptr<rendering::BuiltScene> build(scene::Scene scene, const RigOption
   return rendering::build_scene(scene, serial_for(), choices);
 }
 
-fitting::FittedCoupling fit(const scene::Scene& scene, const coupling::design::DeviceModel& device,
-                            const rendering::Plan& plan) {
-  fitting::FittedCoupling fitted =
-      fitting::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
+device_fit::FittedCoupling fit(const scene::Scene& scene,
+                               const coupling::design::DeviceModel& device,
+                               const rendering::Plan& plan) {
+  device_fit::FittedCoupling fitted =
+      device_fit::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fitted.refusal.empty())
     throw std::runtime_error(fitted.refusal);
   return fitted;
@@ -47,8 +48,8 @@ RigFront::RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltSc
       coupling_(spec, limits, period_s),
       mapping_(scene.device),
       period_s_(period_s) {
-  live_.aim_for_spring(spring_n_per_m);
-  live_.aim_for_series(series);
+  live_.set_spring_target(spring_n_per_m);
+  live_.set_series_target(series);
 }
 
 Wrench RigFront::answer(const devices::DeviceSample& sample) noexcept {
@@ -60,7 +61,7 @@ Wrench RigFront::answer(const devices::DeviceSample& sample) noexcept {
   frame_ = live_.render(tool, static_cast<double>(sample.time_ns - *begin_ns_) * 1e-9);
   if (clutch_.advance(tool.clutched, dt_s))
     coupling_.reset(clutch_.scaled(out_.wrench));
-  out_ = coupling_.step(fitting::coupling_input(frame_, tool.pose), dt_s);
+  out_ = coupling_.step(device_fit::coupling_input(frame_, tool.pose), dt_s);
   return rendering::wrench_to_device(device_, clutch_.of(out_.wrench), tool.pose.orientation);
 }
 
@@ -78,14 +79,14 @@ LoopRig::LoopRig(const RigOptions& ask)
   DeviceDescription simulated = ask.designed_for.value_or(d);
   simulated.simulated = true;
   const coupling::design::DeviceModel model = coupling::design::model_of(simulated);
-  const fitting::FittedCoupling fitted = fit(scene_, model, built->plan());
+  const device_fit::FittedCoupling fitted = fit(scene_, model, built->plan());
   spec_ = fitted.spec;
-  spring_n_per_m_ = fitting::spring_n_per_m(
+  spring_n_per_m_ = device_fit::spring_n_per_m(
       fitted, scene_, model, {built->plan().contact_n_per_m, built->plan().contact_nm_per_rad});
   series_ =
-      fitting::series_spring(fitted, scene_, model, built->plan().of_contact_alone,
-                             {built->plan().contact_n_per_m, built->plan().contact_nm_per_rad});
-  limits_ = fitting::limits_W(scene_.device, coupling::design::model_of(d));
+      device_fit::series_spring(fitted, scene_, model, built->plan().of_contact_alone,
+                                {built->plan().contact_n_per_m, built->plan().contact_nm_per_rad});
+  limits_ = device_fit::limits_W(scene_.device, coupling::design::model_of(d));
   front_ = std::make_unique<RigFront>(scene_, std::move(built), spec_, limits_, 1.0 / d.rate_hz,
                                       spring_n_per_m_, series_);
   const Motion in_world = ask.path ? *ask.path : scene_.motions.at(ask.motion);

@@ -59,7 +59,7 @@ WallLoop::WallLoop(const WallLoopOptions& options, const coupling::design::Desig
       random_(options.seed * 2 + 1),
       period_s_(1.0 / options.designed_for.rate_hz) {
   const coupling::CouplingSpec& spec = design.spec;
-  spring_.aim_for(
+  spring_.set_target(
       {rendering::compliance_for(options.times_promise * spec.stiffness_cap_n_per_m, 2.0 * kRigid),
        options.designed_for.max_torque_nm > 0.0
            ? rendering::compliance_for(options.times_promise * spec.stiffness_cap_nm_per_rad,

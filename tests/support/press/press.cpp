@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "core/coupling/running_coupling.hpp"
-#include "core/fitting/coupling_input.hpp"
-#include "core/fitting/design_problem.hpp"
+#include "core/device_fit/coupling_input.hpp"
+#include "core/device_fit/design_problem.hpp"
 
 namespace voxtouch::test {
 namespace {
@@ -69,15 +69,15 @@ class Hand {
 }  // namespace
 
 std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& scene,
-                           const fitting::FittedCoupling& fitted,
+                           const device_fit::FittedCoupling& fitted,
                            const coupling::design::DeviceModel& device, const Motion& motion) {
   rendering::SceneRenderer& renderer = built.scene_renderer();
   const double step_m = 0.5 * scene.voxel_size_m;
-  renderer.aim_for_spring(fitting::spring_n_per_m(
+  renderer.set_spring_target(device_fit::spring_n_per_m(
       fitted, scene, device, {built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}));
-  renderer.aim_for_series(
-      fitting::series_spring(fitted, scene, device, built.plan().of_contact_alone,
-                             {built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}));
+  renderer.set_series_target(
+      device_fit::series_spring(fitted, scene, device, built.plan().of_contact_alone,
+                                {built.plan().contact_n_per_m, built.plan().contact_nm_per_rad}));
   std::vector<Pressed> out;
   const std::optional<Touch> touch = fitted.refusal.empty() && !built.effect_ground().body
                                          ? Hand(renderer, motion, step_m).first_touch()
@@ -88,8 +88,8 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
                depth_step_m = kDepthStepM * scene.device.position_scale;
   const int frames = static_cast<int>(
       std::clamp(std::ceil(depth_step_m / std::min(step_m, kPressStepM)), 1.0, 100.0));
-  coupling::RunningCoupling running(fitted.spec, fitting::limits_W(scene.device, device), period_s,
-                                    0.0);
+  coupling::RunningCoupling running(fitted.spec, device_fit::limits_W(scene.device, device),
+                                    period_s, 0.0);
   renderer.reset();
   rendering::ToolState tool{.pose = touch->pose, .twist = {}};
   double time_s = touch->time_s;
@@ -104,9 +104,9 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
     for (int n = 0; n < frames; ++n) {
       tool.pose.position += depth_step_m / frames * touch->onward;
       frame = renderer.render(tool, time_s += period_s);
-      running.step(fitting::coupling_input(frame, tool.pose), period_s);
+      running.step(device_fit::coupling_input(frame, tool.pose), period_s);
     }
-    const coupling::CouplingInput input = fitting::coupling_input(frame, tool.pose);
+    const coupling::CouplingInput input = device_fit::coupling_input(frame, tool.pose);
     Wrench returned;
     for (double t = 0.0; t < kSettlesInS; t += period_s)
       returned = running.step(input, period_s).wrench;

@@ -2,7 +2,7 @@
 /// A slow press into a scene, worked out without a ring: the force that a hand gets at each depth.
 #include <vector>
 
-#include "core/fitting/fit_coupling.hpp"
+#include "core/device_fit/fit_coupling.hpp"
 #include "core/rendering/build.hpp"
 
 namespace voxtouch::test {
@@ -20,11 +20,11 @@ struct Pressed {
 /// that it met, ten steps of 1 mm of the hand. At each the coupling runs until it rests, so its
 /// damping has no part in it; effects have theirs. The scene's time goes on by one sample a frame,
 /// so what moves stands nearly still. Empty where the motion touches nothing in its approach and
-/// the 4 s behind it, where nothing may be felt, and where the dynamic object moves by itself.
+/// the 4 s behind it, where nothing may be displayed, and where the dynamic object moves by itself.
 /// `built` forgets the samples that it had before. Some hundred frames of the scene; not for the
 /// loop.
 std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& scene,
-                           const fitting::FittedCoupling& fitted,
+                           const device_fit::FittedCoupling& fitted,
                            const coupling::design::DeviceModel& device, const Motion& motion);
 
 }  // namespace voxtouch::test

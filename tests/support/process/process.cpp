@@ -35,7 +35,7 @@ std::filesystem::path make_folder() {
 /// The first domain from 61 to 85 whose name no other test holds; held, as a socket of that name,
 /// until this process and all that it started have ended: nodes of a ring that was killed take a
 /// moment to go, and the next test's would find them there. Above 100 the ports of a domain (7400 +
-/// 250 of them each) are those that the kernel gives to anybody who asks for any.
+/// 250 of them each) are those that the kernel gives to any participant who asks for any.
 int claim_domain() {
   constexpr int kFirst = 61, kCount = 25;  // from 86 on tests in Python have domains of their own
   for (int n = 0; n < kCount; ++n) {

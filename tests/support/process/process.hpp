@@ -55,7 +55,7 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Also where nobody has asked for its status yet: whoever inherits the children of a process that
+/// Also where none has asked for its status yet: whoever inherits the children of a process that
 /// was killed may take seconds.
 bool has_ended(pid_t process);
 /// A DDS domain that no other test of this machine uses at the same time; the same for the whole

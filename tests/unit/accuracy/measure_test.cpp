@@ -60,7 +60,7 @@ TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
       {pair({0, 0, 0}, {1, 0, 0}), pair({1, 0, 0}, {0, 0, 0}), pair({1, 0, 0}, {1, 0, 0})}, row);
   EXPECT_EQ(row.contacts, 1u);
   EXPECT_EQ(row.missed, 1u);
-  EXPECT_EQ(row.missed_share(), 0.5);
+  EXPECT_EQ(row.missed_ratio(), 0.5);
   EXPECT_EQ(row.force_ratio, 0.5);
   EXPECT_EQ(row.magnitude_noise, 1.0);
   EXPECT_EQ(row.direction_mean_deg, 90.0);
@@ -70,8 +70,8 @@ TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
   EXPECT_EQ(p95_of({5, 1, 2}), 5.0);
 }
 
-/// However well the half that is felt points: what feels nothing in the other half ranks behind
-/// whatever pushes outward everywhere.
+/// However well the half that is displayed points: what feels nothing in the other half ranks
+/// behind whatever pushes outward everywhere.
 TEST(ContactErrors, RankAModelThatFeelsHalfBehindOneThatFeelsAllFromABadAngle) {
   std::vector<WrenchPair> half, all;
   for (int n = 0; n < 20; ++n) {
@@ -139,11 +139,11 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
 
 /// A clock of its own: one kind of step takes ten times what was guessed, another a fifth.
 TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
-  double now = 0.0, told_left = 0.0, last = 0.0;
+  double now = 0.0, reported_left = 0.0, last = 0.0;
   MeasuredProgress progress([&] { return now; },
-                            [&](const std::string&, double share, double left_s) {
-                              EXPECT_GE(share, last);
-                              last = share, told_left = left_s;
+                            [&](const std::string&, double fraction, double left_s) {
+                              EXPECT_GE(fraction, last);
+                              last = fraction, reported_left = left_s;
                             });
   constexpr int kSteps = 4;
   double left = 0.0;
@@ -156,23 +156,24 @@ TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
     left -= takes;
   };
   run(Step::kTruth, 1.0, 10.0), run(Step::kPhase, 5.0, 1.0);
-  EXPECT_NEAR(told_left, left, 0.05 * left) << "one of each kind is enough";
+  EXPECT_NEAR(reported_left, left, 0.05 * left) << "one of each kind is enough";
   for (int n = 1; n < kSteps; ++n) {
     run(Step::kTruth, 1.0, 10.0);
-    EXPECT_NEAR(told_left, left, 0.05 * left);
+    EXPECT_NEAR(reported_left, left, 0.05 * left);
     run(Step::kPhase, 5.0, 1.0);
-    EXPECT_NEAR(told_left, left, 0.05 * left + 1e-9);
+    EXPECT_NEAR(reported_left, left, 0.05 * left + 1e-9);
   }
   EXPECT_EQ(last, 1.0);
 }
 
 TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
   double last = 0.0, left = 0.0;
-  MeasuredProgress progress(
-      {}, [&](const std::string&, double share, double left_s) { last = share, left = left_s; });
+  MeasuredProgress progress({}, [&](const std::string&, double fraction, double left_s) {
+    last = fraction, left = left_s;
+  });
   progress.plan(Step::kPlaces, 1.0), progress.plan(Step::kTruth, 3.0);
   progress.begin(Step::kPlaces, "places", 1.0);
-  EXPECT_NEAR(left, 4.0, 1e-12) << "told before anything is measured";
+  EXPECT_NEAR(left, 4.0, 1e-12) << "reported before anything is measured";
   progress.at(0.5);
   EXPECT_NEAR(last, 0.125, 1e-12);
   progress.begin(Step::kTruth, "truth", 3.0);
@@ -181,8 +182,8 @@ TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
   EXPECT_EQ(last, 1.0);
 }
 
-/// What the places of the grid are measured with: a field that ends below the contacts gives the
-/// same bits, from fewer nodes.
+/// What the places of the grid are measured with: a field that ends below the contacts gives
+/// bit-identical results, from fewer nodes.
 TEST(Accuracy, AFieldThatEndsBelowTheContactsGivesTheirBits) {
   const scene::Scene scene = shipped("cylinder");
   constexpr double kDepthEdges = 1.5;
@@ -276,12 +277,12 @@ TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
       measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();
   double time = 0.0, last = -1.0;
   options.cpu_time_s = [&] { return time += 1e-6; };
-  options.progress = [&](const std::string& what, double share, double left_s) {
+  options.progress = [&](const std::string& what, double fraction, double left_s) {
     EXPECT_GE(left_s, 0.0);
     EXPECT_FALSE(what.empty());
-    EXPECT_GE(share, last);
-    EXPECT_LE(share, 1.0);
-    last = share;
+    EXPECT_GE(fraction, last);
+    EXPECT_LE(fraction, 1.0);
+    last = fraction;
   };
   const AccuracyRow b =
       measure_accuracy(shipped("tilted_plane"), settings, options, serial_for()).front();

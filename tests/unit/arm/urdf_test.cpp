@@ -78,9 +78,9 @@ void expect_same_flange(const ArmDescription& arm, Eigen::Index joints,
     Eigen::VectorXd q(joints);
     for (double& one : q)
       one = angle(random);
-    const Pose at = flange_of(arm, chain, q), wanted = flange(q);
-    EXPECT_LT((at.position - wanted.position).norm(), 1e-8);
-    EXPECT_LT(at.orientation.angularDistance(wanted.orientation), 1e-7);
+    const Pose at = flange_of(arm, chain, q), expected = flange(q);
+    EXPECT_LT((at.position - expected.position).norm(), 1e-8);
+    EXPECT_LT(at.orientation.angularDistance(expected.orientation), 1e-7);
   }
 }
 
@@ -104,15 +104,15 @@ TEST(Urdf, TheJointsOfAPhantomPutTipAndStylusWhereTheyWere) {
   for (int n = 0; n < 100; ++n) {
     const Vec3 joints(small(random), small(random), small(random)),
         gimbal(small(random), small(random), small(random));
-    const Pose wanted{phantom::phantom_tip({}, joints),
-                      phantom::stylus_orientation(joints, gimbal)};
-    const auto angles = phantom::phantom_chain({}, wanted.position, wanted.orientation);
+    const Pose expected{phantom::phantom_tip({}, joints),
+                        phantom::stylus_orientation(joints, gimbal)};
+    const auto angles = phantom::phantom_chain({}, expected.position, expected.orientation);
     ASSERT_TRUE(angles);
     const Pose at =
         flange_of(phantom::phantom_description(), chain,
                   Eigen::Map<const Eigen::VectorXd>(angles->data(), phantom::kChainJoints));
-    EXPECT_LT((at.position - wanted.position).norm(), 1e-8);
-    EXPECT_LT(at.orientation.angularDistance(wanted.orientation), 1e-7);
+    EXPECT_LT((at.position - expected.position).norm(), 1e-8);
+    EXPECT_LT(at.orientation.angularDistance(expected.orientation), 1e-7);
   }
   EXPECT_FALSE(phantom::phantom_chain({}, Vec3(1.0, 0.0, 0.0), Quat::Identity())) << "out of reach";
 }

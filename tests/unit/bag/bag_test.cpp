@@ -67,8 +67,8 @@ TEST_P(EachBag, GivesBackWhatWasWrittenInOrderOfTime) {
   EXPECT_GOOD(bag.for_each([&](const BagMessage& message) {
     times.push_back(message.time_ns);
     const auto sequence = times.size() == 1 ? 0 : times.size() - 2;
-    const auto wanted = ring_message(9, sequence, times.size() == 1 ? 1 : 32);
-    EXPECT_TRUE(std::ranges::equal(message.bytes, wanted));
+    const auto expected = ring_message(9, sequence, times.size() == 1 ? 1 : 32);
+    EXPECT_TRUE(std::ranges::equal(message.bytes, expected));
     return true;
   }));
   ASSERT_EQ(times.size(), 101u);
@@ -284,7 +284,7 @@ TEST(BagReader, SaysWhatIsNotABag) {
   write_bag(folder / "run", 1);
   const auto bag = expect_value(WholeBag::open(folder / "run"));
   const auto none = bag.read_topic("/nobody");
-  EXPECT_TRUE(says(none, "no topic '/nobody'") && says(none, kState.name)) << none.error().sentence;
+  EXPECT_TRUE(says(none, "no topic '/none'") && says(none, kState.name)) << none.error().sentence;
 }
 
 // As `ros2 bag record` of Jazzy leaves it after a split: version 9, schema 4, two files.

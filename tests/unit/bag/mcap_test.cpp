@@ -143,11 +143,12 @@ TEST(McapBag, ChunksThatOverlapAreReadInOrderOfTimeAndOfArrival) {
                                  {1395, 5000},
                                  {1100, 1100},
                                  {2000, 3000}}) {
-    Messages wanted;
+    Messages expected;
     for (const auto& one : all)
       if (one.first >= from && one.first < to)
-        wanted.push_back(one);
-    EXPECT_EQ(expect_value(messages_of(folder / "run", from, to)), wanted) << from << " to " << to;
+        expected.push_back(one);
+    EXPECT_EQ(expect_value(messages_of(folder / "run", from, to)), expected)
+        << from << " to " << to;
   }
   const auto times = expect_value(expect_value(BagReader::open(folder / "run")).times());
   ASSERT_TRUE(times);

@@ -16,7 +16,7 @@ using namespace std::chrono_literals;
 
 const TopicInfo kTopic{"/t", "p/msg/T", "cdr", "", 0};
 
-/// A disk that stands still while its gate is shut, and refuses what it is told to refuse. Its
+/// A disk that stands still while its gate is shut, and refuses what it is reported to refuse. Its
 /// state outlives the recorder.
 struct DiskState {
   std::mutex mutex;

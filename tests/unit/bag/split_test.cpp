@@ -69,7 +69,7 @@ TEST_P(SplitBag, ByTimeHasAFileForEachSpanAndMetadataNamesThem) {
   expect_all();
 }
 
-/// A reader that takes a file for one that nobody writes does not look into its write-ahead log: it
+/// A reader that takes a file for one that none writes does not look into its write-ahead log: it
 /// would find no tables.
 TEST_P(SplitBag, AFileThatHasJustBeenBegunIsABagByItselfWhenTheRecorderIsKilled) {
   auto writer = writer_of({.time_ns = 1000 * kMs});
@@ -80,7 +80,7 @@ TEST_P(SplitBag, AFileThatHasJustBeenBegunIsABagByItselfWhenTheRecorderIsKilled)
   fs::create_directory(folder / "alone");
   fs::copy_file(
       folder / "run" / file(1),
-      folder / "alone" / file(1));  // as it is on the disk now, without what lies beside it
+      folder / "alone" / file(1));  // as it is on the disk now, without what lies next to it
   const auto alone = expect_value(WholeBag::open(folder / "alone" / file(1)));
   EXPECT_EQ(alone.topics().size(), 2u);
 }

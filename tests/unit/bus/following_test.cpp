@@ -79,7 +79,7 @@ TEST_F(FollowedLatched, RefusesOthersWhileTheFollowedWriterIsThere) {
   for (int n = 0; n < 500 && reader.following().refused() == 0; ++n)
     std::this_thread::sleep_for(milliseconds(10));
   EXPECT_EQ(reader.following().refused(), 1U);
-  foreign.reset();  // somebody else has gone: that changes nothing
+  foreign.reset();  // another program has gone: that changes nothing
   ASSERT_TRUE(matches(1));
   foreign.emplace(writer_of(stranger));
   ASSERT_TRUE(matches(2));

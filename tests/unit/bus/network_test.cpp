@@ -115,7 +115,7 @@ class Port {
   bool bound_ = false;
 };
 
-TEST(AloneInDomain, UntilSomebodyElseHasAPortOfIt) {
+TEST(SoleInDomain, UntilSomebodyElseHasAPortOfIt) {
   const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   const auto first = static_cast<std::uint16_t>(7400 + 250 * domain);
   const auto alone = [&](const std::vector<int>& own) {
@@ -136,7 +136,7 @@ TEST(AloneInDomain, UntilSomebodyElseHasAPortOfIt) {
   EXPECT_EQ(alone({}), !of_both.bound());  // IPv6 may be switched off
 }
 
-TEST(AloneInDomain, IsNotSaidWhereOthersMayBeHeardThatHaveNoPortHere) {
+TEST(SoleInDomain, IsNotSaidWhereOthersMayBeHeardThatHaveNoPortHere) {
   const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   EXPECT_TRUE(is_alone_in_domain(domain, "lo", {}, "", {}));
   EXPECT_FALSE(is_alone_in_domain(domain, "eth7", {}, "", {}));

@@ -152,8 +152,8 @@ TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
   const nlohmann::json j = nlohmann::json::parse(to_json(report).dump());
   EXPECT_EQ(j["ok"], true);
   EXPECT_EQ(j["options"], nlohmann::json({{"seed", 7}, {"contacts", 40}, {"depth_edges", 0.5}}));
-  EXPECT_EQ(j["wish"]["noise"], 0.03);
-  EXPECT_TRUE(j["wish"]["within_us"].is_null());
+  EXPECT_EQ(j["request"]["noise"], 0.03);
+  EXPECT_TRUE(j["request"]["within_us"].is_null());
   EXPECT_EQ(j["conditions"]["processor"], "Some(R) CPU");
   EXPECT_EQ(j["conditions"]["load_after"], 1.5);
   EXPECT_EQ(j["conditions"]["flags"], "-O3");
@@ -164,9 +164,9 @@ TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
   EXPECT_EQ(j["rows"][2]["direction_mean_deg"], 0.5);
   EXPECT_EQ(j["rows"][2]["direction_median_deg"], 0.4);
   EXPECT_EQ(j["rows"][2]["missed"], 10);
-  EXPECT_EQ(j["rows"][2]["missed_share"], 0.2);
+  EXPECT_EQ(j["rows"][2]["missed_ratio"], 0.2);
   EXPECT_EQ(j["rows"][2]["depths"][1]["force_ratio"], 0.125);
-  EXPECT_EQ(j["rows"][2]["phases"]["missed_share"], nlohmann::json({0.1, 0.5}));
+  EXPECT_EQ(j["rows"][2]["phases"]["missed_ratio"], nlohmann::json({0.1, 0.5}));
   EXPECT_EQ(j["rows"][2]["median_interval_95"]["direction_median_deg"],
             nlohmann::json({0.7 * 0.5, 0.9 * 0.5}));
   EXPECT_TRUE(j["rows"][2]["median_interval_95"]["median_us"][0].is_null());

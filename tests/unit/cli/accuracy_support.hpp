@@ -23,7 +23,7 @@ inline accuracy::AccuracyRow accuracy_row(contact::ContactModelKind model,
   r.depths[1].edges = 4.0, r.depths[1].contacts = 30, r.depths[1].missed = 10,
   r.depths[1].direction_mean_deg = 45.0, r.depths[1].force_ratio = 0.125;
   r.phases.phases = 4, r.phases.contacts = 40;
-  r.phases.missed_share = {0.1, 0.5}, r.phases.direction_mean_deg = {2.0, 90.0},
+  r.phases.missed_ratio = {0.1, 0.5}, r.phases.direction_mean_deg = {2.0, 90.0},
   r.phases.force_ratio = {0.5, 1.5};
   r.direction_p95_deg = 2.0 * direction_deg;
   r.magnitude_noise = 0.05 * direction_deg;

@@ -42,7 +42,7 @@ TEST_F(MachineChecks, KnowARealTimeKernelByEitherSign) {
 }
 
 TEST_F(MachineChecks, NameGovernorsThatChangeTheClockAndTheCommand) {
-  EXPECT_EQ(check_governors(root_).health, Health::kGood) << "none is told";
+  EXPECT_EQ(check_governors(root_).health, Health::kGood) << "none is reported";
   put("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", "performance");
   EXPECT_EQ(check_governors(root_).health, Health::kGood);
   put("sys/devices/system/cpu/cpu1/cpufreq/scaling_governor", "powersave");

@@ -43,10 +43,10 @@ TEST_F(RunFiles, HaveAFolderEachThoughManyRunsBeginAtOnce) {
 
 TEST_F(RunFiles, DoNotJoinFaultRecordsOfAnEarlierRun) {
   const std::filesystem::path first = make_default_bag("cup", {});
-  std::filesystem::create_directory(faults_beside(first));
+  std::filesystem::create_directory(fault_folder_of(first));
   std::filesystem::remove(first);
   for (int n = 0; n < 3; ++n)
-    EXPECT_FALSE(std::filesystem::exists(faults_beside(make_default_bag("cup", {}))));
+    EXPECT_FALSE(std::filesystem::exists(fault_folder_of(make_default_bag("cup", {}))));
 }
 
 TEST_F(RunFiles, LeaveNoEmptyFolder) {

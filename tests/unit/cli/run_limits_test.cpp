@@ -28,7 +28,7 @@ RunFigures good_run() {
 
 std::vector<std::string> not_met(const RunFigures& run, const ChosenLimits& chosen = {}) {
   std::vector<std::string> names;
-  for (const Judged& judged : judge_figures(run, chosen)) {
+  for (const CheckedLimit& judged : judge_figures(run, chosen)) {
     if (!judged.met)
       names.emplace_back(judged.limit->name);
   }
@@ -39,7 +39,7 @@ using Names = std::vector<std::string>;
 
 TEST(RunLimits, AreMetByARunAsItShouldBe) {
   EXPECT_EQ(not_met(good_run()), Names{});
-  for (const Judged& judged : judge_figures(good_run(), {}))
+  for (const CheckedLimit& judged : judge_figures(good_run(), {}))
     EXPECT_TRUE(judged.measured) << judged.limit->name;
 }
 
@@ -61,22 +61,24 @@ TEST_P(OnceCalledGood, IsABadRun) {
 INSTANTIATE_TEST_SUITE_P(
     All, OnceCalledGood,
     testing::Values(
-        Bad{"rate_826_of_1000", [](RunFigures& r) { r.rate_hz = 826; }, {"rate_share"}},
+        Bad{"rate_826_of_1000", [](RunFigures& r) { r.rate_hz = 826; }, {"rate_ratio"}},
         Bad{"unanswered_28_percent",
             [](RunFigures& r) { r.answered = 0.72 * 9'760; },
-            {"answered_share"}},
+            {"answered_ratio"}},
         Bad{"unanswered_60_percent",
             [](RunFigures& r) { r.answered = 0.40 * 9'760; },
-            {"answered_share"}},
+            {"answered_ratio"}},
         Bad{"deadlines_133_missed",
             [](RunFigures& r) { r.deadline_misses = 133; },
-            {"deadline_miss_share"}},
-        Bad{"clamps_57", [](RunFigures& r) { r.clamped = 57; }, {"clamped_share"}},
+            {"deadline_miss_ratio"}},
+        Bad{"clamps_57", [](RunFigures& r) { r.clamped = 57; }, {"clamped_ratio"}},
         Bad{"was_in_a_wall_that_nothing_holds_it_from_passing",
-            [](RunFigures& r) { r.passing = 1; },
-            {"passing_samples"}},
-        Bad{"may_have_passed_a_wall_once", [](RunFigures& r) { r.missed = 1; }, {"missed_samples"}},
-        Bad{"overruns_of_a_tenth", [](RunFigures& r) { r.overruns = 1'100; }, {"overrun_share"}},
+            [](RunFigures& r) { r.passed_through = 1; },
+            {"passed_through_samples"}},
+        Bad{"may_have_passed_a_wall_once",
+            [](RunFigures& r) { r.tunnelling_suspected = 1; },
+            {"tunnelling_suspected_samples"}},
+        Bad{"overruns_of_a_tenth", [](RunFigures& r) { r.overruns = 1'100; }, {"overrun_ratio"}},
         Bad{"cut_by_the_slew_limit", [](RunFigures& r) { r.slewed = 1; }, {"slewed_samples"}},
         Bad{"swung", [](RunFigures& r) { r.swing_s = 0.9, r.swing_hz = 7; }, {"swing_s"}},
         Bad{"hung_for_a_quarter", [](RunFigures& r) { r.silence_s = 2.5; }, {"silence_s"}},
@@ -86,33 +88,33 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"a_node_died_and_was_started_again",
             [](RunFigures& r) { r.restarts = 1, r.restarted = "rendering"; },
             {"restarts"}},
-        Bad{"validations_4_of_500", [](RunFigures& r) { r.judged = 4; }, {"validated_share"}},
-        Bad{"decided_a_third", [](RunFigures& r) { r.decided = r.judged / 3; }, {"decided_share"}},
+        Bad{"validations_4_of_500", [](RunFigures& r) { r.judged = 4; }, {"validated_ratio"}},
+        Bad{"decided_a_third", [](RunFigures& r) { r.decided = r.judged / 3; }, {"decided_ratio"}},
         Bad{"no_tool_for_two_percent",
-            [](RunFigures& r) { r.unplaced = 0.02 * r.samples; },
-            {"unplaced_share"}},
-        Bad{"bag_of_934", [](RunFigures& r) { r.streams[0].recorded = 934; }, {"recorded_share"}},
+            [](RunFigures& r) { r.not_initialised = 0.02 * r.samples; },
+            {"not_initialised_ratio"}},
+        Bad{"bag_of_934", [](RunFigures& r) { r.streams[0].recorded = 934; }, {"recorded_ratio"}},
         Bad{"bag_without_commands",
             [](RunFigures& r) { r.streams[2].recorded = 0, r.streams[2].first.reset(); },
-            {"first_recorded_s", "recorded_share"}},
+            {"first_recorded_s", "recorded_ratio"}},
         Bad{"bag_that_begins_late",
             [](RunFigures& r) { r.streams[0].first = 6'000, r.streams[0].recorded = 4'000; },
             {"first_recorded_s"}},
         Bad{"never_answered",
             [](RunFigures& r) { r.first_answered.reset(), r.answered = 0; },
-            {"first_answer_s", "answered_share"}},
+            {"first_answer_s", "answered_ratio"}},
         Bad{"answered_late",
             [](RunFigures& r) { r.first_answered = 6'000, r.answered = 4'000; },
             {"first_answer_s"}},
         Bad{"never_validated",
             [](RunFigures& r) { r.first_judged.reset(), r.judged = 0; },
-            {"first_validation_s", "validated_share"}},
+            {"first_validation_s", "validated_ratio"}},
         Bad{"validated_late",
             [](RunFigures& r) { r.first_judged = 7'000, r.judged = 149; },
             {"first_validation_s"}},
         Bad{"rate_that_is_none",
             [](RunFigures& r) { r.rate_hz = std::numeric_limits<double>::quiet_NaN(); },
-            {"rate_share"}}),
+            {"rate_ratio"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
 TEST(RunLimits, SayWhatWasMeasuredWhatWasAskedAndOfWhat) {
@@ -120,7 +122,7 @@ TEST(RunLimits, SayWhatWasMeasuredWhatWasAskedAndOfWhat) {
   run.streams[1].recorded = 934;
   const auto judged = judge_figures(run, {});
   const auto found =
-      std::find_if(judged.begin(), judged.end(), [](const Judged& j) { return !j.met; });
+      std::find_if(judged.begin(), judged.end(), [](const CheckedLimit& j) { return !j.met; });
   ASSERT_NE(found, judged.end());
   EXPECT_NEAR(found->measured.value_or(0.0), 934.0 / 9'975.0, 1e-12);
   EXPECT_TRUE(sentence_of(*found).contains("0.09363 (rendering/contact)")) << sentence_of(*found);
@@ -133,12 +135,12 @@ TEST(RunLimits, LeaveOutWhatAClockSaysInLockstep) {
   run.answered = 10;
   EXPECT_EQ(not_met(run), Names{});
   run.judged = 4, run.streams[0].recorded = 9'000, run.clamped = 57;
-  EXPECT_EQ(not_met(run), (Names{"clamped_share", "validated_share", "recorded_share"}));
+  EXPECT_EQ(not_met(run), (Names{"clamped_ratio", "validated_ratio", "recorded_ratio"}));
 }
 
 TEST(RunLimits, JudgeNoRunWithoutSamplesAndNoBagWhereNoneIsMade) {
   RunFigures none;
-  for (const Judged& judged : judge_figures(none, {}))
+  for (const CheckedLimit& judged : judge_figures(none, {}))
     EXPECT_FALSE(judged.measured) << judged.limit->name;
   EXPECT_EQ(not_met(none), Names{});
   RunFigures run = good_run();
@@ -151,7 +153,7 @@ TEST(RunLimits, OfARunTooShortForAValidationAreMet) {
   run.samples = 300, run.first_judged.reset(), run.judged = 0, run.excused = 0,
   run.validate_every = 1000;
   run.first_judged = 0;
-  EXPECT_EQ(not_met(run), (Names{"validated_share"})) << "sample 0 was due";
+  EXPECT_EQ(not_met(run), (Names{"validated_ratio"})) << "sample 0 was due";
   run.judged = 1;
   run.answered = 60, run.recording = false, run.overruns = 0;
   EXPECT_EQ(not_met(run), Names{});
@@ -159,22 +161,22 @@ TEST(RunLimits, OfARunTooShortForAValidationAreMet) {
 
 TEST(RunLimits, AreSetByName) {
   ChosenLimits chosen;
-  EXPECT_EQ(choose_limit("rate_share=0.5", chosen), "");
+  EXPECT_EQ(choose_limit("rate_ratio=0.5", chosen), "");
   EXPECT_EQ(choose_limit("silence_s=inf", chosen), "");
   RunFigures run = good_run();
   run.rate_hz = 600, run.silence_s = 1e9;
   EXPECT_EQ(not_met(run, chosen), Names{});
   run.rate_hz = 400;
-  EXPECT_EQ(not_met(run, chosen), Names{"rate_share"});
+  EXPECT_EQ(not_met(run, chosen), Names{"rate_ratio"});
 }
 
 TEST(RunLimits, RefuseWhatIsNoLimitWithASentence) {
   for (const auto& [text, reason] : {std::pair{"ratio=1", "'ratio'"},
-                                     {"rate_share", "takes NAME=VALUE"},
-                                     {"rate_share=", "''"},
-                                     {"rate_share=-1", "'-1'"},
-                                     {"rate_share=nan", "'nan'"},
-                                     {"rate_share=0.5x", "'0.5x'"}}) {
+                                     {"rate_ratio", "takes NAME=VALUE"},
+                                     {"rate_ratio=", "''"},
+                                     {"rate_ratio=-1", "'-1'"},
+                                     {"rate_ratio=nan", "'nan'"},
+                                     {"rate_ratio=0.5x", "'0.5x'"}}) {
     ChosenLimits chosen;
     const std::string wrong = choose_limit(text, chosen);
     EXPECT_NE(wrong.find(reason), std::string::npos) << wrong;
@@ -183,7 +185,7 @@ TEST(RunLimits, RefuseWhatIsNoLimitWithASentence) {
 }
 
 TEST(RunLimits, AreAllDescribed) {
-  for (const Judged& judged : judge_figures(good_run(), {})) {
+  for (const CheckedLimit& judged : judge_figures(good_run(), {})) {
     const Limit& limit = *judged.limit;
     EXPECT_NE(describe_limits().find(limit.name), std::string::npos) << limit.name;
     EXPECT_FALSE(limit.what.empty() || limit.means.empty()) << limit.name;

@@ -93,17 +93,17 @@ INSTANTIATE_TEST_SUITE_P(
              [](RunRecord& r) { r.started.insert("other"); }, "other"},
         Case{"more_samples_validated_than_were_due", RunFact::kRatioAboveOne,
              [](RunRecord& r) { set(r, "validator", "checked", 1630); },
-             "validated_share is 3.361"},
+             "validated_ratio is 3.361"},
         Case{"more_samples_answered_than_were_given", RunFact::kRatioAboveOne,
-             [](RunRecord& r) { set(r, "device", "answered", 9'900); }, "answered_share"},
+             [](RunRecord& r) { set(r, "device", "answered", 9'900); }, "answered_ratio"},
         Case{"more_samples_recorded_than_were_sent", RunFact::kRatioAboveOne,
              [](RunRecord& r) {
                set(r, "device", "samples", 9'000), set(r, "logger", "device_state_recorded", 9'000),
                    set(r, "device", "answered", 8'000);
              },
-             "validated_share"},
+             "validated_ratio"},
         Case{"a_rate_of_another_clock", RunFact::kRatioAboveOne,
-             [](RunRecord& r) { set(r, "device", "rate_hz", 1'100); }, "rate_share"},
+             [](RunRecord& r) { set(r, "device", "rate_hz", 1'100); }, "rate_ratio"},
         Case{"a_bag_whose_file_is_gone", RunFact::kLostRecording,
              [](RunRecord& r) {
                r.recorded = BagState{
@@ -167,7 +167,7 @@ TEST(RunVerdict, NotesWhatOthersDidThatSpoilsNothing) {
   set(run, "rendering", "changes", 1);
   run.reports["rendering"].values["change_requests"] = "2 of ROS 2's /tuner";
   set(run, "device", "refused_statuses", 12);
-  run.strangers = {{"tool (process 8 on host)", {"device/description"}, 1625}};
+  run.unauthorised = {{"tool (process 8 on host)", {"device/description"}, 1625}};
   const RunVerdict verdict = judge(run);
   EXPECT_TRUE(verdict.passed());
   const std::string notes = ::testing::PrintToString(notes_of(run, verdict));

@@ -7,10 +7,10 @@ namespace voxtouch::cli {
 namespace start_report_test {
 
 TEST(StartWarnings, AreTwoAtMostAndTheRestIsCounted) {
-  EXPECT_TRUE(few_warnings({}, "cup").empty());
-  EXPECT_EQ(few_warnings({"a", "b"}, "cup"),
+  EXPECT_TRUE(limited_warnings({}, "cup").empty());
+  EXPECT_EQ(limited_warnings({"a", "b"}, "cup"),
             (std::vector<std::string>{"warning: a", "warning: b"}));
-  const std::vector<std::string> few = few_warnings({"a", "b", "c", "d"}, "cup");
+  const std::vector<std::string> few = limited_warnings({"a", "b", "c", "d"}, "cup");
   ASSERT_EQ(few.size(), 3U);
   EXPECT_EQ(few[1], "warning: b");
   for (const char* fact : {" 2 ", "`voxtouch plan cup`", "`voxtouch doctor`"})
@@ -20,9 +20,9 @@ TEST(StartWarnings, AreTwoAtMostAndTheRestIsCounted) {
 TEST(StartWarnings, TellOfTheMachineInOneSentence) {
   runtime::RealtimeOptions options;
   options.cpu = 100'000;  // no machine has it
-  const std::vector<std::string> told = warnings_of_machine(options);
-  ASSERT_EQ(told.size(), 1U);
-  EXPECT_TRUE(told[0].contains("`voxtouch doctor` says which")) << told[0];
+  const std::vector<std::string> reported = warnings_of_machine(options);
+  ASSERT_EQ(reported.size(), 1U);
+  EXPECT_TRUE(reported[0].contains("`voxtouch doctor` says which")) << reported[0];
 }
 
 TEST(StartReport, PrintsTheWarningsOnceTheSceneIsBuiltAndThePreviewOnce) {
@@ -49,7 +49,7 @@ TEST(StartReport, PrintsTheWarningsOnceTheSceneIsBuiltAndThePreviewOnce) {
 }
 
 TEST(ForceLine, HasTheStiffnessAtALongToolsReachAndALimitedGrip) {
-  fitting::ForcePreview p{
+  device_fit::ForcePreview p{
       .stiffness_n_per_m = 518.0, .gain_margin = 2.0, .force_n = 8.5, .depth_m = 0.0164};
   EXPECT_EQ(contact_line(p, "stylus"), "");
   p.reach_m = 0.15, p.rotation_nm_per_rad = 518.0 * 0.15 * 0.15;

@@ -155,12 +155,13 @@ TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
       not_free += hits.surface.size() + hits.interior.size();
     }
     const double ratio = static_cast<double>(tested) / static_cast<double>(not_free);
-    const double share = static_cast<double>(not_free) / 50.0 / static_cast<double>(shell.size());
+    const double fraction =
+        static_cast<double>(not_free) / 50.0 / static_cast<double>(shell.size());
     std::printf(
         "light contact: %zu points, %.2f %% not free, %.1f points tested per point that is not "
         "free\n",
-        shell.size(), 100 * share, ratio);
-    EXPECT_NEAR(share, 0.01, 0.005);
+        shell.size(), 100 * fraction, ratio);
+    EXPECT_NEAR(fraction, 0.01, 0.005);
     EXPECT_LE(ratio, limit);
   }
 }

@@ -96,7 +96,7 @@ TEST(FieldAccuracy, ASymmetricSlotGivesNoNetForce) {
   std::mt19937_64 random(12);
   const Ball tool(radius, 5);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
-  std::vector<double> share;
+  std::vector<double> fraction;
   for (int n = 0; n < 12; ++n) {
     const Pose slot{
         Vec3(uniform(random, 0, kEdge), uniform(random, 0, kEdge), uniform(random, 0, kEdge)),
@@ -111,13 +111,13 @@ TEST(FieldAccuracy, ASymmetricSlotGivesNoNetForce) {
       const Pose pose =
           tool.posed(slot * Vec3(0, uniform(random, -0.003, 0.003), uniform(random, -0.003, 0.003)),
                      random_rotation(random));
-      share.push_back(in_slot.probe(pose).wrench.force.norm() /
-                      at_wall.probe(pose).wrench.force.norm());
+      fraction.push_back(in_slot.probe(pose).wrench.force.norm() /
+                         at_wall.probe(pose).wrench.force.norm());
     }
   }
-  std::printf("slot: net force rms %.3f %%, worst %.3f %% of one wall's\n", 100 * rms(share),
-              100 * quantile(share, 1.0));
-  EXPECT_LE(quantile(share, 1.0), 0.05);
+  std::printf("slot: net force rms %.3f %%, worst %.3f %% of one wall's\n", 100 * rms(fraction),
+              100 * quantile(fraction, 1.0));
+  EXPECT_LE(quantile(fraction, 1.0), 0.05);
 }
 
 /// The force belongs to the contact's geometry: same k, same poses, e = 2, 1, 0.5 mm.

@@ -312,7 +312,7 @@ TEST(FieldModel, PassesThroughTheStageWithTheFastFlagOnly) {
     const contact::ContactResult plain = s.renderer.probe(pose);
     EXPECT_TRUE(same_bits(r.contact.wrench, plain.wrench));
     EXPECT_EQ(r.contact.saturated, plain.saturated);
-    EXPECT_FALSE(r.retained);
+    EXPECT_FALSE(r.latched);
     EXPECT_EQ(r.fast, n > 0);  // the poses are millimetres apart
   }
   const Pose pose = s.random_pose(random);

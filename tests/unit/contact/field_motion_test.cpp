@@ -36,7 +36,7 @@ void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool
   std::vector<double> before(shell.size(), 0.0);
   Vec3 force_before = Vec3::Zero();
   Pose last = path.front();
-  double worst_share = 0.0, worst_step = 0.0, largest_force = 0.0;
+  double worst_ratio = 0.0, worst_step = 0.0, largest_force = 0.0;
   int steps = 0, entered = 0, left = 0, broken = 0;
   for (std::size_t leg = 0; leg + 1 < path.size(); ++leg) {
     const int count =
@@ -62,7 +62,7 @@ void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool
         const double step = (force - force_before).norm();
         broken += step > bound * (1 + 1e-9) + 1e-12;
         if (bound > 0.0)
-          worst_share = std::max(worst_share, step / bound);
+          worst_ratio = std::max(worst_ratio, step / bound);
         worst_step = std::max(worst_step, step);
       }
       largest_force = std::max(largest_force, force.norm());
@@ -73,7 +73,7 @@ void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool
       "%s: %d steps, %d entered, %d left; largest step %.3g N (forces up to %.3g N), at most %.3f "
       "of its bound, G "
       "%.3f\n",
-      name, steps, entered, left, worst_step, largest_force, worst_share, steepest);
+      name, steps, entered, left, worst_step, largest_force, worst_ratio, steepest);
   EXPECT_EQ(broken, 0) << name;
   EXPECT_GT(entered, 50) << name;
   EXPECT_GT(left, 20) << name;
@@ -128,22 +128,23 @@ TEST(FieldMotion, SlidingRoundAClosedLoopGivesHardlyAnyEnergy) {
     contact::ContactRenderer field = ground.renderer(shell),
                              adapted = ground.renderer(shell, contact::ContactModelKind::kAdapted);
     constexpr int kSteps = 4000;
-    double share[2] = {0, 0};
+    double fraction[2] = {0, 0};
     for (contact::ContactRenderer* renderer : {&field, &adapted}) {
-      double work = 0.0, mean = 0.0, way = 0.0;
+      double work = 0.0, mean = 0.0, displacement = 0.0;
       Vec3 last = at(0.0), force = renderer->probe(tool.posed(last, Quat::Identity())).wrench.force;
       for (int n = 1; n <= kSteps; ++n) {
         const Vec3 next = at(2 * std::numbers::pi * n / kSteps);
         const Vec3 now = renderer->probe(tool.posed(next, Quat::Identity())).wrench.force;
         work += 0.5 * (force + now).dot(next - last);
         mean += now.norm() / kSteps;
-        way += (next - last).norm();
+        displacement += (next - last).norm();
         last = next, force = now;
       }
-      share[renderer == &adapted] = work / (mean * way);
+      fraction[renderer == &adapted] = work / (mean * displacement);
     }
-    std::printf("%s: work round the loop %.2e F L (adapted %.2e)\n", name, share[0], share[1]);
-    EXPECT_LE(std::abs(share[0]), limit) << name;
+    std::printf("%s: work round the loop %.2e F L (adapted %.2e)\n", name, fraction[0],
+                fraction[1]);
+    EXPECT_LE(std::abs(fraction[0]), limit) << name;
   };
   const Quat turn = turned_by(0.6);
   const Ground plane(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3::Zero(), turn}), kEdge, 3.0);

@@ -136,8 +136,8 @@ Ground::Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double 
           serial_for())) {}
 
 contact::ContactRenderer Ground::renderer(const pointshell::Pointshell& tool,
-                                          contact::ContactModelKind kind, bool alone) const {
-  return {voxmap, tool, kind, {kPressure, contact::PointWeights::kArea, alone}, &field};
+                                          contact::ContactModelKind kind, bool memoryless) const {
+  return {voxmap, tool, kind, {kPressure, contact::PointWeights::kArea, memoryless}, &field};
 }
 
 Ball::Ball(double radius_m, int splits)
@@ -157,9 +157,9 @@ Wrench integral_over(const mesh::TriangleMesh& tool, const Pose& pose,
   return sum;
 }
 
-double quantile(std::vector<double> values, double share) {
-  const auto place =
-      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+double quantile(std::vector<double> values, double fraction) {
+  const auto place = values.begin() +
+                     static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), place, values.end());
   return *place;
 }

@@ -33,7 +33,8 @@ struct Ground {
   /// With k = 1 N/mm^3.
   contact::ContactRenderer renderer(
       const pointshell::Pointshell& tool,
-      contact::ContactModelKind kind = contact::ContactModelKind::kField, bool alone = false) const;
+      contact::ContactModelKind kind = contact::ContactModelKind::kField,
+      bool memoryless = false) const;
 };
 
 inline constexpr double kPressure = 1e9;  ///< k [N/m^3]
@@ -58,8 +59,8 @@ struct Ball {
 Wrench integral_over(const mesh::TriangleMesh& tool, const Pose& pose,
                      const std::function<double(const Vec3&)>& depth);
 
-/// The value below which `share` of them lie.
-double quantile(std::vector<double> values, double share);
+/// The value below which `fraction` of them lie.
+double quantile(std::vector<double> values, double fraction);
 double rms(const std::vector<double>& values);
 /// Standard deviation over mean.
 double noise(const std::vector<double>& values);

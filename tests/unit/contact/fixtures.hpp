@@ -54,7 +54,7 @@ Quat random_rotation(std::mt19937_64& random);
 /// Uniform in [low, high), the same on every standard library.
 double uniform(std::mt19937_64& random, double low, double high);
 
-/// True if both wrenches are the same bits.
+/// True if both wrenches are bit-identical results.
 bool same_bits(const Wrench& a, const Wrench& b);
 
 }  // namespace voxtouch::test

@@ -1,5 +1,5 @@
-// What the kernels sum up: the same bits on every kind of processor, and what plain loops over the
-// hits come to.
+// What the kernels sum up: bit-identical results on every kind of processor, and what plain loops
+// over the hits come to.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -57,7 +57,7 @@ bool same_numbers(const Matrix& a, const Matrix& b) {
   if (p.surface_hits != q.surface_hits || p.interior_hits != q.interior_hits ||
       p.points_tested != q.points_tested)
     return ::testing::AssertionFailure() << "counts";
-  return p.saturated == q.saturated && a.retained == b.retained
+  return p.saturated == q.saturated && a.latched == b.latched
              ? ::testing::AssertionSuccess()
              : ::testing::AssertionFailure() << "flags";
 }
@@ -106,8 +106,10 @@ TEST_F(KernelTest, GiveTheSameBitsOnEveryKindOfProcessor) {
               << contact::name_of(model) << ", frame " << n << ", kind " << k;
         }
         const contact::ContactResult& r = results.front().contact;
-        const double share = r.surface_hits > 0 ? contact::mean_share(model, r.coherence) : -1.0;
-        blended += share > 0.0 && share < 1.0, mean += share >= 1.0, own += share == 0.0;
+        const double fraction =
+            r.surface_hits > 0 ? contact::mean_weight(model, r.coherence) : -1.0;
+        blended += fraction > 0.0 && fraction < 1.0, mean += fraction >= 1.0,
+            own += fraction == 0.0;
         gone_through += r.interior_hits > 0;
       }
       SCOPED_TRACE(contact::name_of(model));
@@ -130,8 +132,8 @@ Plain plain_sums(const contact::HitList& hits, const contact::PushDirection& dir
   Plain out;
   for (const contact::Hit& hit : hits.surface) {
     Vec3 u = hit.normal;
-    if (direction.mean_share > 0.0) {
-      u = direction.mean_share * direction.mean + (1.0 - direction.mean_share) * hit.normal;
+    if (direction.mean_weight > 0.0) {
+      u = direction.mean_weight * direction.mean + (1.0 - direction.mean_weight) * hit.normal;
       u /= std::max(u.norm(), contact::limits::kShortestDirection);
     }
     const double depth = u.dot(hit.to_centre);
@@ -185,15 +187,15 @@ TEST_F(KernelTest, SumUpWhatAPlainLoopOverTheHitsDoes) {
                     random_rotation(random)},
                    hits);
         const Vec3 m = random_rotation(random) * Vec3::UnitX();
-        for (const double share : {0.0, 0.3, 0.7}) {
+        for (const double fraction : {0.0, 0.3, 0.7}) {
           contact::ContactResult result;
           contact::StiffnessSum sum;
-          contact::push_along_directions(hits.surface, {m, share}, kStiffness,
+          contact::push_along_directions(hits.surface, {m, fraction}, kStiffness,
                                          hits.pose_WT.position, result, sum);
           Mat6 stiffness = Mat6::Zero();
           sum.add_to(kStiffness, stiffness);
           ASSERT_NO_FATAL_FAILURE(
-              expect_near(result, stiffness, plain_sums(hits, {m, share}), kStiffness));
+              expect_near(result, stiffness, plain_sums(hits, {m, fraction}), kStiffness));
         }
         contact::ContactResult result;
         contact::push_along_mean(hits.surface, m, kStiffness, hits.pose_WT.position, result);
@@ -220,7 +222,7 @@ TEST_F(KernelTest, LeaveOutNoHitThatPushes) {
   const std::uint64_t seed = testing::seed(20261125);
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
-  int pushed = 0, left_out = 0;
+  int pushed = 0, skipped = 0;
   for (const Vec3& origin : {Vec3(-0.7, 0.31, 0.123), Vec3(1e6, -1e6, 1e6)}) {
     const voxmap::Voxmap voxmap = block({origin, kEdge}, {0, 0, 0}, {60, 60, 30});
     for (const double lone : {0.0, 1.5}) {  // of no unit length: such normals are not packed
@@ -239,32 +241,32 @@ TEST_F(KernelTest, LeaveOutNoHitThatPushes) {
         const contact::Hits all = all_in_doubles(hits.surface);
         const Vec3 m = random_rotation(random) * Vec3::UnitX();
         for (const contact::Instructions kind : kinds())
-          for (const double share : {0.0, 0.4, 1.0}) {
+          for (const double fraction : {0.0, 0.4, 1.0}) {
             contact::use_instructions(kind);
             contact::StageResult some, every;
             contact::StiffnessSum of_some, of_every;
             const auto sum = [&](const contact::Hits& list, contact::StageResult& result,
                                  contact::StiffnessSum& stiffness) {
-              if (share == 1.0)
+              if (fraction == 1.0)
                 contact::push_along_mean(list, m, 3.0, hits.pose_WT.position, result.contact);
               else
-                contact::push_along_directions(list, {m, share}, 3.0, hits.pose_WT.position,
+                contact::push_along_directions(list, {m, fraction}, 3.0, hits.pose_WT.position,
                                                result.contact, stiffness);
             };
             sum(hits.surface, some, of_some), sum(all, every, of_every);
             ASSERT_TRUE(same(some, every))
-                << n << ", share " << share << ", kind " << static_cast<int>(kind);
+                << n << ", share " << fraction << ", kind " << static_cast<int>(kind);
             ASSERT_EQ(of_some.entries(), of_every.entries());
           }
         for (const contact::Hit& hit : all) {
           const bool pushes = hit.normal.dot(hit.to_centre) > 0.0;
-          pushed += pushes, left_out += !pushes;
+          pushed += pushes, skipped += !pushes;
         }
       }
     }
   }
   EXPECT_GT(pushed, 10'000);
-  EXPECT_GT(left_out, 10'000);
+  EXPECT_GT(skipped, 10'000);
 }
 
 TEST_F(KernelTest, TellTheFirstOfThePointsThatAreEquallyDeep) {

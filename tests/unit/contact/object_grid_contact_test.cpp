@@ -1,5 +1,5 @@
 // Faces at whole voxels, as CAD makes them, on the grid that a scene gives an object: no rounding
-// may decide what is felt.
+// may decide what is displayed.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -87,9 +87,9 @@ std::size_t fit_face(const Corners& corners, double tolerance, Vec3& normal, dou
 
 /// Whether the face may reach the point's foot on it: nothing lies nearer to a corner than its
 /// distance, so a foot that does is beyond the face's rim.
-bool reaches(const Corners& corners, const Vec3& foot) noexcept {
+bool reaches(const Corners& corners, const Vec3& nearest) noexcept {
   for (std::size_t k = 0; k < corners.count; ++k)
-    if ((foot - corners.from_point[k]).norm() <
+    if ((nearest - corners.from_point[k]).norm() <
         std::abs(corners.distance[k]) - limits::kSheetBeyond)
       return false;
   return true;

@@ -128,8 +128,8 @@ TEST(QueryEquality, HoldsInRandomPoses) {
   EXPECT_GT(hit, decided / 50);
 }
 
-/// x, or a step of one unit in the last place beside it.
-double beside(std::mt19937_64& random, double x) {
+/// x, or a step of one unit in the last place next to it.
+double near_border(std::mt19937_64& random, double x) {
   const double infinity = std::numeric_limits<double>::infinity();
   switch (random() % 3) {
     case 0:
@@ -151,7 +151,7 @@ TEST(QueryEquality, HoldsOnTheBordersOfVoxelsAndAStepBesideThem) {
       for (int n = 0; n < 1000; ++n) {
         Vec3 at;
         for (int a = 0; a < 3; ++a)
-          at[a] = beside(random, e * (static_cast<double>(random() % 41) - 20.0));
+          at[a] = near_border(random, e * (static_cast<double>(random() % 41) - 20.0));
         points.emplace_back(at, Vec3::UnitZ());
       }
       const pointshell::Pointshell shell = shell_of(points, e);
@@ -159,7 +159,7 @@ TEST(QueryEquality, HoldsOnTheBordersOfVoxelsAndAStepBesideThem) {
       for (int n = 0; n < 300; ++n) {
         Vec3 at;
         for (int a = 0; a < 3; ++a)
-          at[a] = beside(random, origin[a] + e * static_cast<double>(random() % 64));
+          at[a] = near_border(random, origin[a] + e * static_cast<double>(random() % 64));
         // Along the axes as well: quarter turns, whose matrix may or may not be exact.
         const Quat turn =
             n % 2 == 0

@@ -144,7 +144,7 @@ TEST(Blend, GivesTheModelsBitsInPlainContactFromPoses) {
       const contact::StageResult r = renderer.render(pose);
       contacts += plain.surface_hits > 0;
       EXPECT_TRUE(same_bits(r.contact.wrench, plain.wrench));
-      EXPECT_FALSE(r.retained);
+      EXPECT_FALSE(r.latched);
     }
     EXPECT_GT(contacts, 100);
   }

@@ -26,9 +26,9 @@ Pose over(double top, double depth, const Quat& turn = Quat::Identity(), double 
   return {kEdge * Vec3(x, y, top + 10.0 - depth), turn};
 }
 
-/// Going in, the force may sag below its peak so far by the rim's voxel noise: this share of the
+/// Going in, the force may sag below its peak so far by the rim's voxel noise: this fraction of the
 /// peak, and this many K e.
-constexpr double kSagShare = 0.02, kSagUnits = 1.5;
+constexpr double kSagRatio = 0.02, kSagUnits = 1.5;
 
 struct PushCase {
   int thickness;
@@ -51,11 +51,11 @@ TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
   for (int n = -10; n <= steps; ++n) {
     const contact::StageResult r = renderer.render(over(c.thickness, n * c.step, turn, x, y));
     const double up = r.contact.wrench.force.z();
-    EXPECT_EQ(r.retained, r.contact.interior_hits > 0);
+    EXPECT_EQ(r.latched, r.contact.interior_hits > 0);
     if (r.contact.interior_hits > 0) {
       ASSERT_GT(up, 0.0) << "depth " << n * c.step;
     }
-    ASSERT_GE(up, peak * (1.0 - kSagShare) - kSagUnits * kUnit) << "depth " << n * c.step;
+    ASSERT_GE(up, peak * (1.0 - kSagRatio) - kSagUnits * kUnit) << "depth " << n * c.step;
     ASSERT_LE(r.contact.wrench.force.norm(),
               kUnit * static_cast<double>(renderer.query().shell().size()));
     worst_sag = std::max(worst_sag, peak - up);
@@ -73,7 +73,7 @@ TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
     last = up;
     if (r.contact.surface_hits + r.contact.interior_hits == 0) {
       EXPECT_TRUE(r.contact.wrench.zero());
-      EXPECT_FALSE(r.retained);
+      EXPECT_FALSE(r.latched);
     }
   }
   EXPECT_EQ(last, 0.0);
@@ -172,7 +172,7 @@ TEST(Hold, GivesAPointThatWasNeverSeenInTheLayerOneEdgeAlongItsOwnNormal) {
   contact::ContactRenderer renderer(voxmap, shell_of({{Vec3(0.002, 0, 0), normal}}, kEdge),
                                     contact::ContactModelKind::kAdapted, {kStiffness});
   const contact::StageResult r = renderer.render({Vec3(0.03, 0.03, 0.03), Quat::Identity()});
-  EXPECT_TRUE(r.retained);
+  EXPECT_TRUE(r.latched);
   EXPECT_NEAR((r.contact.wrench.force - kUnit * normal).norm(), 0.0, 1e-15);
   EXPECT_NEAR((r.contact.wrench.torque - Vec3(0.002, 0, 0).cross(kUnit * normal)).norm(), 0.0,
               1e-15);
@@ -196,7 +196,7 @@ TEST(Hold, KeepsTheLastDepthOfAPointThatGoesThrough) {
   EXPECT_NEAR(at(58.9).contact.wrench.force.z(), 0.4 * kUnit, 1e-12);
   const contact::StageResult back = at(59.05);  // surface: the plain depth is larger again
   EXPECT_NEAR(back.contact.wrench.force.z(), 0.45 * kUnit, 1e-12);
-  EXPECT_FALSE(back.retained);
+  EXPECT_FALSE(back.latched);
 }
 
 TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
@@ -212,7 +212,7 @@ TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
       at(0.9, 58.9);  // the side's layer, 0.4 below a voxel's centre's level by chance
   EXPECT_NEAR(side.contact.wrench.force.z(), 0.2 * kUnit,
               1e-12);  // 0.4 - 0.2 moved; the plain law has none here
-  EXPECT_TRUE(side.retained);
+  EXPECT_TRUE(side.latched);
   EXPECT_NEAR(at(0.9, 58.9).contact.wrench.force.z(), 0.2 * kUnit, 1e-12);  // resting keeps it
   EXPECT_TRUE(at(0.65, 58.9).contact.wrench.zero());
 }
@@ -320,7 +320,7 @@ TEST(Hold, ChangesThePushOfAReturningPointByNoMoreThanStated) {
       if (last.contact.surface_hits == 1 && now.contact.interior_hits == 1) {
         ++entries;
         ASSERT_GE(change, -1e-9);  // going through never takes force away
-        ASSERT_LE(change, contact::limits::kRetainedDepthFloorEdges + 1e-9);
+        ASSERT_LE(change, contact::limits::kLatchedDepthFloorEdges + 1e-9);
       }
       if (now.contact.interior_hits == 1) {
         ASSERT_GE(now.contact.wrench.force.norm(), 0.2499 * kUnit);
@@ -391,7 +391,7 @@ TEST(Hold, TurnsWithTheWallWhenTheToolGoesRoundACurvedOne) {
     at(0.0, depth);
   for (double angle = 0.0; angle < 2.0 * std::numbers::pi; angle += 0.005) {
     const contact::StageResult r = at(angle, 2.5);
-    EXPECT_TRUE(r.retained);
+    EXPECT_TRUE(r.latched);
     const Vec3 out(std::sin(angle), 0.0, std::cos(angle));
     ASSERT_GT(r.contact.wrench.force.normalized().dot(out), 0.97) << angle;
   }
@@ -413,7 +413,7 @@ TEST(Stage, LeavesItsMemoryAloneWhenAPoseCannotBeUsed) {
     EXPECT_EQ(refused.contact.pose_status,
               n % 2 == 0 ? contact::PoseStatus::kNotAPose : contact::PoseStatus::kOutOfRange);
     EXPECT_TRUE(refused.contact.wrench.zero());
-    EXPECT_FALSE(refused.retained || refused.fast);
+    EXPECT_FALSE(refused.latched || refused.fast);
     const contact::StageResult a = disturbed.render(over(60, depth)),
                                b = clean.render(over(60, depth));
     EXPECT_TRUE(same_bits(a.contact.wrench, b.contact.wrench));

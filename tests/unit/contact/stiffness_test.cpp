@@ -32,8 +32,8 @@ Vec6 as_vector(const Wrench& wrench) {
 
 /// A rotation about `axis` also turns the arms and the directions that the points push along (both
 /// go with the tool): that part of d(wrench)/d(angle), of the size of the wrench itself.
-Vec6 turning_part(const contact::HitList& hits, const contact::ContactResult& result,
-                  contact::ContactModelKind model, const Vec3& axis) {
+Vec6 rotation_part(const contact::HitList& hits, const contact::ContactResult& result,
+                   contact::ContactModelKind model, const Vec3& axis) {
   Wrench out;
   for (const contact::Hit& hit : hits.surface) {
     const Vec3 u = model == contact::ContactModelKind::kAdapted && !result.fallback
@@ -95,7 +95,7 @@ TEST(Stiffness, IsWhatTheWrenchDoesUnderTranslationAndRotationWhileTheCollidingS
         const Vec6 measured = (as_vector(after.wrench) - as_vector(before.wrench)) / (2.0 * step);
         Vec6 said = -here.stiffness.col(axis);
         if (axis >= 3)
-          said += turning_part(hits, here, kind, Vec3::Unit(axis - 3));
+          said += rotation_part(hits, here, kind, Vec3::Unit(axis - 3));
         EXPECT_LE((measured - said).head<3>().norm(), 1e-5 * said.head<3>().norm() + 1e-6) << axis;
         EXPECT_LE((measured - said).tail<3>().norm(), 1e-5 * said.tail<3>().norm() + 1e-8) << axis;
       }
@@ -179,7 +179,7 @@ TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   for (const auto kind : kBothModels) {
     contact::ContactRenderer renderer(voxmap, sphere_shell(10 * kEdge, kEdge), kind, {kStiffness});
-    int retained = 0, free = 0;
+    int latched = 0, free = 0;
     for (int n = 0; n < 600; ++n) {
       const double depth = 0.05 * (n < 300 ? n : 600 - n) - 1.0;
       const contact::StageResult r =
@@ -189,8 +189,8 @@ TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
       const double trace = r.contact.stiffness.topLeftCorner<3, 3>().trace();
       EXPECT_NEAR(trace, r.contact.stiffness_bound_n_per_m,
                   1e-9 * r.contact.stiffness_bound_n_per_m);
-      if (r.retained) {
-        ++retained;
+      if (r.latched) {
+        ++latched;
         EXPECT_GE(trace, kStiffness * r.contact.interior_hits * (1 - 1e-9));
       }
       if (r.contact.surface_hits + r.contact.interior_hits == 0) {
@@ -198,7 +198,7 @@ TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
         EXPECT_TRUE(r.contact.stiffness.isZero(0.0));
       }
     }
-    EXPECT_GT(retained, 400);
+    EXPECT_GT(latched, 400);
     EXPECT_GT(free, 20);
   }
 }

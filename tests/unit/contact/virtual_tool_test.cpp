@@ -9,7 +9,7 @@
 #include <ostream>
 
 #include "core/contact/direction_bins.hpp"
-#include "tests/experiments/virtual_tool/trials.hpp"
+#include "tests/experiments/virtual_tool/runs.hpp"
 #include "tests/support/seed.hpp"
 
 namespace voxtouch::virtual_tool {
@@ -17,7 +17,7 @@ namespace {
 
 using test::degrees_between;
 
-std::string told(const PressFigures& f) {
+std::string reported(const PressFigures& f) {
   return "direction " + std::to_string(f.direction_median) + ", 95 % " +
          std::to_string(f.direction_95) + " degrees; size " + std::to_string(f.size_median) +
          "; rest " + std::to_string(f.rest_worst) + " N";
@@ -43,7 +43,8 @@ TEST_P(Press, GivesTheForceOfTheExactGodObjectAndRests) {
                                 .places = 25,
                                 .turned = GetParam().turned,
                                 .seed = seed});
-  std::printf("%s%s: %s\n", GetParam().scene, GetParam().turned ? ", turned" : "", told(f).c_str());
+  std::printf("%s%s: %s\n", GetParam().scene, GetParam().turned ? ", turned" : "",
+              reported(f).c_str());
   EXPECT_LT(f.direction_95, GetParam().direction_95);
   EXPECT_LT(std::abs(f.size_median), GetParam().size);
   EXPECT_LT(f.rest_worst, 1e-3);  // [N], from frame to frame
@@ -76,7 +77,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(VirtualTool, FeelsNoVoxelsInTheDirectionOfARoundThing) {
   const PressFigures f =
       press({.scene = "cylinder:384", .places = 200, .turned = true, .seed = testing::seed(7)});
-  std::printf("%s\n", told(f).c_str());
+  std::printf("%s\n", reported(f).c_str());
   EXPECT_LT(f.direction_95, 1.75);
   EXPECT_LT(f.rest_worst, 1e-3);
 }
@@ -108,7 +109,7 @@ TEST(VirtualTool, GivesTheForceOfTheExactGodObjectAtAConvexEdge) {
                                     .turned = turned,
                                     .seed = seed});
       std::printf("edge, e %g, %g m deep%s: %s\n", edge, depth, turned ? ", turned" : "",
-                  told(f).c_str());
+                  reported(f).c_str());
       EXPECT_LT(f.direction_95, direction_95);
       EXPECT_GT(f.size_least, -0.02);
       EXPECT_LT(f.size_most, 0.005);
@@ -177,7 +178,7 @@ TEST(VirtualTool, GivesTheForceOfTheExactGodObjectInAConcaveCorner) {
     for (const bool turned : {false, true}) {
       const PressFigures f =
           press({.scene = "corner", .edge = edge, .places = 40, .turned = turned, .seed = seed});
-      std::printf("corner, e %g%s: %s\n", edge, turned ? ", turned" : "", told(f).c_str());
+      std::printf("corner, e %g%s: %s\n", edge, turned ? ", turned" : "", reported(f).c_str());
       EXPECT_LT(f.direction_95, turned ? 1.0 : 0.1);
       EXPECT_LT(std::abs(f.size_median), 0.02);
       EXPECT_LT(f.rest_worst, 1e-3);
@@ -208,10 +209,10 @@ TEST(VirtualTool, SlidesWithoutNoiseOnPlanesAndWithLittleRoundACylinder) {
       const SlideFigures f = slide({.scene = scene, .speed = speed, .seed = 3});
       std::printf(
           "%s at %g m/s: noise %.5f, step over force %.5f, energy over way %.6f, queries %.2f\n",
-          scene, speed, f.noise, f.step_over_force, f.energy_over_way, f.queries_mean);
+          scene, speed, f.noise, f.step_over_force, f.energy_per_path, f.queries_mean);
       EXPECT_LT(f.noise, noise) << scene;
       EXPECT_LT(f.step_over_force, step) << scene;
-      EXPECT_LE(f.energy_over_way, 1e-4) << scene;
+      EXPECT_LE(f.energy_per_path, 1e-4) << scene;
       EXPECT_LE(f.queries_mean, speed < 0.1 ? 2.0 : 4.0) << scene;
       EXPECT_LE(f.queries_most, 8);
     }
@@ -228,19 +229,19 @@ TEST(VirtualTool, GivesWayAtAnEdgeAsARamp) {
     }
 }
 
-/// Ball, hand on a path that never touches: to the bit, up to four voxels a frame.
+/// Ball, hand on a path that never touches: bit-identically, up to four voxels a frame.
 TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
   const std::uint64_t seed = testing::seed(7);
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   Pose hand{Vec3(0, 0, 0.02), Quat::Identity()};
-  Vec3 way = Vec3::Zero();
+  Vec3 hand_step = Vec3::Zero();
   int queries = 0;
   for (int n = 0; n < 5000; ++n) {
     if (n % 10 == 0)
-      way = uniform(random, 0.0, 0.0075) * random_direction(random);
-    hand.position += way;
+      hand_step = uniform(random, 0.0, 0.0075) * random_direction(random);
+    hand.position += hand_step;
     for (int axis = 0; axis < 2; ++axis)
       hand.position[axis] = std::remainder(hand.position[axis], 0.08);
     hand.position.z() =
@@ -260,7 +261,7 @@ TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
     ASSERT_EQ(f.tool.position, hand.position) << n;
     ASSERT_EQ(f.tool.orientation.coeffs(), hand.orientation.coeffs()) << n;
     ASSERT_TRUE(f.wrench(kStiffness).zero());
-    ASSERT_FALSE(f.constrained || f.lag || f.unplaced);
+    ASSERT_FALSE(f.constrained || f.not_converged || f.not_initialised);
     queries = std::max(queries, f.queries);
   }
   EXPECT_LE(queries, 1);
@@ -274,7 +275,7 @@ TEST(VirtualTool, FollowsTheHandToTheBitUpToFourVoxelsAFrameOverASurface) {
       const Vec3 hand(x, 0.001, kBall + 2e-4);
       const contact::VirtualToolFrame f = rig.frame(hand);
       EXPECT_EQ(f.tool.position, hand) << edges << " e a frame";
-      EXPECT_EQ(f.share, 1.0);
+      EXPECT_EQ(f.fraction, 1.0);
     }
   }
 }
@@ -284,12 +285,12 @@ TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
   ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
   const Vec3 hand(0.02, 0, kBall + 2e-4);
   contact::VirtualToolFrame f = rig.frame(hand);
-  EXPECT_TRUE(f.lag);
+  EXPECT_TRUE(f.not_converged);
   EXPECT_TRUE(f.wrench(kStiffness).zero());
   EXPECT_LE(f.queries, 8);
   for (int n = 0; n < 10; ++n)
     f = rig.frame(hand);
-  EXPECT_FALSE(f.lag);
+  EXPECT_FALSE(f.not_converged);
   EXPECT_EQ(f.tool.position, hand);
 }
 
@@ -301,7 +302,7 @@ TEST(VirtualTool, ShowsAStiffnessOfAtMostTheSprings) {
     f = rig.frame(Vec3(1e-5 * n, 0, kBall + 0.001 - 5e-5 * n));
   const Mat6 k = f.stiffness(kStiffness);
   EXPECT_TRUE(k.isApprox(k.transpose(), 1e-9));
-  const Vec6 eigen = Eigen::SelfAdjointEigenSolver<Mat6>(f.shown).eigenvalues();
+  const Vec6 eigen = Eigen::SelfAdjointEigenSolver<Mat6>(f.displayed).eigenvalues();
   EXPECT_GE(eigen.minCoeff(), -1e-12);
   EXPECT_LE(eigen.maxCoeff(), 1.0);
   EXPECT_NEAR(k(2, 2), kStiffness, 0.01 * kStiffness);
@@ -320,9 +321,9 @@ TEST(VirtualTool, SumsItsPushesToTheSpring) {
     const contact::VirtualToolFrame f = rig.frame(Vec3(1e-4 * n, 2e-5 * n, 0.05 - 5e-5 * n));
     if (!f.constrained || f.residual_m > 1e-6)
       continue;
-    const Wrench push = rig.tool.pushes()[0], felt = f.wrench(1.0);
-    EXPECT_LT((push.force - felt.force).norm(), 1e-5) << n;
-    EXPECT_LT((push.torque - felt.torque).norm(), 1e-7) << n;
+    const Wrench push = rig.tool.pushes()[0], spring = f.wrench(1.0);
+    EXPECT_LT((push.force - spring.force).norm(), 1e-5) << n;
+    EXPECT_LT((push.torque - spring.torque).norm(), 1e-7) << n;
   }
 }
 
@@ -331,10 +332,10 @@ TEST(VirtualToolFriction, IsCoulombsOnAPlane) {
   EXPECT_NEAR(f.direction_median, std::atan(0.4) * 180 / std::numbers::pi, 0.02);
   EXPECT_NEAR(f.direction_95, std::atan(0.4) * 180 / std::numbers::pi, 0.02);
   EXPECT_LT(f.noise, 1e-3);
-  EXPECT_LT(f.energy_over_way, 0.0);
+  EXPECT_LT(f.energy_per_path, 0.0);
 }
 
-/// A hand that pulls along the plane with less than mu N: the tool stands, to the bit, for two
+/// A hand that pulls along the plane with less than mu N: the tool stands, bit-identically, for two
 /// seconds.
 TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   Rig rig(scene_mesh("tilted"), 0.002, ball_mesh());

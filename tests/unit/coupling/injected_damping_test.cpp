@@ -23,15 +23,15 @@ TEST(ToolMotion, FiltersDifferencesAsItsFormulaSays) {
   ToolMotion motion(kT, 100, {});
   const double a = std::exp(-2 * std::numbers::pi * 100 * kT);
   motion.step(at(Vec3::Zero()), kT);
-  double wanted = 0, before = 0;
+  double expected = 0, before = 0;
   for (int n = 1; n < 200; ++n) {
     const double x = 1e-3 * std::sin(0.05 * n);
-    wanted = a * wanted + (1 - a) * (x - before) / kT;
+    expected = a * expected + (1 - a) * (x - before) / kT;
     before = x;
     const ToolStep& step = motion.step(at({x, 0, -x}), kT);
     EXPECT_TRUE(step.known);
-    EXPECT_NEAR(motion.velocity().linear.x(), wanted, 1e-12);
-    EXPECT_NEAR(motion.velocity().linear.z(), -wanted, 1e-12);
+    EXPECT_NEAR(motion.velocity().linear.x(), expected, 1e-12);
+    EXPECT_NEAR(motion.velocity().linear.z(), -expected, 1e-12);
   }
 }
 
@@ -50,10 +50,10 @@ TEST(ToolMotion, WeighsTheDifferencesOfAWindowAsItsFormulaSays) {
         continue;
       const double u = (x(n) - x(n - window)) / (window * kT),
                    w = (x(n - window) - x(n - 3 * window)) / (2 * window * kT);
-      const double wanted = 1.5 * u - 0.5 * w;
-      EXPECT_NEAR(motion.velocity().linear.x(), wanted, 1e-12) << window << " " << n;
-      EXPECT_NEAR(motion.velocity().linear.z(), -wanted, 1e-12);
-      EXPECT_NEAR(motion.velocity().angular.y(), 0.2 * wanted, 1e-9);
+      const double expected = 1.5 * u - 0.5 * w;
+      EXPECT_NEAR(motion.velocity().linear.x(), expected, 1e-12) << window << " " << n;
+      EXPECT_NEAR(motion.velocity().linear.z(), -expected, 1e-12);
+      EXPECT_NEAR(motion.velocity().angular.y(), 0.2 * expected, 1e-9);
     }
   }
 }
@@ -67,8 +67,11 @@ TEST(ToolMotion, AWindowShowsOneStepAsItsShareAndLooksAhead) {
     for (int n = 0; n < 40; ++n) {
       steps.step(at({n < 20 ? 0.0 : kStep, 0, 0}), kT);
       falls.step(at({0.5 * n * n * kT * kT, 0, 0}), kT);
-      const double share = n < 20 ? 0.0 : n < 20 + window ? 1.5 : n < 20 + 3 * window ? -0.25 : 0.0;
-      EXPECT_NEAR(steps.velocity().linear.x(), share * kStep / (window * kT), 1e-12)
+      const double fraction = n < 20                ? 0.0
+                              : n < 20 + window     ? 1.5
+                              : n < 20 + 3 * window ? -0.25
+                                                    : 0.0;
+      EXPECT_NEAR(steps.velocity().linear.x(), fraction * kStep / (window * kT), 1e-12)
           << window << " " << n;
       if (n >= window_span(window)) {
         EXPECT_NEAR(falls.velocity().linear.x(), (n + 0.25 * window) * kT, 1e-12);
@@ -85,9 +88,9 @@ TEST(ToolMotion, AnEncoderMakesNoMoreOfTheVelocityThanIsCounted) {
   std::uniform_real_distribution<double> u(-0.5, 0.5);
   for (const auto& [hz, window] :
        {std::pair{50.0, 0}, {200.0, 0}, {100.0, 1}, {100.0, 2}, {100.0, 4}}) {
-    const double share = window > 0 ? window_step_share(window)
-                                    : 1 - std::exp(-2 * std::numbers::pi * hz * kT),
-                 most = share * kStep / kT;
+    const double fraction = window > 0 ? window_step_ratio(window)
+                                       : 1 - std::exp(-2 * std::numbers::pi * hz * kT),
+                 most = fraction * kStep / kT;
     ToolMotion shown(kT, hz, {}, window), real(kT, hz, {}, window);
     double worst = 0.0, x = 0.0;
     for (int n = 0; n < 20'000; ++n) {
@@ -183,14 +186,14 @@ TEST(ToolMotion, UnevenAndBrokenPeriodsMakeNoSpike) {
     ToolMotion motion(kT, 100, {}, window);
     double x = 0, fastest = 0;
     for (int n = 0; n < 20'000; ++n) {
-      double way = kT * (0.2 + 9.7 * u(random) * u(random)), said = way;
+      double displacement = kT * (0.2 + 9.7 * u(random) * u(random)), said = displacement;
       if (u(random) < 0.1) {
         const double bad[] = {0.0, -1.0, kNan, 1e-9, -kT};
-        way = kT, said = bad[static_cast<std::size_t>(5 * u(random))];
+        displacement = kT, said = bad[static_cast<std::size_t>(5 * u(random))];
       } else if (u(random) < 0.01) {
-        way = said = 10.0;  // the loop stood still for ten seconds
+        displacement = said = 10.0;  // the loop stood still for ten seconds
       }
-      x += 0.2 * way;
+      x += 0.2 * displacement;
       motion.step(at({x, 0, 0}), said);
       fastest = std::max(fastest, motion.velocity().linear.norm());
     }
@@ -260,14 +263,15 @@ struct Moving {
   Pose pose;
   CouplingOutput out;
 
-  explicit Moving(double b_linear, double b_angular = 0.0, double share = 0.0, double free = 0.0)
-      : coupling(spec(b_linear, b_angular, share, free), {}, kT) {
+  explicit Moving(double b_linear, double b_angular = 0.0, double fraction = 0.0, double free = 0.0)
+      : coupling(spec(b_linear, b_angular, fraction, free), {}, kT) {
     coupling.step({}, kT);
   }
-  static CouplingSpec spec(double b_linear, double b_angular, double share, double free) {
+  static CouplingSpec spec(double b_linear, double b_angular, double fraction, double free) {
     CouplingSpec s;
     s.kind = "direct", s.injected_damping_ns_per_m = b_linear,
-    s.injected_damping_nms_per_rad = b_angular, s.damper_share = share, s.damper_free_n = free;
+    s.injected_damping_nms_per_rad = b_angular, s.damping_force_ratio = fraction,
+    s.damper_free_n = free;
     return s;
   }
   /// Long enough for v^ to be the velocity.
@@ -291,7 +295,7 @@ TEST(InjectedDamping, LeavesSlidingOverAPlaneFreeAndDampsACornerBothWays) {
   EXPECT_LE((m.move(plane, {0.1, 0, 0}).force - Vec3(2.5, 0, 0)).norm(), 1e-9);
   EXPECT_LE((m.move(plane, {-0.1, 0, 0}).force - Vec3(3.5, 0, 0)).norm(), 1e-9);
   EXPECT_LE((m.move(both, {-0.1, -0.1, 0.1}).force - Vec3(3.5, 3.25, 0)).norm(), 1e-9)
-      << "each as its share is";
+      << "each as its fraction is";
 }
 
 TEST(InjectedDamping, DampsTurningAboutTheDirectionsThatResist) {
@@ -309,7 +313,7 @@ TEST(InjectedDamping, DampsTurningAboutTheDirectionsThatResist) {
 TEST(InjectedDamping, NeverPullsHoweverFastTheToolLeaves) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> u(-1, 1);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
     Moving m(50, 1);
     const Vec3 force = 2 * Vec3(u(random), u(random), u(random));
     CouplingInput in = corner(force, 1000, 200);
@@ -340,7 +344,7 @@ TEST(InjectedDamping, LeavesAForceWithoutStiffnessAsItIs) {
 TEST(InjectedDamping, AddsNoMoreThanItsShareOfWhatTheContactGives) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> u(-1, 1);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
     Moving m(50, 1, 0.5);
     CouplingInput in = corner(2 * Vec3(u(random), u(random), u(random)), 1000, 200);
     in.contact.torque = 0.1 * Vec3(u(random), u(random), u(random));
@@ -362,24 +366,24 @@ TEST(InjectedDamping, AddsNoMoreThanItsShareOfWhatTheContactGives) {
   EXPECT_LE((quiet.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.55, 0, 0)).norm(),
             1e-9)
       << "and what is hardly felt";
-  Moving turning(0, 0.1, 0.5);
+  Moving rotation(0, 0.1, 0.5);
   CouplingInput turned = corner({1, 0, 0}, 1000, 0);
   turned.contact.torque = {0.1, 0, 0}, turned.contact_stiffness(3, 3) = 10;
-  EXPECT_NEAR(turning.move(turned, Vec3::Zero(), {-2, 0, 0}).torque.x(), 0.3, 1e-6)
+  EXPECT_NEAR(rotation.move(turned, Vec3::Zero(), {-2, 0, 0}).torque.x(), 0.3, 1e-6)
       << "a torque's damper is not bounded";
 }
 
-/// A ForceCommand tells what the damper does to the force, and where it was cut.
+/// A ForceCommand reports what the damper does to the force, and where it was cut.
 TEST(InjectedDamping, TellsWhatItAddsAndWhereItWasCut) {
   struct Case {
-    double share, towards_m_per_s, adds_n;
+    double fraction, towards_m_per_s, adds_n;
     bool cut;
   };
   for (const Case& c :
        {Case{0.5, 0.5, 0.5, true}, Case{0.5, 0.05, 0.25, false}, Case{0.5, -0.15, 0.75, false},
         Case{0.0, 0.5, 2.5, false}, Case{0.5, 0.0, 0.0, false}}) {
-    SCOPED_TRACE(testing::Message() << c.share << ", " << c.towards_m_per_s << " m/s");
-    RunningCoupling coupling(Moving::spec(5.0, 0.0, c.share, 0.0), {}, kT);
+    SCOPED_TRACE(testing::Message() << c.fraction << ", " << c.towards_m_per_s << " m/s");
+    RunningCoupling coupling(Moving::spec(5.0, 0.0, c.fraction, 0.0), {}, kT);
     CouplingInput in = corner({1, 0, 0}, 1000, 0);
     CouplingOutput out = coupling.step(in, kT);
     std::uint64_t before = 0;
@@ -416,9 +420,9 @@ TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
     for (int n = 0; n < 300; ++n)
       coupling.step(in, kT);
     in.tool.position.x() -= 1e-4;
-    const double share =
+    const double fraction =
         window > 0 ? window_weight(4, 0) : 1.0 - std::exp(-2.0 * std::numbers::pi * 100.0 * kT);
-    EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + 2.0 * 0.1 * share, 1e-9) << window;
+    EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + 2.0 * 0.1 * fraction, 1e-9) << window;
   }
 }
 
@@ -426,11 +430,11 @@ TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
 /// whichever way; of more the velocity that the spec names is off by the band and no more.
 TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
   constexpr double kStep = 1e-4, kSlow = 10.0, kB = 2.0;
-  const auto share = [](double hz) { return 1.0 - std::exp(-2.0 * std::numbers::pi * hz * kT); };
+  const auto fraction = [](double hz) { return 1.0 - std::exp(-2.0 * std::numbers::pi * hz * kT); };
   for (const std::uint32_t window : {0U, 4U}) {
     CouplingSpec spec = Moving::spec(kB, 0.0, 0.0, 0.0);
     spec.velocity_window = window, spec.velocity_filter_hz = 100.0;
-    const double fast = window > 0 ? window_weight(4, 0) : share(100.0), speed = kStep / kT;
+    const double fast = window > 0 ? window_weight(4, 0) : fraction(100.0), speed = kStep / kT;
     spec.slow_velocity_hz = kSlow, spec.velocity_band_m_per_s = fast * speed;
     for (const double steps : {1.0, -1.0, 10.0, -10.0}) {
       RunningCoupling coupling(spec, {}, kT);
@@ -441,7 +445,7 @@ TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
                                        0);  // what steps along another axis is nothing to this one
       const double damped = std::abs(steps) > 1.0
                                 ? steps * fast * speed - std::copysign(fast * speed, steps)
-                                : steps * share(kSlow) * speed;
+                                : steps * fraction(kSlow) * speed;
       EXPECT_NEAR(coupling.step(in, kT).wrench.force.x(), 5.0 + kB * damped, 1e-9)
           << window << ", " << steps;
     }
@@ -465,8 +469,8 @@ TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
 /// A wall met at half a metre a second: without a bound the first sample returns 5 N, and the hand
 /// is 0.3 mm deep.
 TEST(InjectedDamping, BeginsAtZeroWithTheContact) {
-  for (const double share : {0.0, 0.5}) {
-    Moving m(10, 0, share);
+  for (const double fraction : {0.0, 0.5}) {
+    Moving m(10, 0, fraction);
     m.move({}, {-0.5, 0, 0});
     double first = 0.0;
     for (int n = 0; n < 20; ++n) {
@@ -477,11 +481,11 @@ TEST(InjectedDamping, BeginsAtZeroWithTheContact) {
       const double out = m.coupling.step(in, kT).wrench.force.x();
       if (n == 0)
         first = out;
-      if (share > 0.0) {
+      if (fraction > 0.0) {
         EXPECT_LE(out, 1.5 * force * (1 + 1e-12));
       }
     }
-    EXPECT_EQ(first > 4.0, share == 0.0);
+    EXPECT_EQ(first > 4.0, fraction == 0.0);
   }
 }
 

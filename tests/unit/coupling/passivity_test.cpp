@@ -103,8 +103,8 @@ TEST(Passivity, FindsWhatTheFiltersLagGivesAlongAHollowSurface) {
         begin = coupling.energy().tangential_j;
     }
     given = (begin - coupling.energy().tangential_j) / (2000 * kT);
-    const double wanted = force * lag_s(spec) * speed * speed / radius;
-    EXPECT_NEAR(given, wanted, 0.25 * wanted);
+    const double expected = force * lag_s(spec) * speed * speed / radius;
+    EXPECT_NEAR(given, expected, 0.25 * expected);
     // 4.5 mJ of the press, less F v^2 T / (2 R) a second: what a held force gives on a hollow way.
     EXPECT_NEAR(coupling.energy().normal_j, 0.0045 - 3.5 * 0.00075, 1e-3)
         << "credit along the contact, which would hide it";

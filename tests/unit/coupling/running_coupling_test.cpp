@@ -63,9 +63,9 @@ TEST(RunningCoupling, IsTheLawAloneWhereNothingElseIsAskedFor) {
       in.tool.position = 0.01 * Vec3(u(random), u(random), u(random));
       const double dt = n % 11 ? kT : kT * (2.6 + 2.3 * u(random));
       const CouplingOutput out = running.step(in, dt);
-      const Wrench wanted = step_alone(laws[k], in, dt);
-      ASSERT_EQ(out.wrench.force, wanted.force) << kKinds[k] << n;
-      ASSERT_EQ(out.wrench.torque, wanted.torque) << kKinds[k] << n;
+      const Wrench expected = step_alone(laws[k], in, dt);
+      ASSERT_EQ(out.wrench.force, expected.force) << kKinds[k] << n;
+      ASSERT_EQ(out.wrench.torque, expected.torque) << kKinds[k] << n;
       ASSERT_FALSE(out.ramping || out.repeated_input);
     }
     EXPECT_EQ(running.counters().faults, 0U);
@@ -192,20 +192,20 @@ TEST(RunningCoupling, DampingChangesOverItsRamp) {
 
 /// Any bits in any field: finite and within the limits, for every kind with everything on.
 /// A weight that is lowered gives what lifting it has stored: no fault of the coupling's, where it
-/// is told so.
+/// is reported so.
 TEST(RunningCoupling, BooksNoDebtForWhatAPotentialGives) {
-  for (const bool told : {true, false}) {
+  for (const bool reported : {true, false}) {
     CouplingSpec spec = spec_of("direct");
     RunningCoupling running(spec, {}, kT, 0.001);
     double energy = 0.0;
     for (int n = 0; n < 1000; ++n) {
       CouplingInput in = push({0, 0, -1}, Vec3::Zero(), 0);
       in.tool.position.z() = -5e-5 * n;
-      if (told)
+      if (reported)
         in.supplied_energy_j = 5e-5 * n;
       energy = running.step(in, kT).energy_j;
     }
-    if (told) {
+    if (reported) {
       EXPECT_NEAR(energy, 0.0, 1e-4);
     } else {
       EXPECT_NEAR(energy, -0.05, 1e-3);
@@ -232,21 +232,21 @@ TEST(RunningCoupling, CountsTheLargestForceAndTheLongestWayUnderForce) {
   RunningCoupling running(spec_of("direct"), {}, kT);
   CouplingInput in = push(Vec3::Zero(), Vec3::Zero(), 0);
   double x = 0.0;
-  const auto step = [&](double way, double force) {
-    in.tool.position.x() = x += way;
+  const auto step = [&](double displacement, double force) {
+    in.tool.position.x() = x += displacement;
     in.contact.force.y() = force;
     in.contact_stiffness_n_per_m = force > 0.0 ? 500 : 0;
     running.step(in, kT);
   };
   for (int n = 0; n < 20; ++n)
     step(3e-3, 0.0);
-  EXPECT_EQ(running.counters().longest_way_m, 0.0) << "nothing pushed";
+  EXPECT_EQ(running.counters().longest_path_m, 0.0) << "nothing pushed";
   for (int n = 0; n < 300; ++n)
     step(1e-3, 2.0);  // its ramp is over
   step(2e-3, 0.5);
   for (int n = 0; n < 20; ++n)
     step(1e-4, 0.0);
-  EXPECT_NEAR(running.counters().longest_way_m, 2e-3, 1e-12);
+  EXPECT_NEAR(running.counters().longest_path_m, 2e-3, 1e-12);
   EXPECT_NEAR(running.counters().most_force_n, 2.0, 1e-9);
   EXPECT_NEAR(energy_bound_j(2.0, 2e-3, 1e-3), 5 * 4e-3 + 2e-3, 1e-15);
 }

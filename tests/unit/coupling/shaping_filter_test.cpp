@@ -126,9 +126,9 @@ TEST(ShapingFilter, HoldsTheLastGoodInputWhereOneIsNotANumber) {
           broken.contact_stiffness_n_per_m = value;
         if (n % 100 != c)
           continue;
-        const Wrench out = a.step(broken, kT), wanted = b.step(good, kT);
-        EXPECT_EQ(out.force, wanted.force);
-        EXPECT_EQ(out.torque, wanted.torque);
+        const Wrench out = a.step(broken, kT), expected = b.step(good, kT);
+        EXPECT_EQ(out.force, expected.force);
+        EXPECT_EQ(out.torque, expected.torque);
         EXPECT_TRUE(a.status().repeated_input);
         ++bad;
       }

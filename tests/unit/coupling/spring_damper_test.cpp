@@ -89,7 +89,7 @@ TEST(SpringDamper, NeverPullsAndNeverPushesHarderThanTheContact) {
 TEST(SpringDamper, IsContinuousInTheContact) {
   std::mt19937_64 random(22);
   std::uniform_real_distribution<double> u(-1, 1);
-  for (int trial = 0; trial < 5000; ++trial) {
+  for (int attempt = 0; attempt < 5000; ++attempt) {
     UnilateralSpringDamper a{1e-3 * Vec3(u(random), u(random), u(random))}, b = a;
     const Vec3 f = 0.5 * Vec3(u(random), u(random), u(random));
     const Vec3 nudge = 1e-9 * Vec3(u(random), u(random), u(random));

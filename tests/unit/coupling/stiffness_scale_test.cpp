@@ -71,11 +71,11 @@ TEST(StiffnessScale, KeepsTheWholeMatrixBelowBothCapsAndNoLowerThanItMust) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> u(0, 1);
   int cut = 0;
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int attempt = 0; attempt < 300; ++attempt) {
     const CouplingInput in =
-        contact_of(random_points(random, 1 + trial % 40), std::pow(10.0, 1 + 2 * u(random)));
+        contact_of(random_points(random, 1 + attempt % 40), std::pow(10.0, 1 + 2 * u(random)));
     const double t = std::pow(10.0, 2 + 2 * u(random)),
-                 r = trial % 3 ? std::pow(10.0, 2 * u(random) - 2) : kInf;
+                 r = attempt % 3 ? std::pow(10.0, 2 * u(random) - 2) : kInf;
     const double s = cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1 / t, 1 / r);
     ASSERT_GT(s, 0.0);
     ASSERT_LE(s, 1.0);
@@ -116,7 +116,7 @@ TEST(StiffnessScale, TakesTheBoundWhereTheMatrixIsZero) {
   coupling.step({}, kT);
   const CouplingOutput out = coupling.step({{{10, 0, 0}, {0.1, 0, 0}}, 5000}, kT);
   EXPECT_NEAR(out.wrench.force.x(), 2, 1e-12);
-  EXPECT_NEAR(out.wrench.torque.x(), 0.02, 1e-14) << "the same share of the torque";
+  EXPECT_NEAR(out.wrench.torque.x(), 0.02, 1e-14) << "the same fraction of the torque";
   EXPECT_TRUE(out.capped);
 }
 
@@ -138,7 +138,7 @@ TEST(StiffnessScale, HoldsTheLastContactWhereTheMatrixIsNotFinite) {
       << "beyond what a double holds: nothing is let through";
 }
 
-/// Plate on plate: 10^4 points of 10 N/m are 10^5 N/m, and 1000 N/m and 0.5 Nm/rad are felt.
+/// Plate on plate: 10^4 points of 10 N/m are 10^5 N/m, and 1000 N/m and 0.5 Nm/rad are displayed.
 TEST(StiffnessScale, APlateOfTenThousandPointsShowsTheCap) {
   std::vector<Point> plate;
   for (int i = 0; i < 100; ++i)
@@ -160,7 +160,7 @@ TEST(StiffnessScale, APlateOfTenThousandPointsShowsTheCap) {
 }
 
 /// Points of a plate come in any order; a grid of dyadic numbers sums up exactly, and then the cap
-/// has the same bits too.
+/// has bit-identical results too.
 TEST(StiffnessScale, PermutedPointsGiveTheSameBits) {
   std::vector<Point> plate;
   for (int i = 0; i < 50; ++i)
@@ -170,7 +170,7 @@ TEST(StiffnessScale, PermutedPointsGiveTheSameBits) {
   const CouplingInput in = contact_of(plate, 16);
   const double s = cap_scale(in.contact_stiffness, in.contact_stiffness_n_per_m, 1e-3, 2);
   EXPECT_LT(s, 1.0);
-  for (int trial = 0; trial < 5; ++trial) {
+  for (int attempt = 0; attempt < 5; ++attempt) {
     std::shuffle(plate.begin(), plate.end(), random);
     const CouplingInput other = contact_of(plate, 16);
     EXPECT_EQ(other.contact_stiffness, in.contact_stiffness);

@@ -41,7 +41,7 @@ TEST(AbsoluteStability, CertifiesAStylusForAnyContactUpToTheLinearLimit) {
   EXPECT_GE(c.ratio_of_linear, 0.98);
   ASSERT_EQ(c.axes.size(), 1U);
   EXPECT_GE(c.axes[0].margin, 1.5);
-  EXPECT_NEAR(c.axes[0].margin * design.translation.shown_stiffness, c.axes[0].stiffness,
+  EXPECT_NEAR(c.axes[0].margin * design.translation.displayed_stiffness, c.axes[0].stiffness,
               1e-9 * c.axes[0].stiffness);
   EXPECT_TRUE(
       prove(c.multiplier, contact_loops(request, design.spec, std::array{c.axes[0].stiffness}))
@@ -137,7 +137,7 @@ TEST(AbsoluteStability, ADesignAtItsLinearLimitIsCertifiedForLinearContactsOnly)
   CouplingSpec spec;
   spec.kind = "direct";
   spec.injected_damping_ns_per_m = 2.0;
-  spec.damper_share = 0.0;
+  spec.damping_force_ratio = 0.0;
   spec.velocity_filter_hz = 100.0;
   request.contact.all_points = 0.999 * linear_limits(request, spec)[0];
   request.contact.one_point = 0.1 * request.contact.all_points;
@@ -187,7 +187,7 @@ TEST(AbsoluteStability, NamesWhatItLeavesOut) {
   ASSERT_GT(design.spec.injected_damping_ns_per_m, 0.0);
   ContactCertificate c = certify_contacts(request, design);
   EXPECT_TRUE(has(c, CertificateGap::kDamperGate));
-  EXPECT_EQ(has(c, CertificateGap::kDamperBound), design.spec.damper_share > 0.0);
+  EXPECT_EQ(has(c, CertificateGap::kDamperBound), design.spec.damping_force_ratio > 0.0);
   EXPECT_TRUE(has(c, CertificateGap::kVaryingTiming));
   EXPECT_TRUE(has(c, CertificateGap::kForceOnlyLever));
   EXPECT_TRUE(has(c, CertificateGap::kCurvedContact));
@@ -195,7 +195,7 @@ TEST(AbsoluteStability, NamesWhatItLeavesOut) {
   EXPECT_FALSE(has(c, CertificateGap::kReleasedFrictionless));
   design.spec.injected_damping_ns_per_m = 0.0;
   design.spec.gain = 1e-3;
-  design.translation.shown_stiffness = 1e-3;
+  design.translation.displayed_stiffness = 1e-3;
   c = certify_contacts(request, design);
   EXPECT_FALSE(has(c, CertificateGap::kDamperGate));
   EXPECT_FALSE(has(c, CertificateGap::kDamperBound));

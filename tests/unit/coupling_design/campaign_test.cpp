@@ -17,7 +17,7 @@ Options sample(std::uint64_t members) {
 std::string failures(const PhaseResult& result) {
   std::string out;
   for (const Failure& f : result.failures)
-    out += f.trial + ": member " + std::to_string(f.index) + ": " + f.details + "\n";
+    out += f.setting + ": member " + std::to_string(f.index) + ": " + f.details + "\n";
   return out;
 }
 
@@ -29,20 +29,21 @@ double figure(const PhaseResult& result, std::string_view name) {
   return 0.0;
 }
 
-double unstable_share(PhaseResult& result, const std::string& kind) {
+double unstable_ratio(PhaseResult& result, const std::string& kind) {
   const Tally& t = result.tally(kind);
   return static_cast<double>(t.unstable) / static_cast<double>(t.runs);
 }
 
 /// At 1.9 times the promise a bounded damper may be too little in a large swing, which has a margin
-/// of 1.5: that row is told only. At its promise. What is left of a bounded damper in a large swing
-/// is a describing function's estimate: at 1.4 times the promise, at the slowest timing, one of
-/// these designs swings on, whose share is above the standard one.
+/// of 1.5: that row is reported only. At its promise. What is left of a bounded damper in a large
+/// swing is a describing function's estimate: at 1.4 times the promise, at the slowest timing, one
+/// of these designs swings on, whose share is above the standard one.
 TEST(Campaign, NoDesignBecomesUnstable) {
   PhaseResult result = design_phase(sample(75));
-  std::erase_if(result.failures, [](const Failure& f) { return f.trial.starts_with("1.9 times"); });
+  std::erase_if(result.failures,
+                [](const Failure& f) { return f.setting.starts_with("1.9 times"); });
   EXPECT_LE(std::erase_if(result.failures,
-                          [](const Failure& f) { return f.trial.starts_with("1.4 times"); }),
+                          [](const Failure& f) { return f.setting.starts_with("1.4 times"); }),
             1U);
   EXPECT_TRUE(result.failures.empty()) << failures(result);
   std::uint64_t runs = 0;
@@ -82,17 +83,17 @@ TEST(Campaign, PromisesKeepTheirMarginInTheSimulation) {
 
 TEST(Campaign, TheLiteralRecipeIsUnstableOnMostDevices) {
   PhaseResult result = recipe_phase(sample(60));
-  EXPECT_GT(unstable_share(result, "released"), 0.7);
-  EXPECT_GT(unstable_share(result, "held"), 0.4);
-  EXPECT_GT(unstable_share(result, "released, with the device's friction"), 0.3);
-  EXPECT_LT(unstable_share(result, "released, with the device's friction"),
-            unstable_share(result, "released"));
+  EXPECT_GT(unstable_ratio(result, "released"), 0.7);
+  EXPECT_GT(unstable_ratio(result, "held"), 0.4);
+  EXPECT_GT(unstable_ratio(result, "released, with the device's friction"), 0.3);
+  EXPECT_LT(unstable_ratio(result, "released, with the device's friction"),
+            unstable_ratio(result, "released"));
 }
 
 TEST(Campaign, WhatTheLinearModelCallsStableIsStable) {
   PhaseResult result = predictor_phase(sample(100));
   EXPECT_TRUE(result.failures.empty()) << failures(result);
-  EXPECT_GT(unstable_share(result, "nominal gain margin below 1, wall of one slope"), 0.8);
+  EXPECT_GT(unstable_ratio(result, "nominal gain margin below 1, wall of one slope"), 0.8);
 }
 
 TEST(Campaign, CountsTheSameForTheSameSeed) {

@@ -163,7 +163,7 @@ TEST(RuleP, NeverPromisesMoreThanTheExactLimitOfAnyPassiveHand) {
   };
   const double all = median(released), smooth = median(level), worst = median(lossy);
   std::printf(
-      "share of the released device's exact limit, median: rule P %.3f (d >= .866: %.3f; 2 lost "
+      "fraction of the released device's exact limit, median: rule P %.3f (d >= .866: %.3f; 2 lost "
       "and jitter: %.3f), "
       "linear any-passive %.3f\n",
       all, smooth, worst, median(linear));

@@ -164,11 +164,11 @@ TEST(CriticalStiffness, LoopsAreStableBelowItAndUnstableAbove) {
     const double top = std::isfinite(limit) ? limit : 1e8;
     // A nearly undamped loop grows by less than the eigenvalues' rounding where it is a millionth
     // off its limit, and decays by less next to 0.
-    for (const double share :
+    for (const double fraction :
          {1e-5, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.99, 1.0 - 1e-6})
-      ASSERT_LT(spectral_radius(loop.plant, loop.controller, share * top),
-                share > 0.999 || share < 1e-4 ? 1.0 + kRounding : 1.0)
-          << "seed " << seed << " loop " << i << " " << share;
+      ASSERT_LT(spectral_radius(loop.plant, loop.controller, fraction * top),
+                fraction > 0.999 || fraction < 1e-4 ? 1.0 + kRounding : 1.0)
+          << "seed " << seed << " loop " << i << " " << fraction;
     ++(std::isfinite(limit) ? finite : infinite);
     if (std::isinf(limit))
       continue;
@@ -190,9 +190,9 @@ TEST(CriticalStiffness, InjectedDampingHasALimitOfItsOwn) {
     none.velocity_filter_rad_per_s = random.log(50.0, 3000.0);
     none.velocity_window = i % (kMaxVelocityWindow + 1);
     const double limit = critical_damping(p, none.velocity_filter_rad_per_s, none.velocity_window);
-    for (const double share : {0.01, 0.5, 0.999}) {
-      none.injected_damping = share * limit;
-      ASSERT_LT(spectral_radius(p, none, 0.0), 1.0) << i << " " << share;
+    for (const double fraction : {0.01, 0.5, 0.999}) {
+      none.injected_damping = fraction * limit;
+      ASSERT_LT(spectral_radius(p, none, 0.0), 1.0) << i << " " << fraction;
     }
     none.injected_damping = 1.001 * limit;
     ASSERT_GT(spectral_radius(p, none, 0.0), 1.0) << i;
@@ -243,7 +243,7 @@ TEST(CriticalStiffness, UndampedHandsAreJudgedByWhereTheirEigenvalueGoes) {
   EXPECT_GT(stable, 3);
   EXPECT_GT(unstable, 3);
   EXPECT_EQ(critical_stiffness({.mass = 0.1}, {.law = Law::kDirect}).stiffness, 0.0)
-      << "nothing damps, nobody holds";
+      << "nothing damps, none holds";
 }
 
 TEST(CriticalStiffness, TwoNarrowResonancesSideBySideAreNotLeaptOver) {

@@ -29,7 +29,7 @@ LoopController direct() {
 }
 
 /// Sampled so fast that the loop is the continuous one: b / (2 sqrt(m k)).
-TEST(SlowestSwing, IsTheDampingRatioOfMassSpringAndDamper) {
+TEST(DominantMode, IsTheDampingRatioOfMassSpringAndDamper) {
   for (const double ratio : {0.02, 0.1, 0.3, 0.7}) {
     const double m = 0.1, k = 400.0, b = 2.0 * ratio * std::sqrt(m * k);
     LoopPlant plant{.mass = m, .damping = b, .period_s = 1e-6};
@@ -39,7 +39,7 @@ TEST(SlowestSwing, IsTheDampingRatioOfMassSpringAndDamper) {
   }
 }
 
-TEST(SlowestSwing, IsOneWhereNothingSwingsAndNegativeWhereItGrows) {
+TEST(DominantMode, IsOneWhereNothingSwingsAndNegativeWhereItGrows) {
   LoopPlant plant{.mass = 0.1, .damping = 40.0, .period_s = 1e-5};
   EXPECT_EQ(slowest_damping_ratio(plant, direct(), 400.0), 1.0) << "overdamped";
   plant.damping = 0.1, plant.period_s = 1e-3;
@@ -69,11 +69,11 @@ DesignProblem arm(double mass_max, double contact) {
                         .stiffness_max = 600};
   p.contact = {10, contact};
   p.goals.free_cap = true;
-  p.goals.damper_share = 0.0, p.goals.velocity_windows = false;
+  p.goals.damping_force_ratio = 0.0, p.goals.velocity_windows = false;
   return p;
 }
 
-bool told(const Design& design, const std::string& text) {
+bool reported(const Design& design, const std::string& text) {
   return std::ranges::any_of(design.reasons, [&](const std::string& reason) {
     return reason.find(text) != std::string::npos;
   });
@@ -96,7 +96,8 @@ TEST(DampingFloor, WinsOverStiffnessAndSaysWhatItCost) {
   EXPECT_GE(damped.swing.held, 0.3);
   EXPECT_LT(damped.swing.held, 0.31) << "no more is given up than it takes";
   EXPECT_NEAR(damped.floors.cost_n_per_m,
-              before.translation.shown_stiffness - damped.translation.shown_stiffness, 1e-9);
+              before.translation.displayed_stiffness - damped.translation.displayed_stiffness,
+              1e-9);
   EXPECT_GT(damped.floors.cost_n_per_m, 100.0);
   EXPECT_GE(damped.translation.gain_margin, 2.0 - 1e-9) << "with the certificates of any design";
   EXPECT_EQ(damped.status, DesignStatus::kStiffnessReduced);
@@ -113,8 +114,9 @@ TEST(DampingFloor, IsReachedByDampingBeforeStiffness) {
   std::vector<AxisProblem> problems = axis_problems(request);
   set_floors(request, problems);
   const LoopController law = controller_of(before.spec, problems[0], arm_squared(request));
-  const double softened = damped_stiffness(problems[0], law, before.translation.shown_stiffness);
-  EXPECT_GT(damped.translation.shown_stiffness, 2.0 * softened);
+  const double softened =
+      damped_stiffness(problems[0], law, before.translation.displayed_stiffness);
+  EXPECT_GT(damped.translation.displayed_stiffness, 2.0 * softened);
   EXPECT_GT(damped.translation.injected_damping, before.translation.injected_damping);
 }
 
@@ -197,7 +199,7 @@ TEST(DampingFloor, IsFoundBetweenTooLittleDampingAndTooMuch) {
   const Design damped = design_coupling(request);
   EXPECT_EQ(damped.floors.held, 0.3);
   EXPECT_EQ(damped.floors.out_of_reach, "");
-  EXPECT_GT(damped.translation.shown_stiffness, 200.0);
+  EXPECT_GT(damped.translation.displayed_stiffness, 200.0);
 }
 
 /// Whatever device, hand and wish: a design that was useful stays so, and what is called kept is
@@ -226,7 +228,7 @@ TEST(DampingFloor, IsNotBoughtWithAllThatIsUseful) {
   EXPECT_GT(cost, 5);
 }
 
-/// Of a hand of which only passivity is known, no damping ratio can be told.
+/// Of a hand of which only passivity is known, no damping ratio can be reported.
 TEST(DampingFloor, AsksNothingOfAnyPassiveHand) {
   DesignProblem request = arm(12, 4000);
   request.hand.translation = {.any_passive = true};
@@ -237,35 +239,37 @@ TEST(DampingFloor, AsksNothingOfAnyPassiveHand) {
 
 /// What a bounded damper leaves of its damping in a swing that leaves the contact, integrated.
 TEST(BoundedDamper, LeavesInALargeSwingWhatIsCountedOn) {
-  const auto left = [](const Complex& ratio, double share) {
+  const auto left = [](const Complex& ratio, double fraction) {
     double ahead = 0.0;
     constexpr int kSteps = 100'000;
     for (int i = 0; i < kSteps; ++i) {
       const double p = std::numbers::pi * ((i + 0.5) / kSteps - 0.5), law = std::cos(p);
       ahead -= std::sin(p) *
-               std::clamp(ratio.real() * law - ratio.imag() * std::sin(p), -law, share * law);
+               std::clamp(ratio.real() * law - ratio.imag() * std::sin(p), -law, fraction * law);
     }
     return ahead * (std::numbers::pi / kSteps) / (0.5 * std::numbers::pi * ratio.imag());
   };
-  for (const double share : {0.2, 0.45, 2.0})
+  for (const double fraction : {0.2, 0.45, 2.0})
     for (const double size : {0.1, 0.5, 3.0})
       for (const double late : {-0.3, 0.0, 0.3}) {
         const Complex ratio = size * Complex(std::sin(late), std::cos(late));
-        EXPECT_NEAR(damper_left(ratio, share), left(ratio, share), 1e-3) << share << ' ' << ratio;
+        EXPECT_NEAR(residual_damping(ratio, fraction), left(ratio, fraction), 1e-3)
+            << fraction << ' ' << ratio;
       }
-  EXPECT_NEAR(damper_left({0.0, 1e-6}, 0.45), 1.0, 1e-4) << "a gentle damper is not bounded";
-  EXPECT_EQ(damper_left({0.5, -0.1}, 0.45), 1.0) << "one that drives has nothing to lose";
+  EXPECT_NEAR(residual_damping({0.0, 1e-6}, 0.45), 1.0, 1e-4) << "a gentle damper is not bounded";
+  EXPECT_EQ(residual_damping({0.5, -0.1}, 0.45), 1.0) << "one that drives has nothing to lose";
 }
 
 /// Stable at the margin with the full damper and with each part of it that may be left; more
 /// stiffness where the damper is not bounded.
 TEST(BoundedDamper, IsCertifiedAsItIsAndTheTableKnowsIt) {
   DesignProblem request = arm(12, 4000);
-  request.goals.floors = {0.0, 0.0}, request.goals.damper_share = kDamperShare;
+  request.goals.floors = {0.0, 0.0}, request.goals.damping_force_ratio = kDefaultDampingForceRatio;
   const Design bounded = design_coupling(request);
   ASSERT_GT(bounded.translation.injected_damping, 0.0);
-  EXPECT_EQ(bounded.spec.damper_share, kDamperShare);
-  request = stylus(), request.goals.floors = {0.0, 0.0}, request.goals.damper_share = kDamperShare;
+  EXPECT_EQ(bounded.spec.damping_force_ratio, kDefaultDampingForceRatio);
+  request = stylus(), request.goals.floors = {0.0, 0.0},
+  request.goals.damping_force_ratio = kDefaultDampingForceRatio;
   AxisProblem problem = axis_problems(request)[0];
   LoopController law = law_of({60.0, 0.707});
   law.injected_damping = 5.0, law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;
@@ -274,13 +278,13 @@ TEST(BoundedDamper, IsCertifiedAsItIsAndTheTableKnowsIt) {
   table.use([&](const DecayingPhasor& at, double period) {
     return filter_response(0.5 * law.w0_rad_per_s * period, 0.707, at);
   });
-  EXPECT_NEAR(table.critical(0, 5.0, 0.0, problem.damper_share, problem.large_swing), as_it_is,
-              0.03 * as_it_is);
-  problem.damper_share = 0.0;
+  EXPECT_NEAR(table.critical(0, 5.0, 0.0, problem.damping_force_ratio, problem.large_swing),
+              as_it_is, 0.03 * as_it_is);
+  problem.damping_force_ratio = 0.0;
   EXPECT_LT(as_it_is, 0.9 * critical_case(problem, law).stiffness);
-  request.goals.damper_share = 0.0;
-  EXPECT_EQ(axis_problems(request)[0].damper_share, 0.0);
-  EXPECT_EQ(design_coupling(request).spec.damper_share, 0.0);
+  request.goals.damping_force_ratio = 0.0;
+  EXPECT_EQ(axis_problems(request)[0].damping_force_ratio, 0.0);
+  EXPECT_EQ(design_coupling(request).spec.damping_force_ratio, 0.0);
 }
 
 /// One that was asked for is given up where, with the filter's lag, less than two thirds would be
@@ -290,18 +294,20 @@ TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheSti
   int kept = 0, given_up = 0;
   for (int i = 0; i < 40; ++i) {
     DesignProblem request = testing::random_request(random);
-    request.goals.damper_share = kDamperShare;
+    request.goals.damping_force_ratio = kDefaultDampingForceRatio;
     const Design design = design_coupling(request);
-    request.goals.damper_share = 0.0;
+    request.goals.damping_force_ratio = 0.0;
     const Design unbounded = design_coupling(request);
-    if (design.spec.damper_share == 0.0) {
+    if (design.spec.damping_force_ratio == 0.0) {
       EXPECT_EQ(design.spec, unbounded.spec) << i;
-      EXPECT_TRUE(told(design, "not bounded by a share of the contact's force (damper_share 0.35)"))
+      EXPECT_TRUE(reported(
+          design, "not bounded by a ratio of the contact's force (damping_force_ratio 0.35)"))
           << i;
       ++given_up;
     } else if (design.translation.injected_damping > 0.0 && !request.device.gives_torque &&
                unbounded.status != DesignStatus::kInfeasible) {
-      EXPECT_GE(design.translation.shown_stiffness, 0.66 * unbounded.translation.shown_stiffness)
+      EXPECT_GE(design.translation.displayed_stiffness,
+                0.66 * unbounded.translation.displayed_stiffness)
           << i;
       ++kept;
     }
@@ -311,61 +317,63 @@ TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheSti
 }
 
 /// The standard share if it leaves two thirds, a larger one only where the smaller ones leave less
-/// than nine tenths, and none only after all were tried. The reasons say what the share that was
+/// than nine tenths, and none only after all were tried. The reasons say what the fraction that was
 /// taken gives, what the standard one would and what none would.
 TEST(BoundedDamper, HasTheLeastShareThatLeavesEnough) {
   testing::Random random(12);
   std::map<double, int> taken;
   for (int i = 0; i < 60; ++i) {
     DesignProblem request = testing::random_request(random);
-    request.goals.damper_share.reset();
+    request.goals.damping_force_ratio.reset();
     if (i % 2 == 0)
       request.goals.floors = DampingFloors{};
-    const auto with = [&](double share) {
+    const auto with = [&](double fraction) {
       DesignProblem asked = request;
-      asked.goals.damper_share = share;
+      asked.goals.damping_force_ratio = fraction;
       return design_coupling(asked);
     };
     const auto percent = [](const Design& d) {
-      return fmt::format("{:.3g} %",
-                         100.0 * d.translation.shown_stiffness / d.translation.wanted_stiffness);
+      return fmt::format("{:.3g} %", 100.0 * d.translation.displayed_stiffness /
+                                         d.translation.requested_stiffness);
     };
     const Design design = design_coupling(request), none = with(0.0);
     if (design.translation.injected_damping <= 0.0 || design.status == DesignStatus::kInfeasible)
       continue;
     double expected = 0.0;
-    for (const double share : kDamperShares) {
-      const Design bounded = with(share);  // not kept below two thirds
-      if (bounded.spec.damper_share != share)
+    for (const double fraction : kDampingForceRatios) {
+      const Design bounded = with(fraction);  // not kept below two thirds
+      if (bounded.spec.damping_force_ratio != fraction)
         continue;
-      if (share != kDamperShare &&
-          !(bounded.translation.shown_stiffness >= 0.9 * none.translation.shown_stiffness))
+      if (fraction != kDefaultDampingForceRatio &&
+          !(bounded.translation.displayed_stiffness >= 0.9 * none.translation.displayed_stiffness))
         continue;
-      expected = share;
+      expected = fraction;
       EXPECT_EQ(design.spec, bounded.spec) << i;
       break;
     }
-    EXPECT_EQ(design.spec.damper_share, expected) << i;
-    ++taken[design.spec.damper_share];
-    if (design.spec.damper_share == kDamperShare)
+    EXPECT_EQ(design.spec.damping_force_ratio, expected) << i;
+    ++taken[design.spec.damping_force_ratio];
+    if (design.spec.damping_force_ratio == kDefaultDampingForceRatio)
       continue;
-    EXPECT_TRUE(told(design, percent(design))) << i;
-    EXPECT_TRUE(told(design, percent(none))) << i;
-    if (const Design standard = with(kDamperShare); standard.spec.damper_share == kDamperShare) {
-      EXPECT_TRUE(told(design, "with 0.35, the standard, " + percent(standard))) << i;
+    EXPECT_TRUE(reported(design, percent(design))) << i;
+    EXPECT_TRUE(reported(design, percent(none))) << i;
+    if (const Design standard = with(kDefaultDampingForceRatio);
+        standard.spec.damping_force_ratio == kDefaultDampingForceRatio) {
+      EXPECT_TRUE(reported(design, "with 0.35, the standard, " + percent(standard))) << i;
     }
-    if (design.spec.damper_share > 0.0) {
+    if (design.spec.damping_force_ratio > 0.0) {
       EXPECT_TRUE(
-          told(design, fmt::format("Injected damping adds up to {:.2g} of the contact's force",
-                                   design.spec.damper_share)))
+          reported(design, fmt::format("Injected damping adds up to {:.2g} of the contact's force",
+                                       design.spec.damping_force_ratio)))
           << i;
     } else {
-      EXPECT_TRUE(told(design, "not bounded by a share of the contact's force (damper_share 0.35)"))
+      EXPECT_TRUE(reported(
+          design, "not bounded by a ratio of the contact's force (damping_force_ratio 0.35)"))
           << i;
     }
   }
-  for (const auto& [share, times] : taken)
-    std::printf("share %.2g: %d\n", share, times);
+  for (const auto& [fraction, times] : taken)
+    std::printf("share %.2g: %d\n", fraction, times);
   EXPECT_GE(taken.size(), 4U);
   EXPECT_GT(taken[0.0], 0);
 }

@@ -22,8 +22,8 @@ TEST(ForceAndTorque, ShareOneFilterAndGetTwoDampings) {
   EXPECT_EQ(d.spec.injected_damping_nms_per_rad, d.rotation.injected_damping);
   EXPECT_TRUE(std::isfinite(d.spec.stiffness_cap_n_per_m) &&
               std::isfinite(d.spec.stiffness_cap_nm_per_rad));
-  EXPECT_NEAR(d.rotation.shown_stiffness, d.spec.gain * r.contact_rotation.all_points, 1e-9);
-  EXPECT_NEAR(d.translation.shown_stiffness, d.spec.gain * r.contact.all_points, 1e-9);
+  EXPECT_NEAR(d.rotation.displayed_stiffness, d.spec.gain * r.contact_rotation.all_points, 1e-9);
+  EXPECT_NEAR(d.translation.displayed_stiffness, d.spec.gain * r.contact.all_points, 1e-9);
 }
 
 TEST(ForceAndTorque, TheWeakerAxisSetsTheGain) {
@@ -36,7 +36,7 @@ TEST(ForceAndTorque, TheWeakerAxisSetsTheGain) {
   EXPECT_NEAR(d.rotation.gain_margin, 2.0, 0.01);
   r.goals.free_cap = true;
   const Design capped = designed(r);
-  EXPECT_GT(capped.translation.shown_stiffness, 1.2 * d.translation.shown_stiffness);
+  EXPECT_GT(capped.translation.displayed_stiffness, 1.2 * d.translation.displayed_stiffness);
 }
 
 TEST(ForceAndTorque, WithoutCapsTogetherMayBeTwiceAsStiff) {
@@ -61,7 +61,7 @@ TEST(ForceAndTorque, RotationOfADeviceWithoutTorqueIsNotLookedAt) {
   r.device.rotation.damping = std::nan("");
   r.contact_rotation = {-1.0, -1.0};
   const Design d = designed(r);
-  EXPECT_EQ(d.rotation.shown_stiffness, 0.0);
+  EXPECT_EQ(d.rotation.displayed_stiffness, 0.0);
   EXPECT_TRUE(d.rotation.worst_case_text.empty());
   EXPECT_TRUE(std::isinf(d.spec.stiffness_cap_nm_per_rad));
 }
@@ -72,13 +72,13 @@ TEST(FreeCap, KeepsEachPointsOwnStiffness) {
   r.goals.free_cap = true;
   const Design capped = designed(r);
   EXPECT_EQ(capped.spec.gain, 1.0);
-  EXPECT_NEAR(capped.spec.stiffness_cap_n_per_m, capped.translation.shown_stiffness, 1e-9);
-  EXPECT_NEAR(capped.translation.shown_stiffness, scaled.translation.shown_stiffness, 1e-6);
+  EXPECT_NEAR(capped.spec.stiffness_cap_n_per_m, capped.translation.displayed_stiffness, 1e-9);
+  EXPECT_NEAR(capped.translation.displayed_stiffness, scaled.translation.displayed_stiffness, 1e-6);
   r.contact.one_point = 600.0;
   const Design point = designed(r);
-  EXPECT_NEAR(point.spec.gain, point.translation.shown_stiffness / 600.0, 1e-3);
-  EXPECT_NEAR(point.spec.gain * point.spec.stiffness_cap_n_per_m, point.translation.shown_stiffness,
-              1e-9);
+  EXPECT_NEAR(point.spec.gain, point.translation.displayed_stiffness / 600.0, 1e-3);
+  EXPECT_NEAR(point.spec.gain * point.spec.stiffness_cap_n_per_m,
+              point.translation.displayed_stiffness, 1e-9);
 }
 
 TEST(FreeCap, IsWhatADirectCouplingNeeds) {
@@ -90,7 +90,7 @@ TEST(FreeCap, IsWhatADirectCouplingNeeds) {
   r.goals.free_cap = true;
   const Design capped = designed(r);
   EXPECT_EQ(capped.status, DesignStatus::kStiffnessReduced);
-  EXPECT_GT(capped.translation.shown_stiffness, 250.0);
+  EXPECT_GT(capped.translation.displayed_stiffness, 250.0);
 }
 
 TEST(Design, NeverShowsMoreThanTheDeviceCan) {
@@ -100,8 +100,8 @@ TEST(Design, NeverShowsMoreThanTheDeviceCan) {
     for (const bool cap : {false, true}) {
       r.goals.kind = kind, r.goals.free_cap = cap;
       const Design d = designed(r);
-      EXPECT_LE(d.translation.shown_stiffness, 300.0 * (1 + 1e-9)) << kind << cap;
-      EXPECT_EQ(d.translation.wanted_stiffness, 300.0);
+      EXPECT_LE(d.translation.displayed_stiffness, 300.0 * (1 + 1e-9)) << kind << cap;
+      EXPECT_EQ(d.translation.requested_stiffness, 300.0);
       if (std::string(kind) == "shaping_filter") {
         EXPECT_EQ(d.status, DesignStatus::kAsRequested);
       }

@@ -13,7 +13,7 @@ double margin_of(const DesignProblem& r, double cutoff_hz, double ratio, double 
   CouplingSpec spec;
   spec.cutoff_hz = cutoff_hz, spec.damping_ratio = ratio, spec.injected_damping_ns_per_m = damping;
   spec.velocity_filter_hz = filter_hz, spec.gain = stiffness / r.contact.all_points;
-  spec.damper_share = 0.0;
+  spec.damping_force_ratio = 0.0;
   return judge_coupling(r, spec).translation.gain_margin;
 }
 
@@ -22,10 +22,10 @@ TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
   r.goals.allow_injected_damping = false;
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kInfeasible);
-  EXPECT_NEAR(d.translation.shown_stiffness, 0.38, 0.005);
+  EXPECT_NEAR(d.translation.displayed_stiffness, 0.38, 0.005);
   // The published 13 Ns/m scale this result to 1000 N/m: the limit for a linear contact. Rule P,
   // which also covers contacts that only push, asks for more.
-  EXPECT_NEAR(r.device.translation.damping * 1000.0 / d.translation.shown_stiffness, 13.0, 0.5);
+  EXPECT_NEAR(r.device.translation.damping * 1000.0 / d.translation.displayed_stiffness, 13.0, 0.5);
   EXPECT_GT(d.translation.damping_required_any_cutoff, 13.0);
   EXPECT_LT(d.translation.damping_required_any_cutoff, 20.0);
 }
@@ -39,7 +39,7 @@ TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
   // are within a tenth of the best stiffness, and the gentler one of such is taken.
   EXPECT_NEAR(margin_of(r, 60.0, 1.0, 6.18, 50.0, 288.0), 2.0, 0.04);
   EXPECT_NEAR(d.spec.injected_damping_ns_per_m, 0.9 * 6.18, 0.01);
-  EXPECT_GT(d.translation.shown_stiffness, 0.9 * 288.0);
+  EXPECT_GT(d.translation.displayed_stiffness, 0.9 * 288.0);
 }
 
 TEST(PublishedExample, AFirmlyHeldStylusShowsPartWithoutDamping) {
@@ -49,7 +49,7 @@ TEST(PublishedExample, AFirmlyHeldStylusShowsPartWithoutDamping) {
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kStiffnessReduced);
   EXPECT_EQ(d.spec.cutoff_hz, 80.0);
-  EXPECT_NEAR(d.translation.shown_stiffness, 230.0, 2.0);
+  EXPECT_NEAR(d.translation.displayed_stiffness, 230.0, 2.0);
 }
 
 TEST(PublishedExample, ADampedRobotNeedsOnlyMoreBandwidth) {
@@ -92,24 +92,24 @@ TEST(Stylus, OfFortyFiveGramsShowsMoreOnTheVelocityOfAWindow) {
   r.goals = {}, r.goals.free_cap = true;  // as a scene that asks for nothing
   const Design d = designed(r);
   EXPECT_EQ(d.spec.kind, "direct");
-  EXPECT_GE(d.translation.shown_stiffness, 650.0);
+  EXPECT_GE(d.translation.displayed_stiffness, 650.0);
   EXPECT_GE(d.translation.gain_margin, 2.0 * (1.0 - 1e-9));
   ASSERT_GT(d.spec.velocity_window, 0U);
   EXPECT_LE(d.spec.injected_damping_ns_per_m * 0.03 *
-                window_step_share(static_cast<int>(d.spec.velocity_window)),
+                window_step_ratio(static_cast<int>(d.spec.velocity_window)),
             0.05 * (1.0 + 1e-9));
   AxisProblem axis = axis_problems(r)[0];
-  axis.damper_share = 0.0;
+  axis.damping_force_ratio = 0.0;
   LoopController law{.law = LoopController::Law::kDirect};
   double most = 0.0;
   for (double hz = 20.0; hz < 600.0; hz *= 1.04)
-    for (const double share : {0.4, 0.6, 0.8, 0.9, 1.0}) {
+    for (const double fraction : {0.4, 0.6, 0.8, 0.9, 1.0}) {
       law.use({hz});
-      law.injected_damping = share * damping_limit(axis, {hz});
+      law.injected_damping = fraction * damping_limit(axis, {hz});
       most = std::max(most, certified_stiffness(axis, law, most));
     }
   std::printf("%.1f N/m on a window of %u, at most %.1f N/m behind a filter\n",
-              d.translation.shown_stiffness, d.spec.velocity_window, most);
+              d.translation.displayed_stiffness, d.spec.velocity_window, most);
   EXPECT_LT(most, 500.0);
   EXPECT_GT(most, 490.0);
 }

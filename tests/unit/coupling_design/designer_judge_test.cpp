@@ -1,4 +1,4 @@
-// The judge of a coupling that somebody else chose, and rule P: what holds for any passive hand.
+// The judge of a coupling that another program chose, and rule P: what holds for any passive hand.
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -80,7 +80,7 @@ TEST(AnyPassiveHand, GetsNoInjectedDampingAndRuleP) {
   const Design d = designed(r);
   EXPECT_EQ(d.spec.injected_damping_ns_per_m, 0.0);
   EXPECT_TRUE(d.translation.passive);
-  EXPECT_LE(2.0 * d.translation.shown_stiffness,
+  EXPECT_LE(2.0 * d.translation.displayed_stiffness,
             passive_stiffness_filter(cutoff_rad_per_s(d.spec), d.spec.damping_ratio, 50.0,
                                      r.device.timing, 3e-3) *
                 (1 + 1e-9));

@@ -112,14 +112,14 @@ TEST(Auto, KeepsTheFilterUnlessAnotherShowsATenthMore) {
   for (const char* kind : {"shaping_filter", "direct", "spring_damper"}) {
     r.goals.kind = kind;
     const Design d = designed(r);
-    const double shown =
-        d.status == DesignStatus::kInfeasible ? 0.0 : d.translation.shown_stiffness;
+    const double displayed =
+        d.status == DesignStatus::kInfeasible ? 0.0 : d.translation.displayed_stiffness;
     if (std::string(kind) == "shaping_filter")
-      filter = shown;
-    most = std::max(most, shown);
+      filter = displayed;
+    most = std::max(most, displayed);
   }
   EXPECT_GT(most, 1.5 * filter);
-  EXPECT_EQ(best.translation.shown_stiffness, most);
+  EXPECT_EQ(best.translation.displayed_stiffness, most);
   EXPECT_NE(best.spec.kind, "shaping_filter");
 }
 
@@ -131,12 +131,12 @@ TEST(Auto, LeavesTheFilterOutForLessThanHalfAsMuchAgain) {
   r.goals.free_cap = true;
   r.contact = {1e-3, 800.0};
   r.goals.kind = "shaping_filter";
-  const double filter = designed(r).translation.shown_stiffness;
+  const double filter = designed(r).translation.displayed_stiffness;
   r.goals.kind = "auto";
   const Design best = designed(r);
   EXPECT_EQ(best.spec.kind, "direct");
-  EXPECT_GT(best.translation.shown_stiffness, 1.1 * filter);
-  EXPECT_LT(best.translation.shown_stiffness, 1.5 * filter)
+  EXPECT_GT(best.translation.displayed_stiffness, 1.1 * filter);
+  EXPECT_LT(best.translation.displayed_stiffness, 1.5 * filter)
       << "else this says nothing of what is enough";
   EXPECT_EQ(best.reasons.front().find("Without the shaping filter"), std::string::npos)
       << "which is no limit: " << best.reasons.front();
@@ -192,9 +192,9 @@ TEST(LoopTable, MissesNoCrossingThatDampingMoves) {
     const VelocityResponse speed(one.plant.period_s, velocity.filter_rad_per_s(), velocity.window);
     LoopTable table({one}, std::array{velocity}), whole({one}, {});
     table.use(filter);
-    for (const double share : {1.0, 0.03, 0.3, 0.003, 0.6, 0.1}) {
+    for (const double fraction : {1.0, 0.03, 0.3, 0.003, 0.6, 0.1}) {
       const double damping =
-          share * critical_damping(one.plant, velocity.filter_rad_per_s(), velocity.window);
+          fraction * critical_damping(one.plant, velocity.filter_rad_per_s(), velocity.window);
       if (!std::isfinite(damping))
         continue;
       whole.use([&](const DecayingPhasor& at, double period) {
@@ -213,7 +213,7 @@ TEST(LoopTable, MissesNoCrossingThatDampingMoves) {
 /// they ask.
 TEST(FilterTable, AnswersEveryQuestionForItself) {
   DesignProblem r = stylus();
-  r.goals.damper_share = kDamperShare;
+  r.goals.damping_force_ratio = kDefaultDampingForceRatio;
   const AxisProblem problem = axis_problems(r)[0];
   FilterTable shared(problem.cases, kVelocityEstimates);
   LoopTable own(problem.cases, kVelocityEstimates);
@@ -227,16 +227,17 @@ TEST(FilterTable, AnswersEveryQuestionForItself) {
     const FilterSetting shape = any(shapes);
     const std::size_t v =
         static_cast<std::size_t>(random.below(static_cast<int>(kVelocityEstimates.size())));
-    const double damping = any(std::array{0.0, 1.0, 2.0}), share = any(std::array{0.0, 0.35, 1.0}),
-                 swing = any(std::array{0.75, 1.0}), enough = any(std::array{0.0, 300.0, 1000.0});
+    const double damping = any(std::array{0.0, 1.0, 2.0}),
+                 fraction = any(std::array{0.0, 0.35, 1.0}), swing = any(std::array{0.75, 1.0}),
+                 enough = any(std::array{0.0, 300.0, 1000.0});
     own.use([&](const DecayingPhasor& at, double period) {
       return std::isinf(shape.cutoff_hz)
                  ? Complex(1.0)
                  : filter_response(std::numbers::pi * shape.cutoff_hz * period, shape.damping_ratio,
                                    at);
     });
-    const double expected = own.critical(v, damping, 0.0, share, swing),
-                 found = shared.critical(shape, v, damping, enough, share, swing);
+    const double expected = own.critical(v, damping, 0.0, fraction, swing),
+                 found = shared.critical(shape, v, damping, enough, fraction, swing);
     if (expected >= enough)
       ASSERT_EQ(found, expected) << i;
     else
@@ -252,8 +253,9 @@ TEST(FilterSearch, TakesNothingForMoreThanItShowsWhereTheTableIsDenied) {
   DesignProblem r;
   for (int i = 0; i < 72; ++i)
     r = random_request(random);
-  r.goals.floors = {}, r.goals.damper_share = kDamperShare, r.goals.velocity_windows = true;
-  EXPECT_NEAR(designed(r).translation.shown_stiffness, 627.475, 0.001);
+  r.goals.floors = {}, r.goals.damping_force_ratio = kDefaultDampingForceRatio,
+  r.goals.velocity_windows = true;
+  EXPECT_NEAR(designed(r).translation.displayed_stiffness, 627.475, 0.001);
 }
 
 /// No setting that is tried, looked at exactly, shows more than a tenth more than the one that is
@@ -264,13 +266,13 @@ TEST(FilterSearch, TakesOneThatShowsNineTenthsOfTheBest) {
   for (int i = 0; i < 40; ++i) {
     DesignProblem r = random_request(random);
     r.goals.kind = "shaping_filter", r.goals.velocity_windows = true,
-    r.goals.damper_share = i % 2 == 0 ? kDamperShare : 0.0;
+    r.goals.damping_force_ratio = i % 2 == 0 ? kDefaultDampingForceRatio : 0.0;
     const AxisProblem problem = axis_problems(r)[0];
     if (problem.hand.any_passive)
       continue;
-    Searched searched;
-    const FilterChoice choice = search_filter({problem}, filter_settings(r),
-                                              r.goals.allow_injected_damping, true, searched);
+    CandidateCache cache;
+    const FilterChoice choice =
+        search_filter({problem}, filter_settings(r), r.goals.allow_injected_damping, true, cache);
     if (choice.status != DesignStatus::kStiffnessReduced)
       continue;
     const auto shows = [&](const FilterSetting& shape, const VelocityEstimate& velocity,

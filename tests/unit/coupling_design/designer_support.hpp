@@ -20,7 +20,7 @@ inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.
 /// What the published tables assume: a damper that is not bounded, on the velocity of a filter, and
 /// no floors of the damping ratio.
 inline void as_published(coupling::design::DesignGoals& goals) {
-  goals.kind = "shaping_filter", goals.damper_share = 0.0, goals.velocity_windows = false,
+  goals.kind = "shaping_filter", goals.damping_force_ratio = 0.0, goals.velocity_windows = false,
   goals.floors = {0.0, 0.0};
 }
 
@@ -54,7 +54,7 @@ inline coupling::design::DesignProblem robot(double mass_min, double mass_max, d
   return r;
 }
 
-/// The figures that the simulated stylus tells about itself.
+/// The figures that the simulated stylus reports about itself.
 inline coupling::design::DesignProblem sim_stylus() {
   coupling::design::DesignProblem r = stylus();
   r.device.name = "sim-phantom";
@@ -65,7 +65,7 @@ inline coupling::design::DesignProblem sim_stylus() {
   return r;
 }
 
-/// The figures that the simulated arm tells about itself, with its torque.
+/// The figures that the simulated arm reports about itself, with its torque.
 inline coupling::design::DesignProblem sim_arm() {
   coupling::design::DesignProblem r = robot(3.0, 6.0, 30.0);
   r.device.name = "sim-lwr";

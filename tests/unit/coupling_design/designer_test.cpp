@@ -42,13 +42,13 @@ void print(const DesignProblem& r, const Timed& t) {
       d.spec.injected_damping_ns_per_m, d.spec.injected_damping_nms_per_rad,
       d.spec.velocity_filter_hz, 1e3 * d.lag_s, d.max_approach_m_per_s, t.milliseconds);
   for (const AxisDesign* a : {&d.translation, &d.rotation})
-    if (a->wanted_stiffness > 0.0)
+    if (a->requested_stiffness > 0.0)
       std::printf(
           "  shown %.4g of %.4g, critical %.4g, margin %.4g, %s, passive up to %.4g, limit cycle "
           "%.3g, damping "
           "required %.3g "
           "or %.3g; %s\n",
-          a->shown_stiffness, a->wanted_stiffness, a->critical_stiffness, a->gain_margin,
+          a->displayed_stiffness, a->requested_stiffness, a->critical_stiffness, a->gain_margin,
           a->passive ? "passive" : "not passive", a->passive_stiffness, a->limit_cycle_bound,
           a->damping_required, a->damping_required_any_cutoff, a->worst_case_text.c_str());
   for (const std::string& s : d.reasons)
@@ -97,21 +97,21 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
     r.goals.velocity_windows = i % 2 > 0;
     const Timed t = timed(r);
     ++statuses[std::string(name_of(t.design.status)) + " " + t.design.spec.kind];
-    if (t.design.translation.shown_stiffness == 0.0)
+    if (t.design.translation.displayed_stiffness == 0.0)
       continue;
     const AxisProblem problem = axis_problems(r)[0];
     const LoopController law = law_of_translation(r, t.design.spec);
     const bool series = law.law == LoopController::Law::kSpringDamper;
     for (const LoopPlant& plant : finer_cases(problem, random, 40))
-      for (const double share : {0.001, 0.1, 1.0, 0.99 * r.goals.gain_margin}) {
+      for (const double fraction : {0.001, 0.1, 1.0, 0.99 * r.goals.gain_margin}) {
         LoopController scaled = law;
         if (series)
-          scaled.stiffness *= share, scaled.damping *= share;
-        const double k =
-            series ? share * r.contact.all_points : share * t.design.translation.shown_stiffness;
+          scaled.stiffness *= fraction, scaled.damping *= fraction;
+        const double k = series ? fraction * r.contact.all_points
+                                : fraction * t.design.translation.displayed_stiffness;
         ++loops;
         ASSERT_LT(spectral_radius(plant, scaled, k), 1.0)
-            << "request " << i << " " << t.design.spec.kind << " share " << share << " m "
+            << "request " << i << " " << t.design.spec.kind << " share " << fraction << " m "
             << plant.mass << "+" << plant.hand_mass << " b_h " << plant.hand_damping << " k_h "
             << plant.hand_stiffness << " T " << plant.period_s;
       }
@@ -135,10 +135,11 @@ TEST(Design, ShowsNoLessWhereItMayUseWindows) {
     EXPECT_EQ(without.spec.velocity_window, 0U) << i;
     r.goals.velocity_windows = true;
     const Design with = designed(r);
-    EXPECT_GE(with.translation.shown_stiffness, 0.985 * without.translation.shown_stiffness) << i;
+    EXPECT_GE(with.translation.displayed_stiffness, 0.985 * without.translation.displayed_stiffness)
+        << i;
     if (with.spec.velocity_window > 0)
-      ++windows, most = std::max(
-                     most, with.translation.shown_stiffness / without.translation.shown_stiffness);
+      ++windows, most = std::max(most, with.translation.displayed_stiffness /
+                                           without.translation.displayed_stiffness);
   }
   std::printf("%d designs on windows, up to %.2f times the stiffness\n", windows, most);
   EXPECT_GT(windows, 10);
@@ -162,9 +163,9 @@ TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
     // One step of the encoder, through the filter, at once; or what steps may add up to in a
     // window.
     const double period = r.device.timing.period_s;
-    const double share =
-        velocity.window > 0 ? window_step_share(velocity.window) : 1.0 - std::exp(-w * period);
-    const double noise = b * r.device.translation.resolution / period * share;
+    const double fraction =
+        velocity.window > 0 ? window_step_ratio(velocity.window) : 1.0 - std::exp(-w * period);
+    const double noise = b * r.device.translation.resolution / period * fraction;
     EXPECT_LE(noise, std::max(0.05, 0.005 * r.device.translation.max_effort) * (1 + 1e-9));
   }
   EXPECT_GT(damped, 10);
@@ -180,11 +181,12 @@ TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
     for (std::size_t a = 0; a < 2; ++a) {
       LoopController law = controller_of(d.spec, problems[a], arm_squared(r));
       const AxisDesign& axis = a == 0 ? d.translation : d.rotation;
-      EXPECT_GT(axis.shown_stiffness, 0.0) << kind;
+      EXPECT_GT(axis.displayed_stiffness, 0.0) << kind;
       const bool series = law.law == LoopController::Law::kSpringDamper;
       if (series)
         law.stiffness *= 1.98, law.damping *= 1.98;
-      const double k = series ? 1.98 * problems[a].contact.all_points : 1.98 * axis.shown_stiffness;
+      const double k =
+          series ? 1.98 * problems[a].contact.all_points : 1.98 * axis.displayed_stiffness;
       for (const LoopPlant& plant : finer_cases(problems[a], random, 300))
         ASSERT_LT(spectral_radius(plant, law, k), 1.0);
     }
@@ -203,7 +205,7 @@ TEST(Design, IsJudgedToHoldByTheJudge) {
     EXPECT_EQ(judged.status, DesignStatus::kAsRequested)
         << (judged.reasons.empty() ? "" : judged.reasons.front());
     EXPECT_EQ(judged.translation.critical_stiffness, d.translation.critical_stiffness);
-    EXPECT_EQ(judged.translation.shown_stiffness, d.translation.shown_stiffness);
+    EXPECT_EQ(judged.translation.displayed_stiffness, d.translation.displayed_stiffness);
     ++certified;
   }
   EXPECT_GT(certified, 15);
@@ -214,7 +216,7 @@ TEST(Design, ReportsTheMarginThatItHas) {
     const Design d = designed(r);
     const LoopController law = law_of_translation(r, d.spec);
     EXPECT_NEAR(d.translation.gain_margin,
-                d.translation.critical_stiffness / d.translation.shown_stiffness, 1e-9);
+                d.translation.critical_stiffness / d.translation.displayed_stiffness, 1e-9);
     EXPECT_GE(d.translation.gain_margin, r.goals.gain_margin);
     EXPECT_LT(
         spectral_radius(d.translation.worst_case, law, 0.999 * d.translation.critical_stiffness),
@@ -238,26 +240,26 @@ TEST(Design, MoreDampingLessDelayAndALowerWishNeverCostMuch) {
       for (double b = light ? 0.01 : 5.0; b < (light ? 20.0 : 100.0); b *= 2.0) {
         DesignProblem r = light ? stylus() : robot(2.0, 5.0, 1.0);
         r.device.translation.damping = b, r.goals.kind = kind, r.goals.free_cap = true;
-        const double shown = designed(r).translation.shown_stiffness;
-        EXPECT_GE(shown, kGrid * before) << kind << " damping " << b;
-        before = std::max(before, shown);
+        const double displayed = designed(r).translation.displayed_stiffness;
+        EXPECT_GE(displayed, kGrid * before) << kind << " damping " << b;
+        before = std::max(before, displayed);
       }
       before = 0.0;
       for (double delay = 6e-3; delay >= 0.0; delay -= 1.5e-3) {
         DesignProblem r = light ? stylus() : robot(2.0, 5.0, 10.0);
         r.device.timing.delay_s = delay, r.goals.kind = kind, r.goals.free_cap = true;
-        const double shown = designed(r).translation.shown_stiffness;
-        EXPECT_GE(shown, kGrid * before) << kind << " delay " << delay;
-        before = std::max(before, shown);
+        const double displayed = designed(r).translation.displayed_stiffness;
+        EXPECT_GE(displayed, kGrid * before) << kind << " delay " << delay;
+        before = std::max(before, displayed);
       }
       before = 0.0;
       for (double goal = 4000.0; goal > 20.0; goal /= 2.0) {
         DesignProblem r = light ? stylus() : robot(2.0, 5.0, 10.0);
         r.contact = {goal / 20.0, goal}, r.goals.kind = kind, r.goals.free_cap = true;
         const AxisDesign d = designed(r).translation;
-        EXPECT_GE(d.shown_stiffness / d.wanted_stiffness, kGrid * before)
+        EXPECT_GE(d.displayed_stiffness / d.requested_stiffness, kGrid * before)
             << kind << " wish " << goal;
-        before = std::max(before, d.shown_stiffness / d.wanted_stiffness);
+        before = std::max(before, d.displayed_stiffness / d.requested_stiffness);
       }
     }
   }
@@ -308,7 +310,7 @@ TEST(Design, WhatTwiceTheRateIsSaidToGiveIsTrueAndNoRemedyIsOutOfALaboratorysRea
       const Design again = designed(other);
       // The sentence is about the coupling as it is; a new one weighs the encoder's noise as well
       // and may stop a little short.
-      EXPECT_GE(again.translation.shown_stiffness, 0.9 * again.translation.wanted_stiffness)
+      EXPECT_GE(again.translation.displayed_stiffness, 0.9 * again.translation.requested_stiffness)
           << i << ": " << s;
       ++rates;
     }
@@ -319,7 +321,7 @@ TEST(Design, WhatTwiceTheRateIsSaidToGiveIsTrueAndNoRemedyIsOutOfALaboratorysRea
 TEST(Design, WhatTheCapRemedySaysIsTrue) {
   DesignProblem r = stylus();
   const Design d = designed(r);
-  r.contact.all_points = 0.999 * d.translation.shown_stiffness;
+  r.contact.all_points = 0.999 * d.translation.displayed_stiffness;
   const Design again = designed(r);
   EXPECT_EQ(again.spec.gain, 1.0);
   EXPECT_NE(again.status, DesignStatus::kStiffnessReduced);
@@ -407,7 +409,7 @@ TEST(Design, OfADeviceWithoutAnyDampingThatMayBeReleasedIsInfeasibleNotANumber) 
       r.goals.allow_injected_damping = false, r.goals.kind = kind, r.goals.free_cap = cap;
       const Design d = designed(r);
       EXPECT_EQ(d.status, DesignStatus::kInfeasible) << kind;
-      EXPECT_EQ(d.translation.shown_stiffness, 0.0) << kind;
+      EXPECT_EQ(d.translation.displayed_stiffness, 0.0) << kind;
       EXPECT_TRUE(std::isfinite(d.spec.gain) && std::isfinite(d.spec.stiffness_n_per_m));
       EXPECT_FALSE(d.reasons.empty());
     }

@@ -304,7 +304,7 @@ TEST(NonlinearLoop, ADamperThatIsBoundedNeedsACertificateOfItsOwn) {
   loop.duration_s = 10.579033722208118, loop.longest_s = 84.632269777664945,
   loop.seed = 10502131564318940975U;
   EXPECT_TRUE(coupling_models::simulate(loop).stable);
-  loop.damping_share = 0.5;
+  loop.damping_fraction = 0.5;
   EXPECT_FALSE(coupling_models::simulate(loop).stable);
 }
 
@@ -314,7 +314,7 @@ TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
   coupling_models::NonlinearLoop loop;
   loop.controller = {
       .law = LoopController::Law::kDirect, .injected_damping = 3.43, .velocity_window = 4};
-  const double shown = 684.0;
+  const double displayed = 684.0;
   double most = 0.0;
   int runs = 0;
   for (const double mass : {0.0, 0.02, 0.2})
@@ -325,7 +325,7 @@ TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
           if (mass > 0.0)
             loop.plant.hand_mass = mass, loop.plant.hand_damping = damping,
             loop.plant.hand_stiffness = stiffness;
-          loop.contact_stiffness = shown, loop.wall = coupling_models::WallLaw::kUnilateral;
+          loop.contact_stiffness = displayed, loop.wall = coupling_models::WallLaw::kUnilateral;
           loop.resolution = 3e-5, loop.jitter = 0.2, loop.loss = 0.03,
           loop.most_lost_in_a_row = lost;
           loop.damping_only_in_contact = runs % 3 > 0, loop.measured_period = runs % 2 > 0;
@@ -335,7 +335,7 @@ TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
           EXPECT_TRUE(verdict.stable) << mass << " " << damping << " " << stiffness << " " << lost
                                       << ": " << verdict.late_amplitude;
           most = std::max(most, verdict.late_effort);
-          loop.contact_stiffness = 1.9 * shown, loop.jitter = loop.loss = 0.0,
+          loop.contact_stiffness = 1.9 * displayed, loop.jitter = loop.loss = 0.0,
           loop.measured_period = false;
           EXPECT_TRUE(coupling_models::simulate(loop).stable)
               << mass << " " << damping << " " << stiffness << " at 1.9 times";

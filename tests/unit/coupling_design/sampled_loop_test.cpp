@@ -116,13 +116,13 @@ TEST(SampledLoop, RadiusIsTheGrowthOfALoopWithTheRingsOwnFilter) {
     if (c["B_inj"] != 0.0)
       continue;
     const LoopPlant p = plant_of(c);
-    for (const double share :
+    for (const double fraction :
          {0.98, 1.02}) {  // near the limit one slow oscillation outlives the rest
-      const double k = share * c["k_crit"].get<double>();
+      const double k = fraction * c["k_crit"].get<double>();
       coupling_models::Pt2 filter(c["w0"], c["d"], c["K"]);
       const double grown = growth(p, k, [&](double f) { return filter.step(f, p.period_s); });
       EXPECT_NEAR(grown, spectral_radius(p, controller_of(c), k), 3e-7)
-          << c["note"] << " share " << share;
+          << c["note"] << " share " << fraction;
     }
   }
 }

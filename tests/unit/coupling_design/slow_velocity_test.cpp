@@ -26,20 +26,21 @@ DesignProblem arm() {
 AxisProblem judged_by(const DesignProblem& request, const Design& d) {
   std::vector<AxisProblem> problems = axis_problems(request);
   set_floors(request, problems);
-  problems[0].damper_share = d.spec.damper_share;
+  problems[0].damping_force_ratio = d.spec.damping_force_ratio;
   return problems[0];
 }
 
-bool keeps(const DesignProblem& request, const Design& d, double hz, double share) {
+bool keeps(const DesignProblem& request, const Design& d, double hz, double fraction) {
   AxisProblem translation = judged_by(request, d);
   LoopController law = controller_of(d.spec, translation, 0.0);
   law.use({hz, 0});
   for (DesignCase& one : translation.cases)
-    one.least_damping_ratio *= share;
-  const double shown = shown_stiffness(request, axis_problems(request), d.spec)[0].coupling *
-                       d.translation.shown_stiffness;
-  return critical_case(translation, law).stiffness >= share * translation.margin * shown &&
-         keeps_floors(translation, law, d.translation.shown_stiffness);
+    one.least_damping_ratio *= fraction;
+  const double displayed =
+      displayed_stiffness(request, axis_problems(request), d.spec)[0].coupling *
+      d.translation.displayed_stiffness;
+  return critical_case(translation, law).stiffness >= fraction * translation.margin * displayed &&
+         keeps_floors(translation, law, d.translation.displayed_stiffness);
 }
 
 /// The slowest that keeps three quarters of margin and floors, while the velocity that large
@@ -74,8 +75,8 @@ TEST(SlowVelocity, IsGivenWhereAStepOfTheEncoderIsFeltAndNowhereElse) {
   }
 }
 
-/// Chosen by somebody else it is judged likewise, and a band that is wider than the encoder's steps
-/// is no small movement.
+/// Chosen by another program it is judged likewise, and a band that is wider than the encoder's
+/// steps is no small movement.
 TEST(SlowVelocity, ThatDoesNotHoldIsRefused) {
   const DesignProblem request = arm();
   const Design d = design_coupling(request);
@@ -126,10 +127,11 @@ double least_between(const LoopPlant& plant, const LoopController& law, double s
             : Complex(1.0);
     const Complex rest = 1.0 + stiffness * g * law_of_k,
                   one = rest + law.injected_damping * g * fast(at),
-                  way = law.injected_damping * g * (slow(at) - fast(at));
-    const double n =
-        std::clamp(-(one * std::conj(way)).real() / std::max(std::norm(way), 1e-300), 0.0, 1.0);
-    least = std::min(least, std::abs(one + n * way) / std::max(1.0, std::abs(rest - 1.0)));
+                  displacement = law.injected_damping * g * (slow(at) - fast(at));
+    const double n = std::clamp(
+        -(one * std::conj(displacement)).real() / std::max(std::norm(displacement), 1e-300), 0.0,
+        1.0);
+    least = std::min(least, std::abs(one + n * displacement) / std::max(1.0, std::abs(rest - 1.0)));
   }
   return least;
 }
@@ -154,7 +156,7 @@ TEST(SlowVelocity, HoldsBetweenTheTwoVelocitiesToo) {
       ++cases;
       least = std::min(least, least_between(one.plant, law, d.spec.slow_velocity_hz,
                                             0.9 * kLargeSwing * translation.margin *
-                                                d.translation.shown_stiffness));
+                                                d.translation.displayed_stiffness));
     }
   }
   std::printf(
@@ -189,7 +191,7 @@ TEST(SlowVelocity, CountsInTheLimitCycle) {
 }
 
 /// A simulated arm at rest on its encoder's steps: the damper's answer to them is a third and less,
-/// and the arm stays within what is told.
+/// and the arm stays within what is reported.
 TEST(SlowVelocity, QuietensASimulatedArm) {
   DesignProblem request = arm();
   request.device.translation.coulomb_friction = 0.0;
@@ -198,7 +200,7 @@ TEST(SlowVelocity, QuietensASimulatedArm) {
   loop.controller = controller_of(d.spec, axis_problems(request)[0], 0.0);
   loop.controller.gain = d.spec.gain;
   loop.contact_stiffness = d.spec.stiffness_cap_n_per_m;
-  loop.damping_only_in_contact = true, loop.damping_share = d.spec.damper_share,
+  loop.damping_only_in_contact = true, loop.damping_fraction = d.spec.damping_force_ratio,
   loop.damping_free = d.spec.damper_free_n;
   loop.resolution = request.device.translation.resolution;
   loop.push = 3.0, loop.start_speed = 0.05, loop.duration_s = 6.0;

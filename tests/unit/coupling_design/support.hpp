@@ -55,7 +55,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Devices from a small stylus to a heavy arm, held by anyone or nobody, with delay and lag.
+/// Devices from a small stylus to a heavy arm, held by anyone or none, with delay and lag.
 inline coupling::design::LoopPlant random_plant(Random& random, bool released) {
   coupling::design::LoopPlant p;
   p.mass = random.log(0.03, 24.0);

@@ -12,7 +12,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 TEST(Description, OfEveryDeviceThatIsKnownIsPossible) {
   for (const std::string& name : device_names())
-    EXPECT_EQ(what_is_wrong(describe_device(name)), "") << name;
+    EXPECT_EQ(validate(describe_device(name)), "") << name;
 }
 
 TEST(Description, IsRefusedForEachNumberThatCannotBe) {
@@ -41,15 +41,14 @@ TEST(Description, IsRefusedForEachNumberThatCannotBe) {
     for (const double impossible : {kNan, -1.0, -kInfinity}) {
       DeviceDescription d = good;
       d.*number = impossible;
-      EXPECT_NE(what_is_wrong(d), "") << impossible;
+      EXPECT_NE(validate(d), "") << impossible;
     }
   DeviceDescription swapped = good;
   std::swap(swapped.mass_min_kg, swapped.mass_max_kg);
-  EXPECT_NE(what_is_wrong(swapped).find("mass_max_kg is 3"), std::string::npos)
-      << what_is_wrong(swapped);
+  EXPECT_NE(validate(swapped).find("mass_max_kg is 3"), std::string::npos) << validate(swapped);
   DeviceDescription gripped = good;
   gripped.grip = "teeth";
-  EXPECT_NE(what_is_wrong(gripped), "");
+  EXPECT_NE(validate(gripped), "");
 }
 
 }  // namespace

@@ -153,8 +153,8 @@ TEST(Guard, FadesFromWhatItGivesEvenWhereTheSlewLimitHoldsItBack) {
   for (; now < 30 * kMs; now += kMs)
     guard.pass(push(-8.5), now);
   double last = guard.pass(push(8.5), now).force.x();  // has only begun to turn round
-  const std::int64_t heard = now;
-  for (now += kMs; now <= heard + 23 * kMs; now += kMs) {
+  const std::int64_t received_at = now;
+  for (now += kMs; now <= received_at + 23 * kMs; now += kMs) {
     const double out = guard.pass(std::nullopt, now).force.x();
     ASSERT_LE(std::abs(out - last), config.max_force_rate_n_per_s * 1e-3 * (1 + 1e-9));
     last = out;

@@ -22,15 +22,15 @@ TEST(Limits, ClampKeepsDirectionAndNeverRoundsOverTheLimit) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> component(-1.0, 1.0);
   for (int i = 0; i < 20000; ++i) {
-    const Vec3 wanted(component(random), component(random), component(random));
-    const double limit = 0.5 * (component(random) + 1.0) * length_of(wanted);
-    Vec3 v = wanted;
+    const Vec3 expected(component(random), component(random), component(random));
+    const double limit = 0.5 * (component(random) + 1.0) * length_of(expected);
+    Vec3 v = expected;
     ASSERT_TRUE(clamp_length(v, limit));
     ASSERT_LE(length_of(v), limit);
     ASSERT_LE(v.norm(), limit);
     ASSERT_NEAR(v.norm(), limit, 1e-14 * limit);
-    ASSERT_LE(v.cross(wanted).norm(), 1e-14 * v.norm() * wanted.norm() + 1e-300);
-    ASSERT_GE(v.dot(wanted), 0.0);
+    ASSERT_LE(v.cross(expected).norm(), 1e-14 * v.norm() * expected.norm() + 1e-300);
+    ASSERT_GE(v.dot(expected), 0.0);
   }
 }
 
@@ -56,9 +56,10 @@ TEST(Limits, ClampMakesAnythingFinite) {
 TEST(Limits, ALimitThatIsNoNumberNegativeOrNextToZeroLetsNothingPass) {
   constexpr double kMin = std::numeric_limits<double>::denorm_min();
   for (double limit : {kNan, -1.0, -kInf, 0.0, -0.0, kMin, 1e-310}) {
-    for (const Vec3& wanted : {Vec3(1, 2, 3), Vec3(kMin, -kMin, kMin), Vec3(1e-309, 0, -1e-309)}) {
-      Vec3 v = wanted;
-      EXPECT_EQ(clamp_length(v, limit), !(length_of(wanted) <= limit)) << limit;
+    for (const Vec3& expected :
+         {Vec3(1, 2, 3), Vec3(kMin, -kMin, kMin), Vec3(1e-309, 0, -1e-309)}) {
+      Vec3 v = expected;
+      EXPECT_EQ(clamp_length(v, limit), !(length_of(expected) <= limit)) << limit;
       EXPECT_TRUE(v.isZero(0.0) || length_of(v) <= limit) << limit;
     }
   }

@@ -66,7 +66,7 @@ TEST(Plant, UndampedTurningKeepsItsEnergy) {
 TEST(Plant, FrictionOnlyTakesEnergy) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
     sim::SimParameters p = ideal(1.0);
     p.mass_kg = Vec3(6.0, 0.05, 1.0 + 0.9 * any(random));
     p.description.coulomb_friction_n = std::pow(10.0, 2.0 * any(random));
@@ -80,7 +80,7 @@ TEST(Plant, FrictionOnlyTakesEnergy) {
     for (int i = 0; i < 4000; ++i) {
       plant.step({}, Vec3::Zero(), i * kDt, kDt);
       const double now = plant.energy(i * kDt);
-      ASSERT_LE(now, energy + 1e-13 * start) << "trial " << trial << " substep " << i;
+      ASSERT_LE(now, energy + 1e-13 * start) << "trial " << attempt << " substep " << i;
       energy = now;
     }
     ASSERT_LT(energy, start);
@@ -111,12 +111,12 @@ TEST(Plant, SlidingBodyStopsWhereTheClosedFormSays) {
   p.description.coulomb_friction_n = 3.0;
   sim::SimPlant plant(p, released(), stay());
   plant.set_state({}, {Vec3(0.3, 0.4, 0), Vec3::Zero()});
-  const double stop_s = 2.0 * 0.5 / 3.0, way = 0.5 * 0.5 * stop_s;
+  const double stop_s = 2.0 * 0.5 / 3.0, displacement = 0.5 * 0.5 * stop_s;
   run(plant, {}, static_cast<int>(stop_s / kDt) - 2);
   EXPECT_GT(plant.twist().linear.norm(), 0.0);
   run(plant, {}, 5);
   EXPECT_TRUE(plant.twist().linear.isZero(0.0));
-  EXPECT_NEAR(plant.pose().position.norm(), way, 1e-7);
+  EXPECT_NEAR(plant.pose().position.norm(), displacement, 1e-7);
   EXPECT_NEAR(plant.pose().position.y() / plant.pose().position.x(), 4.0 / 3.0, 1e-12);
 }
 
@@ -180,7 +180,7 @@ TEST(Plant, HandFollowsItsMotionAndTheToolKeepsItsOrientation) {
 
 TEST(Plant, AHandThatLetsGoTakesItsMassAndItsSpringAlong) {
   sim::OperatorConfig hand = spring(0.1, 0.0, 300.0);
-  hand.let_go_at_s = 0.01;
+  hand.release_time_s = 0.01;
   sim::SimPlant plant(ideal(0.075), hand, stay());
   run(plant, {}, 80);
   EXPECT_TRUE(plant.held_at(0.0099));

@@ -72,15 +72,15 @@ TEST(Registry, OpensTheDriversAtTheirCounterpartsWhereTheHandIs) {
     DeviceSample sample;
     for (int i = 0; i < 500; ++i) {
       const auto read = device->read(std::chrono::milliseconds(10));
-      ASSERT_TRUE(read) << name << ": " << device->trouble();
+      ASSERT_TRUE(read) << name << ": " << device->last_error();
       sample = *read;
-      ASSERT_TRUE(device->write({})) << name << ": " << device->trouble();
+      ASSERT_TRUE(device->write({})) << name << ": " << device->last_error();
     }
     EXPECT_EQ(sample.time_ns, 499'000'000);
     EXPECT_LT((sample.pose.position - options.motion->path[0]).norm(), 0.003)
         << name << sample.pose.position.transpose();
     EXPECT_LT(sample.pose.orientation.angularDistance(Quat::Identity()), 0.03) << name;
-    EXPECT_EQ(device->trouble(), "") << name;
+    EXPECT_EQ(device->last_error(), "") << name;
   }
 }
 
@@ -201,7 +201,7 @@ TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
       ++good;
     EXPECT_GT(good, 90) << name;
     EXPECT_LT(good, 400) << name;
-    EXPECT_NE(device->trouble(), "") << name;
+    EXPECT_NE(device->last_error(), "") << name;
   }
 }
 

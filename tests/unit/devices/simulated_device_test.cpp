@@ -205,7 +205,8 @@ TEST(SimulatedDevice, NamesWhatCannotBeSimulated) {
   };
   EXPECT_TRUE(has(sentence([](auto& p, auto&) { p.hand.stiffness_n_per_m = -1.0; }),
                   "hand stiffness_n_per_m is -1"));
-  EXPECT_TRUE(has(sentence([](auto& p, auto&) { p.hand.let_go_at_s = kNan; }), "let_go_at_s"));
+  EXPECT_TRUE(
+      has(sentence([](auto& p, auto&) { p.hand.release_time_s = kNan; }), "release_time_s"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.path.clear(); }), "way point"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.path[0].z() = kNan; }), "finite"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.speed_m_per_s = 0.0; }), "speed"));

@@ -74,7 +74,7 @@ TEST(SpoofedWriter, IsHeldWithinTheLimitsAndTheCouplingIsFeltAgainWhenHeStops) {
   int periods = 0;
   while (std::abs(last - 0.3) > 1e-6 && periods < 1000)
     genuine(), last = loop.cycle(), ++periods;
-  EXPECT_LT(periods, 150) << "the coupling is felt again";
+  EXPECT_LT(periods, 150) << "the coupling is displayed again";
   loop.offer(loop.sample, 8.5, std::numeric_limits<std::int64_t>::max());
   for (int i = 0; i < 30; ++i)
     last = loop.cycle();

@@ -87,7 +87,7 @@ TEST_F(FriSessionCapture, EveryAnswerReflectsItsMeasurement) {
     ++answered;
   }
   EXPECT_GE(answered + 1, packets->measurements.size()) << "the last one may be friClose's";
-  // And the controller tells in the next measurement that it took it.
+  // And the controller reports in the next measurement that it took it.
   for (std::size_t i = 1; i < packets->commands.size() && i < packets->measurements.size(); ++i)
     EXPECT_EQ(packets->measurements[i]["reflSeqCount"], packets->commands[i - 1]["sendSeqCount"])
         << i;

@@ -38,7 +38,7 @@ class DriverContract : public testing::TestWithParam<Maker> {
   }
   void open_and_push() {
     open();
-    ASSERT_TRUE(subject->push_until_felt(push)) << subject->driver().trouble();
+    ASSERT_TRUE(subject->push_until_measured(push)) << subject->driver().last_error();
   }
   Subject::Cycle cycle(const std::optional<Wrench>& command) { return subject->cycle(command); }
   void cycles(int n, const std::optional<Wrench>& command) {
@@ -112,7 +112,7 @@ TEST_P(DriverContract, ReadGivesFiniteSamplesAndTimeGrows) {
   open();
   std::int64_t last = -1;
   int samples = 0;
-  double way_s = 0.0;
+  double path_s = 0.0;
   for (int i = 0; i < 300; ++i) {
     const auto t = cycle(push);
     if (!t.sample)
@@ -123,11 +123,11 @@ TEST_P(DriverContract, ReadGivesFiniteSamplesAndTimeGrows) {
     EXPECT_TRUE(t.sample->pose_valid);
     EXPECT_GT(t.sample->time_ns, last);
     if (last >= 0)
-      way_s += 1e-9 * static_cast<double>(t.sample->time_ns - last);
+      path_s += 1e-9 * static_cast<double>(t.sample->time_ns - last);
     last = t.sample->time_ns;
   }
   EXPECT_GT(samples, subject->virtual_time() ? 299 : 200);
-  EXPECT_NEAR(way_s / (samples - 1), period_s, subject->virtual_time() ? 1e-9 : period_s);
+  EXPECT_NEAR(path_s / (samples - 1), period_s, subject->virtual_time() ? 1e-9 : period_s);
 }
 
 TEST_P(DriverContract, ThePlantReceivesTheForceThatIsWritten) {
@@ -135,7 +135,7 @@ TEST_P(DriverContract, ThePlantReceivesTheForceThatIsWritten) {
   for (const Vec3& direction :
        {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-0.5, 0.4, -0.3)}) {
     const Wrench command{push.force.norm() * direction, Vec3::Zero()};
-    ASSERT_TRUE(subject->push_until_felt(command, 0.03)) << subject->driver().trouble();
+    ASSERT_TRUE(subject->push_until_measured(command, 0.03)) << subject->driver().last_error();
   }
   const Wire wire = subject->wire();
   EXPECT_GT(wire.pushes, 20u);
@@ -162,7 +162,7 @@ TEST_P(DriverContract, RefusedCommandsReachThePlantAsZero) {
   all.push_back({{push.force, Vec3(0, d.max_torque_nm * (1 + 1e-9) + 1e-9, 0)},
                  devices::DeviceError::kLimit});
   for (const Bad& bad : all) {
-    ASSERT_TRUE(subject->push_until_felt(push));
+    ASSERT_TRUE(subject->push_until_measured(push));
     Subject::Cycle first;
     do
       first = cycle(bad.wrench);  // in real time a period may go by without a sample
@@ -173,7 +173,7 @@ TEST_P(DriverContract, RefusedCommandsReachThePlantAsZero) {
     cycles(periods_of(8 * period_s), bad.wrench);
     expect_zero_after(first.time_s, 8 * period_s + subject->slack_s());
   }
-  EXPECT_TRUE(subject->push_until_felt(push)) << "and takes good ones again";
+  EXPECT_TRUE(subject->push_until_measured(push)) << "and takes good ones again";
 }
 
 TEST_P(DriverContract, StopIsZeroNowAndTwiceIsFine) {
@@ -185,13 +185,13 @@ TEST_P(DriverContract, StopIsZeroNowAndTwiceIsFine) {
   cycles(periods_of(0.1), std::nullopt);
   expect_zero_after(at_s, 0.1);
 
-  ASSERT_TRUE(subject->push_until_felt(push));  // now with a command under way
+  ASSERT_TRUE(subject->push_until_measured(push));  // now with a command under way
   at_s = cycle(push).time_s;
   subject->driver().stop();
   subject->driver().stop();
   cycles(periods_of(0.1), std::nullopt);
   expect_zero_after(at_s, 0.1, subject->answers_are_final() ? 2.0 : 1.0);
-  EXPECT_TRUE(subject->push_until_felt(push)) << "the next write pushes again";
+  EXPECT_TRUE(subject->push_until_measured(push)) << "the next write pushes again";
 }
 
 TEST_P(DriverContract, AnUnansweredPeriodIsZeroForce) {
@@ -234,7 +234,7 @@ TEST_P(DriverContract, OpenedTwiceItIsASentenceAndTheFirstGoesOn) {
   } else {
     EXPECT_NE(second.driver, nullptr);
   }
-  EXPECT_TRUE(subject->push_until_felt(push));
+  EXPECT_TRUE(subject->push_until_measured(push));
 }
 
 TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
@@ -278,7 +278,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
   EXPECT_EQ(wire.not_finite, 0u);
   EXPECT_LE(wire.force_n, d.max_force_n * (1 + 1e-4));
   EXPECT_LE(wire.torque_nm, d.max_torque_nm * (1 + 1e-3) + 1e-2);
-  EXPECT_LE(wire.drive_share, 1.0 + 1e-6);
+  EXPECT_LE(wire.drive_ratio, 1.0 + 1e-6);
   EXPECT_GT(wire.force_n, 0.5 * d.max_force_n);
   EXPECT_GT(samples, commands / 2);
   EXPECT_GT(refused, samples / 4);

@@ -1,4 +1,4 @@
-// Every fault that a counterpart offers: which error the driver tells, when the plant's force is
+// Every fault that a emulator offers: which error the driver reports, when the plant's force is
 // zero, and what comes after.
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -20,8 +20,8 @@ std::unique_ptr<Subject> subject_of(const FaultCase& fault, bool virtual_time) {
   return fault.plant == Plant::kLwr ? lwr(virtual_time) : fr3(virtual_time);
 }
 
-bool told(const FaultOutcome& o, devices::DeviceError error) {
-  return std::find(o.told.begin(), o.told.end(), error) != o.told.end();
+bool reported(const FaultOutcome& o, devices::DeviceError error) {
+  return std::find(o.reported.begin(), o.reported.end(), error) != o.reported.end();
 }
 
 class EveryFault : public testing::TestWithParam<std::size_t> {
@@ -40,17 +40,17 @@ TEST_P(EveryFault, IsToldAndZeroInTimeAndEndsAsExpected) {
   }
   EXPECT_TRUE(o.pushed) << o.before_n;
   if (fault().after == After::kRidesThrough) {
-    EXPECT_TRUE(o.told.empty());
+    EXPECT_TRUE(o.reported.empty());
     return;
   }
-  ASSERT_FALSE(o.told.empty());
-  EXPECT_EQ(devices::name_of(o.told.front()), devices::name_of(fault().told));
+  ASSERT_FALSE(o.reported.empty());
+  EXPECT_EQ(devices::name_of(o.reported.front()), devices::name_of(fault().reported));
   ASSERT_TRUE(o.zero_after_s);
   EXPECT_LE(*o.zero_after_s, o.bound_s + 1e-9);
   EXPECT_EQ(o.bound_s - subject->slack_s() > o.period_s + 1e-9, !fault().why.empty())
       << "longer than a period only with a reason";
-  // In virtual time nothing waits, so a driver that hears nothing has nothing to say yet.
-  if (fault().told != devices::DeviceError::kTimeout) {
+  // In virtual time nothing waits, so a driver that receives nothing has nothing to say yet.
+  if (fault().reported != devices::DeviceError::kTimeout) {
     EXPECT_GT(o.sentence.size(), 20u) << o.sentence;
   }
 }
@@ -76,7 +76,7 @@ TEST(FaultInRealTime, IsZeroInTimeToo) {
     SCOPED_TRACE(fault.name);
     const FaultOutcome o = run_fault(*subject_of(fault, false), fault);
     EXPECT_TRUE(o.good()) << o.before_n << " N before, " << o.largest_n << " N after";
-    EXPECT_TRUE(told(o, fault.told));
+    EXPECT_TRUE(reported(o, fault.reported));
     EXPECT_FALSE(o.sentence.empty());
     EXPECT_EQ(name_of(o.after), name_of(fault.after));
   }
@@ -110,7 +110,7 @@ TEST(Fault, AKilledControllerIsATimeoutAndThenDisconnectedAndTheDriverStillClose
   ASSERT_GT(errors.size(), 10u);
   EXPECT_EQ(errors.front(), devices::DeviceError::kTimeout);
   EXPECT_EQ(errors.back(), devices::DeviceError::kDisconnected);
-  EXPECT_NE(driver->trouble().find("cable"), std::string::npos) << driver->trouble();
+  EXPECT_NE(driver->last_error().find("cable"), std::string::npos) << driver->last_error();
   const auto start = std::chrono::steady_clock::now();
   driver.reset();
   EXPECT_LT(std::chrono::steady_clock::now() - start, 2s);

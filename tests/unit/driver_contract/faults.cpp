@@ -25,17 +25,18 @@ constexpr std::string_view kHalf =
     "every other answer still comes: the controller bears ten misses of a hundred";
 
 constexpr FaultCase hd(std::string_view name, int code, double amount, double end_amount,
-                       After after, devices::DeviceError told, double bound_s = 0.0,
+                       After after, devices::DeviceError reported, double bound_s = 0.0,
                        std::string_view why = {}) {
-  return {name, Plant::kPhantom, code, amount, end_amount, {}, false, after, told, bound_s, why};
+  return {name,  Plant::kPhantom, code,     amount,  end_amount, {},
+          false, after,           reported, bound_s, why};
 }
 constexpr FaultCase opening(std::string_view name, int code, double amount, After after) {
   return {name, Plant::kPhantom, code, amount, -1, {}, false, after, kFault, 0.0, {}, true};
 }
 constexpr FaultCase fri(std::string_view name, std::string_view text, After after,
-                        devices::DeviceError told, double bound_s = 0.0, std::string_view why = {},
-                        bool short_one = false) {
-  return {name, Plant::kLwr, 0, 0.0, 0.0, text, short_one, after, told, bound_s, why};
+                        devices::DeviceError reported, double bound_s = 0.0,
+                        std::string_view why = {}, bool short_one = false) {
+  return {name, Plant::kLwr, 0, 0.0, 0.0, text, short_one, after, reported, bound_s, why};
 }
 
 constexpr double kTwenty =
@@ -43,9 +44,9 @@ constexpr double kTwenty =
 constexpr std::string_view kRobot =
     "no state, no answer: the robot bears twenty misses, as the maker says";
 constexpr FaultCase fci(std::string_view name, std::string_view text, After after,
-                        devices::DeviceError told, double bound_s = 0.0, std::string_view why = {},
-                        bool short_one = false) {
-  return {name, Plant::kFr3, 0, 0.0, 0.0, text, short_one, after, told, bound_s, why};
+                        devices::DeviceError reported, double bound_s = 0.0,
+                        std::string_view why = {}, bool short_one = false) {
+  return {name, Plant::kFr3, 0, 0.0, 0.0, text, short_one, after, reported, bound_s, why};
 }
 
 }  // namespace
@@ -134,13 +135,14 @@ double fault_lasts_s(const Subject& subject, const FaultCase& fault) {
 
 namespace {
 
-void note(FaultOutcome& o, devices::DeviceError error, double after_s, const std::string& trouble) {
-  if (!o.told_after_s)
-    o.told_after_s = after_s;
+void note(FaultOutcome& o, devices::DeviceError error, double after_s,
+          const std::string& last_error) {
+  if (!o.reported_after_s)
+    o.reported_after_s = after_s;
   if (o.sentence.empty())
-    o.sentence = trouble;
-  if (std::find(o.told.begin(), o.told.end(), error) == o.told.end())
-    o.told.push_back(error);
+    o.sentence = last_error;
+  if (std::find(o.reported.begin(), o.reported.end(), error) == o.reported.end())
+    o.reported.push_back(error);
 }
 
 /// What the plant got, against the bound.
@@ -164,7 +166,7 @@ void judge(FaultOutcome& o, const std::vector<Received>& received, double began_
   }
 }
 
-bool felt(const std::vector<Received>& received, const Wrench& push, double since_s) {
+bool force_returns(const std::vector<Received>& received, const Wrench& push, double since_s) {
   return !received.empty() && received.back().begin_s > since_s &&
          received.back().wrench.force.norm() > 0.8 * push.force.norm();
 }
@@ -201,12 +203,12 @@ FaultOutcome run_fault(Subject& subject, const FaultCase& fault) {
     const double over_s = *began + std::max(fault_lasts_s(subject, fault), o.bound_s + kWatched);
     end_s = over_s + (fault.plant == Plant::kPhantom ? 0.5 : 2.0);
     if (!t.sample)
-      note(o, t.sample.error(), t.time_s - *began, t.trouble);
+      note(o, t.sample.error(), t.time_s - *began, t.last_error);
     if (t.sample && !t.written)
-      note(o, t.written.error(), t.time_s - *began, t.trouble);
-    back = subject.now_s() > over_s && felt(subject.received(), push, over_s);
+      note(o, t.written.error(), t.time_s - *began, t.last_error);
+    back = subject.now_s() > over_s && force_returns(subject.received(), push, over_s);
   }
-  o.after = !back ? After::kEnds : o.told.empty() ? After::kRidesThrough : After::kRecovers;
+  o.after = !back ? After::kEnds : o.reported.empty() ? After::kRidesThrough : After::kRecovers;
   subject.close();
   judge(o, subject.received(), subject.fault_began_s().value_or(0.0));
   o.pushed = o.before_n > 0.8 * push.force.norm();

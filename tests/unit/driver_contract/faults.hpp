@@ -1,5 +1,5 @@
 #pragma once
-/// Every fault that the two counterparts offer, what a driver has to make of it, and the measuring
+/// Every fault that the two emulators offer, what a driver has to make of it, and the measuring
 /// of what it made.
 #include <optional>
 #include <string>
@@ -16,7 +16,7 @@ enum class Plant : std::uint8_t { kPhantom, kLwr, kFr3 };
 
 /// What becomes of the session.
 enum class After : std::uint8_t {
-  kRidesThrough,  ///< nothing is told, and force need not end
+  kRidesThrough,  ///< nothing is reported, and force need not end
   kRecovers,      ///< force comes back with the commands, once the fault is over
   kEnds,          ///< the driver says so for good: it is to be opened anew
   kRefused,       ///< it does not open
@@ -32,9 +32,9 @@ struct FaultCase {
                               ///< follow after a colon
   bool short_one;  ///< lasts a millisecond; the others longer than anything is watched for
   After after;
-  devices::DeviceError told;  ///< means nothing for kRidesThrough and kRefused
-  double bound_s;             ///< longest until zero force; 0: one period
-  std::string_view why;       ///< the bound is longer than one period
+  devices::DeviceError reported;  ///< means nothing for kRidesThrough and kRefused
+  double bound_s;                 ///< longest until zero force; 0: one period
+  std::string_view why;           ///< the bound is longer than one period
   bool at_opening = false;
 };
 const std::vector<FaultCase>& fault_cases();
@@ -45,14 +45,14 @@ struct FaultOutcome {
   const FaultCase* fault = nullptr;
   bool virtual_time = true, pushed = false;  ///< pushed: the plant gave the push before the fault
   double period_s = 0.0, bound_s = 0.0;
-  double before_n = 0.0;                   ///< force when it began
-  std::vector<devices::DeviceError> told;  ///< each kind once, in order
-  std::optional<double> told_after_s;
+  double before_n = 0.0;                       ///< force when it began
+  std::vector<devices::DeviceError> reported;  ///< each kind once, in order
+  std::optional<double> reported_after_s;
   std::optional<double>
       zero_after_s;  ///< from the begin of the fault; absent: not zero for the 100 ms
   double largest_n = 0.0, largest_nm = 0.0;  ///< begun after the bound, within 100 ms
   After after = After::kEnds;
-  std::string sentence;  ///< of the driver, when it first told
+  std::string sentence;  ///< of the driver, when it first reported
 
   bool zero_in_time() const noexcept { return largest_n == 0.0 && largest_nm == 0.0; }
   /// Nothing is received that should not be.

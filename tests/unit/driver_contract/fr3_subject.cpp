@@ -32,7 +32,7 @@ class Fr3Ears {
     const std::lock_guard lock(mutex_);
     return wire_;
   }
-  void hear(const void* data, std::size_t size) {
+  void receive(const void* data, std::size_t size) {
     const std::lock_guard lock(mutex_);
     if (dialect_ == nullptr)
       return;
@@ -63,8 +63,8 @@ class Fr3Ears {
     wire_.force_n = std::max(wire_.force_n, wrench.head<3>().norm());
     wire_.torque_nm = std::max(wire_.torque_nm, wrench.tail<3>().norm());
     const arm::Joints limit = fr3::Fr3Options().max_add_torque_nm;
-    wire_.drive_share =
-        std::max(wire_.drive_share, (torque.array().abs() / limit.array()).maxCoeff());
+    wire_.drive_ratio =
+        std::max(wire_.drive_ratio, (torque.array().abs() / limit.array()).maxCoeff());
   }
 
   std::mutex mutex_;
@@ -74,7 +74,7 @@ class Fr3Ears {
   Wire wire_;
 };
 
-hand::Hand somebody() {
+hand::Hand gripping_hand() {
   sim::OperatorConfig config = *hand::grip("arm");
   config.carries_tool = false;
   config.stiffness_n_per_m = 500.0;
@@ -145,10 +145,10 @@ class Fr3Subject final : public Subject {
     config.version = version_;
     config.torque_delay_ticks = 0;
     config.torque_lag_s = 0.0;
-    config.laws.compensates_coriolis = false;      // which would be force that nobody asked for
+    config.laws.compensates_coriolis = false;      // which would be force that none asked for
     config.limits.speed_rad_s.setConstant(100.0);  // random forces: the driver's own limit is asked
     const fr3_sim::FaultSchedule schedule(faults);
-    robot_ = std::make_unique<fr3_sim::FciRobot>(config, somebody(), schedule);
+    robot_ = std::make_unique<fr3_sim::FciRobot>(config, gripping_hand(), schedule);
     fr3_sim::ServerConfig network;
     network.virtual_time = virtual_time_;
     network.patience_s = 1.0;
@@ -180,6 +180,6 @@ std::unique_ptr<Subject> fr3(bool virtual_time, std::uint16_t version) {
   return std::make_unique<Fr3Subject>(virtual_time, version);
 }
 
-void fr3_hears(const void* data, std::size_t size) { Fr3Ears::instance().hear(data, size); }
+void fr3_receives(const void* data, std::size_t size) { Fr3Ears::instance().receive(data, size); }
 
 }  // namespace voxtouch::contract

@@ -36,7 +36,7 @@ class Ears {
     const std::lock_guard lock(mutex_);
     return wire_;
   }
-  void hear(const void* data, std::size_t size) {
+  void receive(const void* data, std::size_t size) {
     const std::lock_guard lock(mutex_);
     if (size == sizeof(lwr::fri::MsrPacket)) {
       lwr::fri::MsrPacket msr;
@@ -68,8 +68,8 @@ class Ears {
     wire_.force_n = std::max(wire_.force_n, wrench.head<3>().norm());
     wire_.torque_nm = std::max(wire_.torque_nm, wrench.tail<3>().norm());
     const lwr::LwrJoints limit = lwr::LwrOptions().max_add_torque_nm;
-    wire_.drive_share =
-        std::max(wire_.drive_share, (torque.array().abs() / limit.array()).maxCoeff());
+    wire_.drive_ratio =
+        std::max(wire_.drive_ratio, (torque.array().abs() / limit.array()).maxCoeff());
   }
 
   std::mutex mutex_;
@@ -144,7 +144,7 @@ class LwrSubject final : public Subject {
                                       : std::vector<Fault>());
     config.torque_delay_ticks = 0;
     config.torque_lag_s = 0.0;
-    config.laws.compensates_coriolis = false;  // which would be force that nobody asked for
+    config.laws.compensates_coriolis = false;  // which would be force that none asked for
     controller_ = std::make_unique<FriController>(
         config, lwr_sim::test::arm_at(Vec3::Zero(), 500.0, 60.0), faults);
     SessionConfig network;
@@ -197,7 +197,7 @@ std::unique_ptr<Subject> lwr(bool virtual_time, const std::string& capture) {
   return std::make_unique<LwrSubject>(virtual_time, capture);
 }
 
-void lwr_hears(const void* data, std::size_t size) { Ears::instance().hear(data, size); }
+void lwr_receives(const void* data, std::size_t size) { Ears::instance().receive(data, size); }
 
 }  // namespace voxtouch::contract
 
@@ -208,8 +208,8 @@ ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, c
                       socklen_t length);
 ssize_t __wrap_sendto(int file, const void* data, std::size_t size, int flags, const sockaddr* to,
                       socklen_t length) {
-  voxtouch::contract::lwr_hears(data, size);
-  voxtouch::contract::fr3_hears(data, size);
+  voxtouch::contract::lwr_receives(data, size);
+  voxtouch::contract::fr3_receives(data, size);
   return __real_sendto(file, data, size, flags, to, length);
 }
 }

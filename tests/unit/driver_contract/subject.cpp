@@ -38,7 +38,7 @@ Subject::Cycle Subject::cycle(const std::optional<Wrench>& command) {
   if (scheduled_faults())
     look_after_fault();
   if (began_s_)
-    t.trouble = driver_->trouble();
+    t.last_error = driver_->last_error();
   if (command)
     t.written = driver_->write(*command);
   observe();
@@ -49,7 +49,7 @@ Subject::Cycle Subject::cycle(const std::optional<Wrench>& command) {
   return t;
 }
 
-bool Subject::push_until_felt(const Wrench& command, double tolerance) {
+bool Subject::push_until_measured(const Wrench& command, double tolerance) {
   const auto give_up = std::chrono::steady_clock::now() + 20s;
   const double start = now_s();
   while (now_s() < start + 4.0 && std::chrono::steady_clock::now() < give_up) {

@@ -27,8 +27,8 @@ struct Wire {
   std::uint64_t pushes = 0;               ///< that did
   std::uint64_t not_finite = 0;           ///< with any number that is none
   double force_n = 0.0, torque_nm = 0.0;  ///< the largest
-  double drive_share =
-      0.0;  ///< the largest torque of a joint, as a share of what one may be asked for
+  double drive_ratio =
+      0.0;  ///< the largest torque of a joint, as a fraction of what one may be asked for
 };
 
 /// One device, its clock and its ears. The thread that makes it owns it; the plant may run on
@@ -49,15 +49,15 @@ class Subject {
   struct Cycle {
     devices::DeviceResult<devices::DeviceSample> sample;
     devices::DeviceResult<void> written;
-    double time_s = 0.0;  ///< of the plant, when the write came
-    std::string trouble;  ///< as another thread would hear it between the two; once a planned fault
-                          ///< has begun
+    double time_s = 0.0;     ///< of the plant, when the write came
+    std::string last_error;  ///< as another thread would hear it between the two; once a planned
+                             ///< fault has begun
   };
-  /// One period of a loop that hears nothing: whatever `read` says, it writes, unless `command` is
-  /// absent.
+  /// One period of a loop that receives nothing: whatever `read` says, it writes, unless `command`
+  /// is absent.
   Cycle cycle(const std::optional<Wrench>& command);
   /// Writes `command` until the plant gives it. False: it never did.
-  bool push_until_felt(const Wrench& command, double tolerance = 0.1);
+  bool push_until_measured(const Wrench& command, double tolerance = 0.1);
 
   struct Another {
     std::unique_ptr<devices::Driver> driver;  ///< null: it was refused
@@ -85,7 +85,7 @@ class Subject {
   virtual double fade_s() const { return 0.0; }
   /// How many periods a command has to last to be reached, likewise.
   virtual int periods_to_reach() const { return 1; }
-  /// What a machine that others use may take beside one period, and what the device does; in
+  /// What a machine that others use may take next to one period, and what the device does; in
   /// virtual time the latter alone.
   double slack_s() const { return fade_s() + (virtual_time() ? 0.0 : 10.0 * usual_period_s()); }
   virtual double usual_period_s() const { return 1e-3; }
@@ -128,7 +128,7 @@ std::unique_ptr<Subject> lwr(bool virtual_time, const std::string& capture = {})
 std::unique_ptr<Subject> fr3(bool virtual_time, std::uint16_t version = 10);
 
 /// What this process hands to the system for the network, for the subjects that listen.
-void lwr_hears(const void* data, std::size_t size);
-void fr3_hears(const void* data, std::size_t size);
+void lwr_receives(const void* data, std::size_t size);
+void fr3_receives(const void* data, std::size_t size);
 
 }  // namespace voxtouch::contract

@@ -18,7 +18,7 @@ bool broken = false;
 class Spring final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectPush& push) noexcept override {
+             EffectForce& push) noexcept override {
     const double k = values.number(kStiffness);
     const Vec3& x = frame.tool.position;
     push.wrench.force -= k * x;
@@ -82,7 +82,7 @@ TEST(EffectKinds, AreSortedByNameAndCompleteInWhatTheySay) {
 
 TEST(EffectChain, WithoutEffectsGivesNothing) {
   EffectChain chain({});
-  const EffectPush push = chain.apply(at(Vec3(1, 2, 3)));
+  const EffectForce push = chain.apply(at(Vec3(1, 2, 3)));
   EXPECT_TRUE(push.wrench.zero());
   EXPECT_TRUE(push.stiffness.isZero(0.0));
 }
@@ -95,7 +95,7 @@ TEST(EffectChain, ARegionKeepsAConservativeEffectConservative) {
   const auto potential = [&](const Vec3& x) { return chain.apply(at(x)).potential_j; };
   for (const Vec3& x : {Vec3(0.1, 0.01, 0), Vec3(0.1, 0.038, 0.01), Vec3(0.06, 0.01, -0.01),
                         Vec3(0.13, 0.02, 0.02)}) {
-    const EffectPush push = chain.apply(at(x));
+    const EffectForce push = chain.apply(at(x));
     for (int axis = 0; axis < 3; ++axis) {
       const Vec3 step = 1e-6 * Vec3::Unit(axis);
       EXPECT_NEAR(-(potential(x + step) - potential(x - step)) / 2e-6, push.wrench.force[axis],
@@ -114,13 +114,13 @@ TEST(EffectChain, ChangesWhileRunningAreRampsAndNoSteps) {
   const EffectFrame frame = at(Vec3(0.1, 0, 0));
   double force = chain.apply(frame).wrench.force.x();
   EXPECT_DOUBLE_EQ(force, -10.0);
-  const auto settle = [&](double wanted) {
+  const auto settle = [&](double expected) {
     for (int n = 0; n < 101; ++n) {
       const double now = chain.apply(frame).wrench.force.x();
       EXPECT_LE(std::abs(now - force), 0.31);
       force = now;
     }
-    EXPECT_NEAR(force, wanted, 1e-9);
+    EXPECT_NEAR(force, expected, 1e-9);
   };
   EXPECT_EQ(test::set_value(chain, "stiffness_n_per_m", {400, 0, 0}), "");
   settle(-40);
@@ -145,7 +145,7 @@ TEST(EffectChain, RefusesAStiffnessThatCannotBe) {
 TEST(EffectChain, LeavesOutAnEffectThatIsNoNumberAndCountsIt) {
   EffectChain chain({spring(100), spring(10)});
   broken = true;
-  const EffectPush push = chain.apply(at(Vec3(0.1, 0, 0)));
+  const EffectForce push = chain.apply(at(Vec3(0.1, 0, 0)));
   broken = false;
   EXPECT_TRUE(push.wrench.zero());
   EXPECT_EQ(chain.not_finite(), 2u);

@@ -30,7 +30,7 @@ constexpr std::array kPushParameters = {
 /// A constant push; its stiffness is bounded only below a `high` of 9.
 class Push final : public Effect {
  public:
-  void apply(const EffectFrame&, const EffectValues& values, EffectPush& push) noexcept override {
+  void apply(const EffectFrame&, const EffectValues& values, EffectForce& push) noexcept override {
     push.wrench.force += values.number(kForce) * values.vector(kAlong);
   }
 };
@@ -66,7 +66,7 @@ std::vector<EffectSpec> two_pushes() {
   return {one, other};
 }
 
-std::string why_not(const EffectRequest& request) {
+std::string refusal(const EffectRequest& request) {
   const auto judged = judge(two_pushes(), request);
   return judged ? "" : judged.error();
 }
@@ -98,25 +98,25 @@ TEST(EffectChange, BringsADirectionToUnitLength) {
 
 TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
   for (const double bad : {kNan, kInf, -kInf, -0.1, 1.1})
-    EXPECT_NE(why_not(gain(bad)), "") << bad;
+    EXPECT_NE(refusal(gain(bad)), "") << bad;
   for (const double bad : {kNan, kInf, -1.0, 2.1})
-    EXPECT_NE(why_not(value("force_n", {bad, 0, 0})), "") << bad;
+    EXPECT_NE(refusal(value("force_n", {bad, 0, 0})), "") << bad;
   for (const double bad : {kNan, 0.5, 2.0})
     EXPECT_NE(
-        why_not(
+        refusal(
             {.action = EffectAction::kSwitch, .effect = "push", .parameter = {}, .value = {bad}}),
         "")
         << bad;
   for (const auto& bad :
        {std::array{0.0, 0.0, 0.0}, std::array{kNan, 0.0, 1.0}, std::array{kInf, 0.0, 0.0}})
-    EXPECT_NE(why_not(value("along", bad)), "") << bad[0];
-  EXPECT_NE(why_not(value("low", {3, 0, 0})).find("'low'"), std::string::npos);
-  EXPECT_NE(why_not(value("way", {1, 0, 0})).find("'way'"), std::string::npos);
-  EXPECT_NE(why_not(value("turning_nm", {0.5, 0, 0})).find("not built"), std::string::npos);
-  EXPECT_NE(why_not(value("high", {9.5, 0, 0})).find("stiffness"), std::string::npos);
-  EXPECT_NE(why_not(value("colour", {1, 0, 0})).find("force_n, along"), std::string::npos);
+    EXPECT_NE(refusal(value("along", bad)), "") << bad[0];
+  EXPECT_NE(refusal(value("low", {3, 0, 0})).find("'low'"), std::string::npos);
+  EXPECT_NE(refusal(value("way", {1, 0, 0})).find("'way'"), std::string::npos);
+  EXPECT_NE(refusal(value("turning_nm", {0.5, 0, 0})).find("not built"), std::string::npos);
+  EXPECT_NE(refusal(value("high", {9.5, 0, 0})).find("stiffness"), std::string::npos);
+  EXPECT_NE(refusal(value("colour", {1, 0, 0})).find("force_n, along"), std::string::npos);
   EXPECT_NE(
-      why_not({.action = EffectAction::kGain, .effect = "pull", .parameter = {}, .value = {1}})
+      refusal({.action = EffectAction::kGain, .effect = "pull", .parameter = {}, .value = {1}})
           .find("push, push2"),
       std::string::npos);
   EXPECT_FALSE(judge({}, gain(1.0)).has_value());
@@ -127,16 +127,16 @@ TEST(EffectChange, JudgesWhatIsMadeTogetherByWhereItLeads) {
     return judge(two_pushes(), requests);
   };
   const EffectRequest low = value("low", {5.0}), high = value("high", {6.0});
-  EXPECT_NE(why_not(low), "") << "above the `high` of 2";
+  EXPECT_NE(refusal(low), "") << "above the `high` of 2";
   for (const auto& both : {std::vector{low, high}, std::vector{high, low}}) {
     const auto judged = together(both);
     ASSERT_TRUE(judged) << judged.error();
     EXPECT_EQ(judged->size(), 2U);
   }
   EXPECT_TRUE(together({low, value("high", {4.0})}).error().contains("'high'"));
-  EXPECT_EQ(together({high, gain(1.5)}).error(), why_not(gain(1.5)));
+  EXPECT_EQ(together({high, gain(1.5)}).error(), refusal(gain(1.5)));
   EXPECT_EQ(together({gain(0.5), value("force_n", {kNan})}).error(),
-            why_not(value("force_n", {kNan})));
+            refusal(value("force_n", {kNan})));
   EXPECT_FALSE(together({value("turning_nm", {0.5}), high})) << "torque was not built";
   EXPECT_FALSE(together({value("high", {9.5}), gain(0.5)})) << "nothing bounds the stiffness";
   EXPECT_TRUE(together({}));

@@ -66,17 +66,17 @@ Quat Random::orientation() {
   return Quat(Eigen::AngleAxisd(number(0, std::numbers::pi), direction()));
 }
 
-effects::EffectPush Bench::at(const Pose& pose) noexcept {
+effects::EffectForce Bench::at(const Pose& pose) noexcept {
   effects::EffectFrame frame;
   frame.tool = pose, frame.dt_s = 0.001;
   frame.proximity = proximity_, frame.tool_points = points_;
   return chain_.apply(frame);
 }
 
-void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n, bool turning,
-                               double step) {
+void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n,
+                               bool with_rotation, double step) {
   const Vec6 wrench = as_vector(bench.at(pose).wrench);
-  for (int axis = 0; axis < (turning ? 6 : 3); ++axis) {
+  for (int axis = 0; axis < (with_rotation ? 6 : 3); ++axis) {
     const double slope = (bench.at(moved(pose, axis, step)).potential_j -
                           bench.at(moved(pose, axis, -step)).potential_j) /
                          (2 * step);
@@ -85,15 +85,15 @@ void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_
   }
 }
 
-void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, bool turning,
+void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, bool with_rotation,
                              double step) {
-  const effects::EffectPush here = bench.at(pose);
-  const int axes = turning ? 6 : 3;
+  const effects::EffectForce here = bench.at(pose);
+  const int axes = with_rotation ? 6 : 3;
   Eigen::MatrixXd own(axes, axes);
   double bound = here.stiffness_bound_n_per_m;
   for (int axis = 0; axis < axes; ++axis) {
-    const effects::EffectPush more = bench.at(moved(pose, axis, step)),
-                              less = bench.at(moved(pose, axis, -step));
+    const effects::EffectForce more = bench.at(moved(pose, axis, step)),
+                               less = bench.at(moved(pose, axis, -step));
     own.col(axis) = -((as_vector(more.wrench) - as_vector(less.wrench)) / (2 * step)).head(axes);
     bound = std::max({bound, more.stiffness_bound_n_per_m, less.stiffness_bound_n_per_m});
   }
@@ -107,7 +107,7 @@ void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, b
   EXPECT_TRUE(here.stiffness.isApprox(here.stiffness.transpose(), 1e-12) ||
               here.stiffness.isZero(1e-12));
   Eigen::MatrixXd given = here.stiffness.topLeftCorner(axes, axes);
-  if (turning)
+  if (with_rotation)
     given.bottomRows(3) /= kLever, given.rightCols(3) /= kLever;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> itself(given, Eigen::EigenvaluesOnly);
   EXPECT_GE(itself.eigenvalues()[0], -1e-9 * (1 + bound))
@@ -116,7 +116,7 @@ void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, b
                                                             Eigen::EigenvaluesOnly);
   EXPECT_GE(over.eigenvalues()[0], -1e-6 * bound - tolerance)
       << bench.spec().name << " at " << pose.position.transpose();
-  if (!turning)
+  if (!with_rotation)
     return;
   const Eigen::SelfAdjointEigenSolver<Mat3> rotation(here.stiffness.bottomRightCorner<3, 3>(),
                                                      Eigen::EigenvaluesOnly);
@@ -148,7 +148,7 @@ std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m,
   return path;
 }
 
-Work work_along(Bench& bench, const std::vector<Pose>& path, bool turning) {
+Work work_along(Bench& bench, const std::vector<Pose>& path, bool with_rotation) {
   Work work;
   for (std::size_t n = 0; n + 1 < path.size(); ++n) {
     const Pose &a = path[n], &b = path[n + 1];
@@ -156,7 +156,7 @@ Work work_along(Bench& bench, const std::vector<Pose>& path, bool turning) {
         bench.at({0.5 * (a.position + b.position), a.orientation.slerp(0.5, b.orientation)}).wrench;
     const Eigen::AngleAxisd turn(b.orientation * a.orientation.conjugate());
     const double step = w.force.dot(b.position - a.position) +
-                        (turning ? turn.angle() * w.torque.dot(turn.axis()) : 0.0);
+                        (with_rotation ? turn.angle() * w.torque.dot(turn.axis()) : 0.0);
     work.net_j += step, work.moved_j += std::abs(step);
   }
   return work;

@@ -45,7 +45,7 @@ class Bench {
         chain_({spec}),
         proximity_(proximity),
         points_(points) {}
-  effects::EffectPush at(const Pose& pose) noexcept;
+  effects::EffectForce at(const Pose& pose) noexcept;
   const effects::EffectSpec& spec() const noexcept { return spec_; }
   effects::EffectChain& chain() noexcept { return chain_; }
 
@@ -56,16 +56,16 @@ class Bench {
   std::span<const effects::ToolPoint> points_;
 };
 
-/// Wrench = -grad U at `pose` by central differences over `step` metres; with `turning` also the
-/// torque, by `step` / 0.01 rad.
+/// Wrench = -grad U at `pose` by central differences over `step` metres; with `with_rotation` also
+/// the torque, by `step` / 0.01 rad.
 void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n,
-                               bool turning = false, double step = 1e-6);
+                               bool with_rotation = false, double step = 1e-6);
 
 /// At `pose`: -dF/dx by central differences is no larger than either bound; the matrix given is
 /// symmetric, semidefinite and no smaller than -dF/dx in any direction (its symmetric part), torque
-/// and rotation too where `turning`.
-void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, bool turning = false,
-                             double step = 1e-7);
+/// and rotation too where `with_rotation`.
+void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance,
+                             bool with_rotation = false, double step = 1e-7);
 
 /// A closed path: sums of sines round `centre`; straight between `steps` poses.
 std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m, double turn_rad,
@@ -77,7 +77,7 @@ struct Work {
 };
 /// By the midpoint rule. Of a force with a Lipschitz constant K it misses at most K d^2 / 4 for a
 /// step d; where the force is smooth, a d^3-th.
-Work work_along(Bench& bench, const std::vector<Pose>& path, bool turning = false);
+Work work_along(Bench& bench, const std::vector<Pose>& path, bool with_rotation = false);
 
 /// Largest change of the wrench's force between neighbours on a straight sweep, over the sweep's
 /// step times the bound: 1 at most if there is no step.

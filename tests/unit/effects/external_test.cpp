@@ -17,7 +17,7 @@ namespace external_test {
 
 constexpr double kInf = std::numeric_limits<double>::infinity(),
                  kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStepS = 0.001, kMax = 2.0, kMaxTorque = 0.05, kSlew = 100.0, kTurningSlew = 5.0,
+constexpr double kStepS = 0.001, kMax = 2.0, kMaxTorque = 0.05, kSlew = 100.0, kTorqueSlew = 5.0,
                  kTimeout = 0.05, kFade = 0.02;
 constexpr int kTimeoutSamples = 50, kFadeSamples = 20;
 
@@ -27,23 +27,23 @@ EffectSpec external(double energy_j = 1.0, double power_w = 0.0) {
                                    {"timeout_s", {kTimeout, 0, 0}},
                                    {"fade_s", {kFade, 0, 0}},
                                    {"slew_n_per_s", {kSlew, 0, 0}},
-                                   {"slew_nm_per_s", {kTurningSlew, 0, 0}},
+                                   {"slew_nm_per_s", {kTorqueSlew, 0, 0}},
                                    {"energy_j", {energy_j, 0, 0}},
                                    {"power_w", {power_w, 0, 0}}});
 }
 
 /// The effect behind its chain, sample after sample.
-class Felt {
+class ForceProbe {
  public:
-  explicit Felt(const EffectSpec& spec) : chain({spec}) {}
+  explicit ForceProbe(const EffectSpec& spec) : chain({spec}) {}
   /// Somebody writes this before every sample from now on.
   void writes(const Wrench& wrench) { writes_ = wrench; }
   void falls_silent() { writes_.reset(); }
-  const EffectPush& sample(const Vec3& way = Vec3::Zero()) {
+  const EffectForce& sample(const Vec3& displacement = Vec3::Zero()) {
     time_s += kStepS;
     if (writes_)
       newest_ = ExternalWrench{*writes_, time_s};
-    frame.tool.position += way;
+    frame.tool.position += displacement;
     frame.dt_s = kStepS, frame.time_s = time_s;
     frame.external = newest_ ? &*newest_ : nullptr;
     const Wrench before = push.wrench;
@@ -56,15 +56,15 @@ class Felt {
     most_torque = std::max(most_torque, push.wrench.torque.norm());
     return push;
   }
-  void samples(int count, const Vec3& way = Vec3::Zero()) {
+  void samples(int count, const Vec3& displacement = Vec3::Zero()) {
     for (int n = 0; n < count; ++n)
-      sample(way);
+      sample(displacement);
   }
   double force() const { return push.wrench.force.norm(); }
 
   EffectChain chain;
   EffectFrame frame;
-  EffectPush push;
+  EffectForce push;
   double time_s = 0.0, force_step = 0.0, torque_step = 0.0, most_step = 0.0, most_torque_step = 0.0,
          most_force = 0.0, most_torque = 0.0;
 
@@ -76,45 +76,45 @@ class Felt {
 const Wrench kPush{Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 0.01)};
 
 TEST(External, GivesNothingBeforeAnybodyHasWritten) {
-  Felt felt(external());
-  felt.samples(100);
-  EXPECT_TRUE(felt.push.wrench.zero());
-  EXPECT_TRUE(felt.push.stiffness.isZero(0.0));
-  EXPECT_EQ(felt.push.potential_j, 0.0);
+  ForceProbe probe(external());
+  probe.samples(100);
+  EXPECT_TRUE(probe.push.wrench.zero());
+  EXPECT_TRUE(probe.push.stiffness.isZero(0.0));
+  EXPECT_EQ(probe.push.potential_j, 0.0);
 }
 
 TEST(External, ComesToWhatIsWrittenAtTheSlewAndStays) {
-  Felt felt(external());
-  felt.writes(kPush);
-  felt.samples(5);
-  EXPECT_NEAR(felt.force(), 5 * kStepS * kSlew, 1e-12);
-  felt.samples(200);
-  EXPECT_TRUE(felt.push.wrench.force.isApprox(kPush.force, 1e-12));
-  EXPECT_TRUE(felt.push.wrench.torque.isApprox(kPush.torque, 1e-12));
-  EXPECT_LE(felt.most_step, kStepS * kSlew * (1 + 1e-9));
-  EXPECT_LE(felt.most_torque_step, kStepS * kTurningSlew * (1 + 1e-9));
+  ForceProbe probe(external());
+  probe.writes(kPush);
+  probe.samples(5);
+  EXPECT_NEAR(probe.force(), 5 * kStepS * kSlew, 1e-12);
+  probe.samples(200);
+  EXPECT_TRUE(probe.push.wrench.force.isApprox(kPush.force, 1e-12));
+  EXPECT_TRUE(probe.push.wrench.torque.isApprox(kPush.torque, 1e-12));
+  EXPECT_LE(probe.most_step, kStepS * kSlew * (1 + 1e-9));
+  EXPECT_LE(probe.most_torque_step, kStepS * kTorqueSlew * (1 + 1e-9));
 }
 
 TEST(External, IsCutToItsLargestForceAndTorqueWhateverIsWritten) {
   for (const double size : {3.0, 1e6, 1e300, std::numeric_limits<double>::max()}) {
-    Felt felt(external());
-    felt.writes({Vec3(size, -size, 0.5 * size), Vec3(0, size, size)});
-    felt.samples(300);
-    EXPECT_NEAR(felt.force(), kMax, 1e-9) << size;
-    EXPECT_NEAR(felt.push.wrench.torque.norm(), kMaxTorque, 1e-9) << size;
-    EXPECT_LE(felt.most_force, kMax);
-    EXPECT_LE(felt.most_torque, kMaxTorque);
-    EXPECT_GT(felt.push.wrench.force.dot(Vec3(1, -1, 0.5)), 0.0) << "cut, not turned";
+    ForceProbe probe(external());
+    probe.writes({Vec3(size, -size, 0.5 * size), Vec3(0, size, size)});
+    probe.samples(300);
+    EXPECT_NEAR(probe.force(), kMax, 1e-9) << size;
+    EXPECT_NEAR(probe.push.wrench.torque.norm(), kMaxTorque, 1e-9) << size;
+    EXPECT_LE(probe.most_force, kMax);
+    EXPECT_LE(probe.most_torque, kMaxTorque);
+    EXPECT_GT(probe.push.wrench.force.dot(Vec3(1, -1, 0.5)), 0.0) << "cut, not turned";
   }
 }
 
 TEST(External, TurnsRoundNoFasterThanItsSlew) {
-  Felt felt(external());
+  ForceProbe probe(external());
   for (int turn = 0; turn < 20; ++turn) {
-    felt.writes({turn % 2 ? Vec3(-100, 0, 0) : Vec3(100, 0, 0), Vec3::Zero()});
-    felt.samples(7);
+    probe.writes({turn % 2 ? Vec3(-100, 0, 0) : Vec3(100, 0, 0), Vec3::Zero()});
+    probe.samples(7);
   }
-  EXPECT_LE(felt.most_step, kStepS * kSlew * (1 + 1e-9));
+  EXPECT_LE(probe.most_step, kStepS * kSlew * (1 + 1e-9));
 }
 
 TEST(External, FadesToExactlyZeroWithinTheStatedTimeWhenNothingComesAnyMore) {
@@ -122,36 +122,36 @@ TEST(External, FadesToExactlyZeroWithinTheStatedTimeWhenNothingComesAnyMore) {
     EffectSpec spec = external();
     spec.values.at(5)[0] = slew;
     ASSERT_EQ(spec.kind->parameters[5].name, "slew_n_per_s");
-    Felt felt(spec);
-    felt.writes({Vec3(5, 0, 0), Vec3(0, 1, 0)});
-    felt.samples(5000);
-    ASSERT_NEAR(felt.force(), kMax, 1e-9);
-    felt.falls_silent();
-    felt.samples(kTimeoutSamples - 1);
-    EXPECT_NEAR(felt.force(), kMax, 1e-9) << "held up to the timeout";
-    felt.most_step = 0.0;
-    felt.samples(kFadeSamples + 2);
-    EXPECT_TRUE(felt.push.wrench.zero()) << felt.push.wrench.force.transpose();
-    EXPECT_LE(felt.most_step, kMax / kFade * kStepS * (1 + 1e-9));
-    felt.writes({Vec3(5, 0, 0), Vec3::Zero()});
-    felt.most_step = 0.0;
-    felt.samples(10);
-    EXPECT_GT(felt.force(), 0.0);
-    EXPECT_LE(felt.most_step, slew * kStepS * (1 + 1e-9)) << "it comes back by a ramp";
+    ForceProbe probe(spec);
+    probe.writes({Vec3(5, 0, 0), Vec3(0, 1, 0)});
+    probe.samples(5000);
+    ASSERT_NEAR(probe.force(), kMax, 1e-9);
+    probe.falls_silent();
+    probe.samples(kTimeoutSamples - 1);
+    EXPECT_NEAR(probe.force(), kMax, 1e-9) << "held up to the timeout";
+    probe.most_step = 0.0;
+    probe.samples(kFadeSamples + 2);
+    EXPECT_TRUE(probe.push.wrench.zero()) << probe.push.wrench.force.transpose();
+    EXPECT_LE(probe.most_step, kMax / kFade * kStepS * (1 + 1e-9));
+    probe.writes({Vec3(5, 0, 0), Vec3::Zero()});
+    probe.most_step = 0.0;
+    probe.samples(10);
+    EXPECT_GT(probe.force(), 0.0);
+    EXPECT_LE(probe.most_step, slew * kStepS * (1 + 1e-9)) << "it comes back by a ramp";
   }
 }
 
 TEST(External, AgeCountsInTheTimeOfSamplesSoThatAGapOfSamplesIsSilenceToo) {
-  Felt felt(external());
-  felt.writes(kPush);
-  felt.samples(200);
-  felt.falls_silent();
-  felt.time_s += 0.2;  // samples that were lost
-  const double before = felt.force();
-  felt.sample();
-  EXPECT_LT(felt.force(), before)
+  ForceProbe probe(external());
+  probe.writes(kPush);
+  probe.samples(200);
+  probe.falls_silent();
+  probe.time_s += 0.2;  // samples that were lost
+  const double before = probe.force();
+  probe.sample();
+  EXPECT_LT(probe.force(), before)
       << "the value is older than the timeout by the first sample after the gap";
-  Felt backwards(external());
+  ForceProbe backwards(external());
   backwards.writes(kPush);
   backwards.samples(200);
   backwards.falls_silent();
@@ -163,17 +163,17 @@ TEST(External, AgeCountsInTheTimeOfSamplesSoThatAGapOfSamplesIsSilenceToo) {
 TEST(External, ANumberThatIsNoneChangesNothingAndAges) {
   for (const double bad : {kNan, kInf, -kInf})
     for (int place = 0; place < 6; ++place) {
-      Felt felt(external());
-      felt.writes(kPush);
-      felt.samples(300);
+      ForceProbe probe(external());
+      probe.writes(kPush);
+      probe.samples(300);
       Wrench spoiled = kPush;
       (place < 3 ? spoiled.force : spoiled.torque)[place % 3] = bad;
-      felt.writes(spoiled);
-      felt.samples(kTimeoutSamples - 1);
-      ASSERT_TRUE(felt.push.wrench.force.isApprox(kPush.force, 1e-12)) << bad << " at " << place;
-      felt.samples(kFadeSamples + 2);
-      ASSERT_TRUE(felt.push.wrench.zero()) << bad << " at " << place;
-      ASSERT_EQ(felt.chain.not_finite(), 0U) << "it never reached the sum";
+      probe.writes(spoiled);
+      probe.samples(kTimeoutSamples - 1);
+      ASSERT_TRUE(probe.push.wrench.force.isApprox(kPush.force, 1e-12)) << bad << " at " << place;
+      probe.samples(kFadeSamples + 2);
+      ASSERT_TRUE(probe.push.wrench.zero()) << bad << " at " << place;
+      ASSERT_EQ(probe.chain.not_finite(), 0U) << "it never reached the sum";
     }
 }
 
@@ -185,48 +185,49 @@ TEST(External, AnyBitsStayWithinForceTorqueAndSlew) {
     const std::uint64_t bits =
         random() % 4 == 0
             ? random()
-            : random() & 0x40FFFFFFFFFFFFFFULL;  // half of them of a size that is felt
+            : random() & 0x40FFFFFFFFFFFFFFULL;  // half of them of a size that is displayed
     double value;
     std::memcpy(&value, &bits, sizeof value);
     return value;
   };
-  Felt felt(external());
+  ForceProbe probe(external());
   for (int n = 0; n < 200'000; ++n) {
     if (random() % 3 != 0)
-      felt.writes({Vec3(any(), any(), any()), Vec3(any(), any(), any())});
+      probe.writes({Vec3(any(), any(), any()), Vec3(any(), any(), any())});
     else
-      felt.falls_silent();
-    const EffectPush& push = felt.sample();
+      probe.falls_silent();
+    const EffectForce& push = probe.sample();
     ASSERT_TRUE(push.wrench.finite());
     ASSERT_LE(push.wrench.force.norm(), kMax);
     ASSERT_LE(push.wrench.torque.norm(), kMaxTorque);
-    ASSERT_LE(felt.force_step, kMax / kFade * kStepS * (1 + 1e-9));
+    ASSERT_LE(probe.force_step, kMax / kFade * kStepS * (1 + 1e-9));
   }
-  EXPECT_GT(felt.most_force, 0.1);
+  EXPECT_GT(probe.most_force, 0.1);
 }
 
 TEST(External, GivesTheHandNoMoreThanItsBudgetHoweverFarItDrivesIt) {
   for (const double power_w : {0.0, 0.02}) {
     constexpr double kEnergy = 0.05;
-    Felt felt(external(kEnergy, power_w));
-    felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
-    double given_j = 0.0, told_j = 0.0;
+    ForceProbe probe(external(kEnergy, power_w));
+    probe.writes({Vec3(10, 0, 0), Vec3::Zero()});
+    double energy_generated_j = 0.0, reported_j = 0.0;
     for (int n = 0; n < 4000; ++n) {  // the hand lets itself be driven with 0.2 m/s
-      const Vec3 way(0.0002, 0, 0), force = felt.push.wrench.force;
-      given_j += force.dot(way);
-      told_j += felt.sample(way).given_j;
-      ASSERT_LE(given_j, kEnergy + power_w * felt.time_s + 1e-6) << n;
-      ASSERT_LE(felt.force_step, 0.11)
+      const Vec3 displacement(0.0002, 0, 0), force = probe.push.wrench.force;
+      energy_generated_j += force.dot(displacement);
+      reported_j += probe.sample(displacement).energy_generated_j;
+      ASSERT_LE(energy_generated_j, kEnergy + power_w * probe.time_s + 1e-6) << n;
+      ASSERT_LE(probe.force_step, 0.11)
           << "the budget's end is no step: 2 N over half of the store at 0.2 m/s, and the slew";
     }
-    EXPECT_NEAR(told_j, given_j, 1e-9) << "what the observer is told is what was done, and no more";
-    EXPECT_GT(given_j, 0.9 * kEnergy);
-    EXPECT_NEAR(felt.force(), power_w / 0.2, 0.01) << "what is left is what the power lasts for";
-    // Pushed back, it has again what the hand put in; told as taken.
+    EXPECT_NEAR(reported_j, energy_generated_j, 1e-9)
+        << "what the observer is reported is what was done, and no more";
+    EXPECT_GT(energy_generated_j, 0.9 * kEnergy);
+    EXPECT_NEAR(probe.force(), power_w / 0.2, 0.01) << "what is left is what the power lasts for";
+    // Pushed back, it has again what the hand put in; reported as taken.
     double back_j = 0.0;
-    felt.samples(50, Vec3(-0.0002, 0, 0));
+    probe.samples(50, Vec3(-0.0002, 0, 0));
     for (int n = 0; n < 500; ++n)
-      back_j += felt.sample(Vec3(-0.0002, 0, 0)).given_j;
+      back_j += probe.sample(Vec3(-0.0002, 0, 0)).energy_generated_j;
     if (power_w > 0.0) {
       EXPECT_LT(back_j, 0.0);
     }
@@ -234,79 +235,79 @@ TEST(External, GivesTheHandNoMoreThanItsBudgetHoweverFarItDrivesIt) {
 }
 
 TEST(External, AQuietHandFeelsItsFullForceForEver) {
-  Felt felt(external(0.001, 0.0));
-  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
-  felt.samples(20'000);
-  EXPECT_NEAR(felt.force(), kMax, 1e-9);
+  ForceProbe probe(external(0.001, 0.0));
+  probe.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  probe.samples(20'000);
+  EXPECT_NEAR(probe.force(), kMax, 1e-9);
 }
 
 TEST(External, ARegionThatIsLeftAndEnteredAgainGivesNoNewBudget) {
   EffectSpec spec = external(0.02, 0.0);
   spec.region = {SphereRegion{Vec3::Zero(), 0.03}, 0.01};
-  Felt felt(spec);
-  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
-  double given_j = 0.0;
+  ForceProbe probe(spec);
+  probe.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  double energy_generated_j = 0.0;
   for (int round = 0; round < 10; ++round) {
-    felt.frame.tool.position =
+    probe.frame.tool.position =
         Vec3(-0.05, 0, 0);  // it comes in where it is pushed on and is carried out
     for (int n = 0; n < 500; ++n) {
-      const Vec3 way(0.0002, 0, 0);
-      given_j += felt.push.wrench.force.dot(way);
-      felt.sample(way);
+      const Vec3 displacement(0.0002, 0, 0);
+      energy_generated_j += probe.push.wrench.force.dot(displacement);
+      probe.sample(displacement);
     }
-    felt.push = {};
+    probe.push = {};
   }
-  EXPECT_LE(given_j, 0.021);
+  EXPECT_LE(energy_generated_j, 0.021);
 }
 
 TEST(External, AllowsNoTorqueToTheObserver) {
-  Felt felt(external());
-  felt.writes({Vec3::Zero(), Vec3(0, 0, 1)});
-  double told_j = 0.0;
+  ForceProbe probe(external());
+  probe.writes({Vec3::Zero(), Vec3(0, 0, 1)});
+  double reported_j = 0.0;
   for (int n = 0; n < 500; ++n) {
-    felt.frame.tool.orientation = Quat(Eigen::AngleAxisd(0.001 * n, Vec3::UnitZ()));
-    told_j += felt.sample().given_j;
+    probe.frame.tool.orientation = Quat(Eigen::AngleAxisd(0.001 * n, Vec3::UnitZ()));
+    reported_j += probe.sample().energy_generated_j;
   }
-  EXPECT_NEAR(felt.push.wrench.torque.norm(), kMaxTorque, 1e-9);
-  EXPECT_EQ(told_j, 0.0);
+  EXPECT_NEAR(probe.push.wrench.torque.norm(), kMaxTorque, 1e-9);
+  EXPECT_EQ(reported_j, 0.0);
 }
 
 TEST(External, ForgetsWhatItFeltWhenItsRegionOrSessionEnds) {
-  Felt felt(external());
-  felt.writes(kPush);
-  felt.samples(300);
-  felt.chain.reset();
-  felt.sample();
-  EXPECT_LE(felt.force(), kStepS * kSlew * (1 + 1e-9));
+  ForceProbe probe(external());
+  probe.writes(kPush);
+  probe.samples(300);
+  probe.chain.reset();
+  probe.sample();
+  EXPECT_LE(probe.force(), kStepS * kSlew * (1 + 1e-9));
 }
 
 TEST(External, ValuesGainAndSwitchChangeWithoutAStep) {
-  Felt felt(external());
-  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
-  felt.samples(300);
-  felt.most_step = 0.0;
-  ASSERT_EQ(test::set_value(felt.chain, "max_force_n", {0.5, 0, 0}), "");
-  felt.samples(150);
-  EXPECT_NEAR(felt.force(), 0.5, 1e-9);
-  EXPECT_LE(felt.most_step, kMax / EffectChain::kEffectRampS * kStepS * 1.001);
-  EXPECT_NE(test::set_value(felt.chain, "topic", {0, 0, 0}), "");
-  EXPECT_NE(test::set_value(felt.chain, "max_force_n", {-1, 0, 0}), "");
-  EXPECT_NE(test::set_value(felt.chain, "max_force_n", {kNan, 0, 0}), "");
+  ForceProbe probe(external());
+  probe.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  probe.samples(300);
+  probe.most_step = 0.0;
+  ASSERT_EQ(test::set_value(probe.chain, "max_force_n", {0.5, 0, 0}), "");
+  probe.samples(150);
+  EXPECT_NEAR(probe.force(), 0.5, 1e-9);
+  EXPECT_LE(probe.most_step, kMax / EffectChain::kEffectRampS * kStepS * 1.001);
+  EXPECT_NE(test::set_value(probe.chain, "topic", {0, 0, 0}), "");
+  EXPECT_NE(test::set_value(probe.chain, "max_force_n", {-1, 0, 0}), "");
+  EXPECT_NE(test::set_value(probe.chain, "max_force_n", {kNan, 0, 0}), "");
 }
 
 TEST(External, ALimitThatComesDownIsKeptWhereTheSlewIsSlower) {
   EffectSpec spec = external();
   spec.values.at(5)[0] = 0.5;
-  Felt felt(spec);
-  felt.writes({Vec3(10, 0, 0), Vec3::Zero()});
-  felt.samples(5000);
-  ASSERT_NEAR(felt.force(), kMax, 1e-9);
-  ASSERT_EQ(test::set_value(felt.chain, "max_force_n", {0.5, 0, 0}), "");
+  ForceProbe probe(spec);
+  probe.writes({Vec3(10, 0, 0), Vec3::Zero()});
+  probe.samples(5000);
+  ASSERT_NEAR(probe.force(), kMax, 1e-9);
+  ASSERT_EQ(test::set_value(probe.chain, "max_force_n", {0.5, 0, 0}), "");
   for (int n = 0; n < 150; ++n) {
-    felt.sample();
-    ASSERT_LE(felt.force(), felt.chain.values(0).number(1));
+    probe.sample();
+    ASSERT_LE(probe.force(), probe.chain.values(0).number(1));
   }
-  EXPECT_NEAR(felt.force(), 0.5, 1e-9);
+  EXPECT_NEAR(probe.force(), 0.5, 1e-9);
 }
 
 TEST(External, NeedsAndBoundsSayWhatItIs) {

@@ -49,15 +49,15 @@ Given given_on(const ClosedPath& path, effects::EffectSpec spec, const BallTool&
 TEST(Friction, GivesNoEnergyOnAnyOf240RandomClosedPaths) {
   std::mt19937_64 random(20260101);
   int rubbed = 0;
-  for (int trial = 0; trial < 240; ++trial) {
+  for (int attempt = 0; attempt < 240; ++attempt) {
     const BallTool tool{
         0.02 * Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1)), 0.01};
     const double size = scale_between(random, 1e-4, 1e-2);
     const ClosedPath path(random, {Vec3(0, 0, 0.0085) - tool.centre, Quat::Identity()},
-                          size * Vec3(1, 1, 0.3), trial % 3 == 0 ? 0.0 : between(random, 0, 0.4));
+                          size * Vec3(1, 1, 0.3), attempt % 3 == 0 ? 0.0 : between(random, 0, 0.4));
     const Given given = given_on(path, any_friction(random), tool, 4000);
-    EXPECT_LE(given.end_j, 2e-4 * given.moved_j) << trial;
-    EXPECT_LE(given.most_j, 1e-3 * given.moved_j) << trial;
+    EXPECT_LE(given.end_j, 2e-4 * given.moved_j) << attempt;
+    EXPECT_LE(given.most_j, 1e-3 * given.moved_j) << attempt;
     rubbed += given.end_j < -0.1 * given.moved_j ? 1 : 0;
   }
   EXPECT_GT(rubbed, 100);
@@ -91,7 +91,7 @@ TEST(Friction, GivesNoEnergyAtTheRimOfARegionHoweverSharpItIs) {
           last = wrench, before = pose;
         }
     EXPECT_LE(given, 1e-3 * moved) << "blend " << blend;
-    EXPECT_GT(moved, 1e-5) << "it was felt";
+    EXPECT_GT(moved, 1e-5) << "it was displayed";
   }
 }
 
@@ -112,7 +112,7 @@ TEST(Friction, HoldsAToolOnATiltedPlaneForAMinuteWithoutCreepUnderEncoderNoise) 
     for (int a = 0; a < 3; ++a)
       seen.position[a] = kStep * (std::round(x[a] / kStep) + dither(random));
     const contact::ContactResult contact = on_plane(seen, tool, up, 0, kWall);
-    const effects::EffectPush push = asked.at(seen, {contact});
+    const effects::EffectForce push = asked.at(seen, {contact});
     const Vec3 force =
         contact.wrench.force + push.wrench.force - kMass * kGravity * Vec3::UnitZ() - kDamping * v;
     v += kDt / kMass * force, x += kDt * v;
@@ -132,7 +132,7 @@ TEST(Friction, HoldsAToolOnATiltedPlaneForAMinuteWithoutCreepUnderEncoderNoise) 
 
 TEST(Friction, IsConstantToTheLastBitForAToolAtRestHoweverItCameToRest) {
   std::mt19937_64 random(4);
-  for (int trial = 0; trial < 50; ++trial) {
+  for (int attempt = 0; attempt < 50; ++attempt) {
     Asked asked(any_friction(random));
     const BallTool tool{Vec3(0.01, 0.02, -0.01), 0.01};
     const ClosedPath path(random, {Vec3(0, 0, 0.0085) - tool.centre, Quat::Identity()},
@@ -143,19 +143,19 @@ TEST(Friction, IsConstantToTheLastBitForAToolAtRestHoweverItCameToRest) {
     const std::vector<contact::ContactResult> contact = {on_plane(rest, tool, kUp, 0, 800)};
     const Vec3 first = asked.at(rest, contact).wrench.force;
     for (int n = 0; n < 100; ++n)
-      ASSERT_LT((asked.at(rest, contact).wrench.force - first).norm(), 1e-14) << trial;
+      ASSERT_LT((asked.at(rest, contact).wrench.force - first).norm(), 1e-14) << attempt;
   }
 }
 
 TEST(Friction, HasNoForceStepOnTheWayInAlongAndOut) {
   std::mt19937_64 random(9);
-  for (int trial = 0; trial < 40; ++trial) {
+  for (int attempt = 0; attempt < 40; ++attempt) {
     Asked asked(any_friction(random));
     const double heading = between(random, 0, 2 * M_PI);
     const Vec3 along(std::cos(heading), std::sin(heading), 0);
     Vec3 last = Vec3::Zero();
     Pose before;
-    effects::EffectPush push;
+    effects::EffectForce push;
     for (int n = 0; n <= 20000; ++n) {  // a parabola of 2 mm depth over 20 mm, there and back again
       const double s = n / 10000.0, t = s <= 1.0 ? s : 2.0 - s;
       const Pose pose{0.02 * t * along + Vec3(0, 0, 0.011 - 0.012 * t * (1 - t)), Quat::Identity()};
@@ -166,7 +166,7 @@ TEST(Friction, HasNoForceStepOnTheWayInAlongAndOut) {
       if (n > 0) {
         ASSERT_LE((push.wrench.force - last).norm(),
                   bound * (pose.position - before.position).norm() * (1 + 1e-9) + 1e-12)
-            << trial << " " << n;
+            << attempt << " " << n;
       }
       last = push.wrench.force, before = pose;
     }
@@ -202,7 +202,7 @@ TEST(Friction, StaysANumberThroughContactsThatHaveNoSense) {
     contact.deepest_point = std::pow(10.0, between(random, -10, 10)) * Vec3::Random();
     const Pose pose{std::pow(10.0, between(random, -10, 10)) * Vec3::Random(),
                     Quat(Eigen::Vector4d::Random()).normalized()};
-    const effects::EffectPush push = asked.at(pose, {contact, contact});
+    const effects::EffectForce push = asked.at(pose, {contact, contact});
     ASSERT_TRUE(push.wrench.finite() && push.stiffness.allFinite());
     ASSERT_LE(push.wrench.force.norm(), 2 * 20.0 * (1 + 1e-9));
   }

@@ -16,7 +16,7 @@ Pose pressing(double push_n, double x, double y = 0.0) {
   return {Vec3(x, y, kBall.radius_m - push_n / kWall), Quat::Identity()};
 }
 
-effects::EffectPush slide_to(Asked& asked, const Pose& pose) {
+effects::EffectForce slide_to(Asked& asked, const Pose& pose) {
   return asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)});
 }
 
@@ -24,12 +24,12 @@ TEST(Friction, IsASpringUntilTheFrictionConeAndThatConeBeyondIt) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
   for (int n = 0; n <= 1000; ++n) {
     const double x = 1e-5 * n;
-    const effects::EffectPush push = slide_to(asked, pressing(2.0, x));
+    const effects::EffectForce push = slide_to(asked, pressing(2.0, x));
     EXPECT_NEAR(push.wrench.force.x(), -std::min(400 * x, 0.5 * 2.0), 1e-9);
     EXPECT_NEAR(push.wrench.torque.y(), 0.01 * std::min(400 * x, 1.0), 1e-9);
   }
   for (int n = 0; n <= 1000; ++n) {  // and back: 5 mm of way from one side of the cone to the other
-    const effects::EffectPush push = slide_to(asked, pressing(2.0, 0.01 - 1e-5 * n));
+    const effects::EffectForce push = slide_to(asked, pressing(2.0, 0.01 - 1e-5 * n));
     EXPECT_NEAR(push.wrench.force.x(), -1.0 + std::min(400 * 1e-5 * n, 2.0), 1e-9);
   }
 }
@@ -67,16 +67,17 @@ TEST(Friction, HoldsByTheStickingFactorAndLetsGoWithNoStep) {
 }
 
 TEST(Friction, LetsGoInTheSameWayHoweverLongTheStepsAre) {
-  const auto force_after = [](double way, int steps) {
+  const auto force_after = [](double displacement, int steps) {
     Asked asked(effect("friction",
                        {{"coulomb", {0.4}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {500}}}));
     double force = 0.0;
     for (int n = 0; n <= steps; ++n)
-      force = -slide_to(asked, pressing(2.0, way * n / steps)).wrench.force.x();
+      force = -slide_to(asked, pressing(2.0, displacement * n / steps)).wrench.force.x();
     return force;
   };
-  for (const double way : {0.001, 0.0024, 0.0026, 0.0028, 0.003, 0.0034, 0.01})
-    EXPECT_NEAR(force_after(way, 1), force_after(way, 1000), 1e-9) << way;
+  for (const double displacement : {0.001, 0.0024, 0.0026, 0.0028, 0.003, 0.0034, 0.01})
+    EXPECT_NEAR(force_after(displacement, 1), force_after(displacement, 1000), 1e-9)
+        << displacement;
 }
 
 TEST(Friction, IsNeverMoreThanTheCapOfItsScene) {
@@ -103,22 +104,22 @@ TEST(Friction, WeakerPressureLetsTheBristlesSlipAndMorePressureDoesNotBendThem) 
 
 TEST(Friction, OfABallThatTurnsOnTheSpotIsATorqueAtItsDeepestPoint) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
-  effects::EffectPush push;
+  effects::EffectForce push;
   for (int n = 0; n <= 100; ++n) {
     Pose pose = pressing(2.0, 0);
     pose.orientation = Quat(Eigen::AngleAxisd(1e-3 * n, Vec3::UnitY()));
     push = slide_to(asked, pose);
   }
-  const double way =
+  const double displacement =
       0.1 * 0.01;  // the lowest point of a ball turned by 0.1 rad about y went this far along -x
-  EXPECT_NEAR(push.wrench.force.x(), 400 * way, 2e-3);
-  EXPECT_NEAR(push.wrench.torque.y(), -0.01 * 400 * way, 2e-5);
+  EXPECT_NEAR(push.wrench.force.x(), 400 * displacement, 2e-3);
+  EXPECT_NEAR(push.wrench.torque.y(), -0.01 * 400 * displacement, 2e-5);
 }
 
 TEST(Friction, OfAToolThatTouchesAsideOfItsOriginActsWhereItTouches) {
   const BallTool tool{Vec3(0.05, 0, 0), 0.01};
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
-  effects::EffectPush push;
+  effects::EffectForce push;
   for (int n = 0; n <= 10; ++n) {
     const Pose pose{Vec3(0, 1e-4 * n, 0.008), Quat::Identity()};
     push = asked.at(pose, {on_plane(pose, tool, kUp, 0, kWall)});
@@ -131,7 +132,7 @@ TEST(Friction, IsAgainstTheObjectsOwnMotion) {
   Asked carried(effect("friction", {{"coulomb", {0.5}}})),
       dragged(effect("friction", {{"coulomb", {0.5}}}));
   const Twist belt{Vec3(0.1, 0, 0), Vec3::Zero()};
-  effects::EffectPush push;
+  effects::EffectForce push;
   for (int n = 0; n < 100; ++n) {  // the tool goes with the belt: nothing rubs
     const Pose pose = pressing(1.0, 1e-4 * n);
     EXPECT_NEAR(
@@ -251,28 +252,30 @@ TEST(Friction, KeepsItsForceWhereItsBristlesGetStiffer) {
 
 TEST(Friction, ReportsAStiffnessThatIsNotLessThanItsOwn) {
   std::mt19937_64 random(11);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
     const double k = scale_between(random, 10, 5000), wall = scale_between(random, 50, 3000);
     Asked asked(effect("friction", {{"coulomb", {between(random, 0, 2)}},
-                                    {"sticking", {trial % 2 ? 1.0 : between(random, 1, 2)}},
+                                    {"sticking", {attempt % 2 ? 1.0 : between(random, 1, 2)}},
                                     {"stiffness_n_per_m", {k}},
                                     {"most_n", {200}}}));
     const BallTool tool{0.03 * Vec3::Random(), 0.01};
     Pose pose{-tool.centre + Vec3(0, 0, 0.01 - 1.0 / wall), Quat::Identity()};
     asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
     pose.position.x() += scale_between(random, 1e-5, 1e-2);
-    const effects::EffectPush before = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
+    const effects::EffectForce before = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
     const Mat6& s = before.stiffness;
     EXPECT_LT((s - s.transpose()).norm(), 1e-12 * s.norm());
     EXPECT_GT(least_eigenvalue(s), -1e-9 * s.norm());
     EXPECT_LE(norm_of(s.topLeftCorner<3, 3>()), before.stiffness_bound_n_per_m * (1 + 1e-12));
-    const Vec3 way = 1e-7 * Vec3::Random();
-    pose.position += way;
-    const effects::EffectPush after = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
+    const Vec3 displacement = 1e-7 * Vec3::Random();
+    pose.position += displacement;
+    const effects::EffectForce after = asked.at(pose, {on_plane(pose, tool, kUp, 0, wall)});
     const Vec3 change = after.wrench.force - before.wrench.force;
-    EXPECT_LE(change.norm(), before.stiffness_bound_n_per_m * way.norm() * (1 + 1e-3)) << trial;
-    EXPECT_LE(-change.dot(way), way.dot(s.topLeftCorner<3, 3>() * way) * (1 + 1e-3) + 1e-18)
-        << trial;
+    EXPECT_LE(change.norm(), before.stiffness_bound_n_per_m * displacement.norm() * (1 + 1e-3))
+        << attempt;
+    EXPECT_LE(-change.dot(displacement),
+              displacement.dot(s.topLeftCorner<3, 3>() * displacement) * (1 + 1e-3) + 1e-18)
+        << attempt;
   }
 }
 
@@ -286,11 +289,11 @@ TEST(Friction, ReportsAStiffnessThatCoversAPushThatEasesWhileItLetsGo) {
   Pose pose{Vec3(0, 0, 0.01 - push_n / wall), Quat::Identity()};
   asked.at(pose, contact(pose));
   pose.position.x() = (1.5 * slides * push_n + 0.25 * slides * push_n) / k;  // half torn
-  const effects::EffectPush before = asked.at(pose, contact(pose));
+  const effects::EffectForce before = asked.at(pose, contact(pose));
   ASSERT_GT(before.wrench.force.norm(), 1.1 * slides * push_n);
   ASSERT_LT(before.wrench.force.norm(), 1.4 * slides * push_n);
   pose.position.z() += 1e-7;
-  const effects::EffectPush after = asked.at(pose, contact(pose));
+  const effects::EffectForce after = asked.at(pose, contact(pose));
   const double change = (after.wrench.force - before.wrench.force).norm() / 1e-7;
   EXPECT_LE(change, before.stiffness_bound_n_per_m);
   EXPECT_GT(change, 0.7 * before.stiffness_bound_n_per_m);

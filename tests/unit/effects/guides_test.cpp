@@ -15,7 +15,7 @@ std::array<double, 3> just(double number) { return {number, 0, 0}; }
 
 Pose at(const Vec3& x) { return {x, Quat::Identity()}; }
 
-Mat3 translation(const effects::EffectPush& push) { return push.stiffness.topLeftCorner<3, 3>(); }
+Mat3 translation(const effects::EffectForce& push) { return push.stiffness.topLeftCorner<3, 3>(); }
 
 /// k = 200 N/m, F = 2 N: w = 10 mm; bends from 5 to 15 mm.
 effects::EffectSpec point_guide(bool release = false) {
@@ -98,7 +98,7 @@ TEST(GuidePoint, LetsGoAtItsRangeWhereAskedTo) {
 
 TEST(GuideLine, HoldsAcrossAndLetsSlideAlong) {
   Bench bench(line_guide(0));
-  const effects::EffectPush push = bench.at(at({0.003, 0.004, 7.0}));
+  const effects::EffectForce push = bench.at(at({0.003, 0.004, 7.0}));
   EXPECT_TRUE(push.wrench.force.isApprox(-200 * Vec3(0.003, 0.004, 0)));
   EXPECT_TRUE(translation(push).isApprox(Mat3(Vec3(200, 200, 0).asDiagonal())));
 }
@@ -128,16 +128,16 @@ TEST(GuidePlane, OfTwoSidesHoldsOnThePlaneOfOneKeepsOutOnly) {
 
 TEST(Guides, PushAsTheirPotentialSaysForAnyParameters) {
   Random random(11);
-  for (int trial = 0; trial < 1000; ++trial) {
-    Bench bench(random_guide(random, trial % 3));
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    Bench bench(random_guide(random, attempt % 3));
     expect_force_of_potential(bench, at(random.vector(0.06)), 2e-4);
   }
 }
 
 TEST(Guides, HaveAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
   Random random(12);
-  for (int trial = 0; trial < 3000; ++trial) {
-    Bench bench(random_guide(random, trial % 3));
+  for (int attempt = 0; attempt < 3000; ++attempt) {
+    Bench bench(random_guide(random, attempt % 3));
     expect_stiffness_covers(bench, at(random.vector(0.06)), 1e-3);
   }
 }
@@ -152,14 +152,14 @@ TEST(Guides, ReachTheirBoundSoThatItIsNoLargerThanNeeded) {
 
 TEST(Guides, StepNowhereOnASweepThroughSidesLimitsEndsAndRims) {
   Random random(13);
-  for (int trial = 0; trial < 60; ++trial) {
-    effects::EffectSpec spec = random_guide(random, trial % 3);
+  for (int attempt = 0; attempt < 60; ++attempt) {
+    effects::EffectSpec spec = random_guide(random, attempt % 3);
     const double k = spec.gain * spec.values.number(0);
     spec.region = {};
     Bench bench(spec);
     const Vec3 middle = spec.values.vector(4);
     for (const Vec3& u :
-         {random.direction(), trial % 3 > 0 ? spec.values.vector(5) : random.direction()})
+         {random.direction(), attempt % 3 > 0 ? spec.values.vector(5) : random.direction()})
       EXPECT_LE(steepest_on_sweep(bench, middle - 0.3 * u, middle + 0.3 * u, 20000, k), 1 + 1e-6);
   }
 }
@@ -167,10 +167,10 @@ TEST(Guides, StepNowhereOnASweepThroughSidesLimitsEndsAndRims) {
 TEST(Guides, GiveNoEnergyOnAnyClosedPath) {
   Random random(14);
   double most = 0.0;
-  for (int trial = 0; trial < 300; ++trial) {
-    Bench bench(random_guide(random, trial % 3));
+  for (int attempt = 0; attempt < 300; ++attempt) {
+    Bench bench(random_guide(random, attempt % 3));
     const Work work = work_along(bench, closed_path(random, random.vector(0.01), 0.05, 0.0, 4000));
-    EXPECT_LE(std::abs(work.net_j), 1e-3 * work.moved_j + 1e-12) << trial;
+    EXPECT_LE(std::abs(work.net_j), 1e-3 * work.moved_j + 1e-12) << attempt;
     if (work.moved_j > 1e-6)
       most = std::max(most, std::abs(work.net_j) / work.moved_j);
   }
@@ -181,9 +181,9 @@ TEST(Guides, GiveNoEnergyOnAnyClosedPath) {
 TEST(Guides, LeaveLessEnergyTheFinerAPathIsSampled) {
   Random random(15);
   double coarse = 0.0, fine = 0.0;
-  for (int trial = 0; trial < 60; ++trial) {
-    Bench bench(random_guide(random, trial % 3));
-    Random again(100 + static_cast<unsigned>(trial)), same = again;
+  for (int attempt = 0; attempt < 60; ++attempt) {
+    Bench bench(random_guide(random, attempt % 3));
+    Random again(100 + static_cast<unsigned>(attempt)), same = again;
     coarse += std::abs(work_along(bench, closed_path(again, Vec3::Zero(), 0.05, 0.0, 1000)).net_j);
     fine += std::abs(work_along(bench, closed_path(same, Vec3::Zero(), 0.05, 0.0, 8000)).net_j);
   }
@@ -201,7 +201,7 @@ TEST(Guides, AreFiniteWhereTheToolIsOnThemFarOffAndWhereNothingPushes) {
             continue;  // refused: see below
           spec.values.at(0) = just(k), spec.values.at(1) = just(limit);
           Bench bench(spec);
-          const effects::EffectPush push = bench.at(at(x));
+          const effects::EffectForce push = bench.at(at(x));
           EXPECT_EQ(bench.chain().not_finite(), 0u) << spec.name << k << limit << x.transpose();
           EXPECT_LE(push.wrench.force.norm(), limit * (1 + 1e-9));
         }
@@ -231,9 +231,10 @@ TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
   EXPECT_EQ(set_value(bench.chain(), "stiffness_n_per_m", just(1000)), "");
   EXPECT_EQ(set_value(bench.chain(), "limit_n", just(100)), "");
   for (int n = 1; n <= 100; ++n) {  // on the way 3 F / R is above k
-    const double way = 0.01 * n;
-    const effects::EffectPush push = bench.at(at({0.1 + 0.75 * (0.03 + 0.27 * way), 0.2, 0.3}));
-    EXPECT_LE(push.stiffness_bound_n_per_m, (100 + 900 * way) * (1 + 1e-9)) << n;
+    const double displacement = 0.01 * n;
+    const effects::EffectForce push =
+        bench.at(at({0.1 + 0.75 * (0.03 + 0.27 * displacement), 0.2, 0.3}));
+    EXPECT_LE(push.stiffness_bound_n_per_m, (100 + 900 * displacement) * (1 + 1e-9)) << n;
   }
 }
 

@@ -46,7 +46,7 @@ TEST(Magnet, PullsTowardsItsPointMostAtARootOfAFifthOfItsRadius) {
 
 TEST(Magnet, PushesAsItsPotentialSaysForAnyParameters) {
   Random random(21);
-  for (int trial = 0; trial < 1000; ++trial) {
+  for (int attempt = 0; attempt < 1000; ++attempt) {
     Bench bench(random_magnet(random));
     expect_force_of_potential(bench, at(random.vector(0.04)), 2e-4);
   }
@@ -54,7 +54,7 @@ TEST(Magnet, PushesAsItsPotentialSaysForAnyParameters) {
 
 TEST(Magnet, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
   Random random(22);
-  for (int trial = 0; trial < 1000; ++trial) {
+  for (int attempt = 0; attempt < 1000; ++attempt) {
     Bench bench(random_magnet(random));
     expect_stiffness_covers(bench, at(random.vector(0.04)), 1e-3);
   }
@@ -67,12 +67,12 @@ TEST(Magnet, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
 
 TEST(Magnet, StepsNowhereOnASweepThroughRimAndPoint) {
   Random random(23);
-  for (int trial = 0; trial < 40; ++trial) {
+  for (int attempt = 0; attempt < 40; ++attempt) {
     effects::EffectSpec spec = random_magnet(random);
     spec.region = {}, spec.gain = 1.0;
     Bench bench(spec);
     const Vec3 u = random.direction(),
-               off = trial % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector(0.005);
+               off = attempt % 2 == 0 ? Vec3(Vec3::Zero()) : random.vector(0.005);
     const Vec3 middle = spec.values.vector(0) + off;
     EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 20000,
                                 effects::bound_of(spec).stiffness_n_per_m),
@@ -82,10 +82,10 @@ TEST(Magnet, StepsNowhereOnASweepThroughRimAndPoint) {
 
 TEST(Magnet, GivesNoEnergyOnAnyClosedPath) {
   Random random(24);
-  for (int trial = 0; trial < 250; ++trial) {
+  for (int attempt = 0; attempt < 250; ++attempt) {
     Bench bench(random_magnet(random));
     const Work work = work_along(bench, closed_path(random, random.vector(0.01), 0.04, 0.0, 4000));
-    EXPECT_LE(std::abs(work.net_j), 1e-3 * work.moved_j + 1e-12) << trial;
+    EXPECT_LE(std::abs(work.net_j), 1e-3 * work.moved_j + 1e-12) << attempt;
   }
 }
 

@@ -118,12 +118,12 @@ TEST(ToolPoints, AreShellPointsThatStandForAllOfItsAreaAndLieNearAllOfIt) {
   for (const std::size_t most : {1u, 16u, 128u, 100000u}) {
     const rendering::ToolPoints tool = rendering::spread_tool_points(shell, most);
     EXPECT_EQ(tool.points.size(), std::min(most, shell.size()));
-    double share = 0.0, farthest = 0.0;
+    double fraction = 0.0, farthest = 0.0;
     for (const effects::ToolPoint& point : tool.points)
-      share += point.share, farthest = std::max(farthest, point.position.norm());
-    EXPECT_NEAR(share, 1.0, 1e-12);
+      fraction += point.fraction, farthest = std::max(farthest, point.position.norm());
+    EXPECT_NEAR(fraction, 1.0, 1e-12);
     for (const effects::ToolPoint& point : tool.points) {
-      EXPECT_LT(point.share * static_cast<double>(tool.points.size()), 8.0)
+      EXPECT_LT(point.fraction * static_cast<double>(tool.points.size()), 8.0)
           << "of a ball all shares are alike, nearly";
     }
     EXPECT_EQ(tool.reach_m, farthest);

@@ -22,7 +22,7 @@ inline mesh::TriangleMesh block_mesh(const Quat& turn = Quat::Identity()) {
   return box_mesh({0.06, 0.06, 0.04}, {Vec3::Zero(), turn});
 }
 
-/// Equal shares of a ball round `centre` in T, on a spiral.
+/// Equal fractions of a ball round `centre` in T, on a spiral.
 inline std::vector<effects::ToolPoint> ball(double radius, std::size_t count,
                                             const Vec3& centre = Vec3::Zero()) {
   std::vector<effects::ToolPoint> points;

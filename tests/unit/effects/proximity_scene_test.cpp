@@ -65,7 +65,7 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
     EXPECT_FALSE(scene->effect_ground().proximity.has_value());
     EXPECT_TRUE(scene->effect_ground().tool.points.empty());
     EXPECT_FALSE(any_has(scene->plan().built, "Distances round"));
-    EXPECT_TRUE(any_has(scene->plan().left_out, "Distances outside"));
+    EXPECT_TRUE(any_has(scene->plan().skipped, "Distances outside"));
   }
   EXPECT_EQ(magnet->plan().bytes, none->plan().bytes);
   EXPECT_GT(magnet->plan().expected_ns_per_frame, none->plan().expected_ns_per_frame);
@@ -78,7 +78,7 @@ TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
       << "128 points, not one";
   for (const char* figure : {"out to 10 mm", "over 4 mm", "128 points", "25.6 us"})
     EXPECT_TRUE(any_has(with->plan().built, figure)) << figure;
-  EXPECT_FALSE(any_has(with->plan().left_out, "Distances outside"));
+  EXPECT_FALSE(any_has(with->plan().skipped, "Distances outside"));
   EXPECT_EQ(with->field(), nullptr) << "the contact model asks for none";
 }
 

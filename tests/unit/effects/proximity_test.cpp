@@ -89,32 +89,32 @@ TEST(Proximity, TurnsTheToolOnlyWhereALeverSaysThatItMay) {
 TEST(Proximity, PushesAndTurnsAsItsPotentialSaysForAnyParameters) {
   Random random(41);
   const std::vector<effects::ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
-  int felt = 0;
-  for (int trial = 0; trial < 1000; ++trial) {
-    const double h = trial % 2 ? 0.002 : 0.004;
+  int with_force = 0;
+  for (int attempt = 0; attempt < 1000; ++attempt) {
+    const double h = attempt % 2 ? 0.002 : 0.004;
     Bench bench(random_proximity(random, h, 0.02), &block(h), points);
     const Pose pose = near_block(random);
-    felt += bench.at(pose).wrench.force.norm() > 0.01;
+    with_force += bench.at(pose).wrench.force.norm() > 0.01;
     expect_force_of_potential(bench, pose, 1e-3, true);
   }
-  EXPECT_GT(felt, 150);
+  EXPECT_GT(with_force, 150);
 }
 
 TEST(Proximity, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
   Random random(42);
   const std::vector<effects::ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
-  for (int trial = 0; trial < 1500; ++trial) {
-    const double h = trial % 2 ? 0.002 : 0.004;
-    const bool turning = trial % 3 > 0;
-    effects::EffectSpec spec = random_proximity(random, h, turning ? 0.013 : 0.0);
-    if (turning)
+  for (int attempt = 0; attempt < 1500; ++attempt) {
+    const double h = attempt % 2 ? 0.002 : 0.004;
+    const bool rotation = attempt % 3 > 0;
+    effects::EffectSpec spec = random_proximity(random, h, rotation ? 0.013 : 0.0);
+    if (rotation)
       spec.region = {};
     Bench bench(spec, &block(h), points);
-    expect_stiffness_covers(bench, near_block(random), 0.3, turning, 1e-8);
+    expect_stiffness_covers(bench, near_block(random), 0.3, rotation, 1e-8);
   }
   // One point alone may sit right at an edge.
   const std::vector<effects::ToolPoint> point = ball(0.0, 1);
-  for (int trial = 0; trial < 1500; ++trial) {
+  for (int attempt = 0; attempt < 1500; ++attempt) {
     Bench bench(random_proximity(random, 0.002, 0.0), &block(0.002), point);
     expect_stiffness_covers(bench, {random.vector(0.04), Quat::Identity()}, 0.3, false, 1e-8);
   }
@@ -123,9 +123,9 @@ TEST(Proximity, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
 TEST(Proximity, StepsNowhereOnASweepThroughRimEdgeAndInside) {
   Random random(43);
   const std::vector<effects::ToolPoint> points = ball(0.008, 100), point = ball(0.0, 1);
-  for (int trial = 0; trial < 20; ++trial) {
+  for (int attempt = 0; attempt < 20; ++attempt) {
     const effects::EffectSpec spec = proximity(4.0, kRange, 0.002);
-    Bench bench(spec, &block(0.002), trial % 2 ? points : point);
+    Bench bench(spec, &block(0.002), attempt % 2 ? points : point);
     const Vec3 u = random.direction(), middle = random.vector(0.03);
     EXPECT_LE(steepest_on_sweep(bench, middle - 0.08 * u, middle + 0.08 * u, 4000,
                                 effects::bound_of(spec).stiffness_n_per_m),
@@ -136,26 +136,26 @@ TEST(Proximity, StepsNowhereOnASweepThroughRimEdgeAndInside) {
 TEST(Proximity, GivesNoEnergyOnAnyClosedPath) {
   Random random(44);
   const std::vector<effects::ToolPoint> points = ball(0.008, 30, {0.004, 0, -0.002});
-  double felt = 0.0;
-  for (int trial = 0; trial < 200; ++trial) {
-    const double h = trial % 2 ? 0.002 : 0.004;
-    const bool turning = trial % 4 < 2;
-    Bench bench(random_proximity(random, h, turning ? 0.013 : 0.0), &block(h), points);
+  double with_force = 0.0;
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    const double h = attempt % 2 ? 0.002 : 0.004;
+    const bool rotation = attempt % 4 < 2;
+    Bench bench(random_proximity(random, h, rotation ? 0.013 : 0.0), &block(h), points);
     const Pose start = near_block(random);
     const Work work = work_along(
-        bench, closed_path(random, start.position, 0.02, turning ? 1.0 : 0.0, 1000), turning);
-    EXPECT_LE(std::abs(work.net_j), 2e-3 * work.moved_j + 1e-12) << trial;
-    felt += work.moved_j;
+        bench, closed_path(random, start.position, 0.02, rotation ? 1.0 : 0.0, 1000), rotation);
+    EXPECT_LE(std::abs(work.net_j), 2e-3 * work.moved_j + 1e-12) << attempt;
+    with_force += work.moved_j;
   }
-  EXPECT_GT(felt, 0.1);
+  EXPECT_GT(with_force, 0.1);
 }
 
 TEST(Proximity, LeavesLessEnergyTheFinerAPathIsSampled) {
   const std::vector<effects::ToolPoint> points = ball(0.008, 60);
   double coarse = 0.0, fine = 0.0;
-  for (unsigned trial = 0; trial < 20; ++trial) {
+  for (unsigned attempt = 0; attempt < 20; ++attempt) {
     Bench bench(proximity(4.0, kRange, 0.002), &block(0.002), points);
-    Random random(500 + trial), same = random;
+    Random random(500 + attempt), same = random;
     coarse +=
         std::abs(work_along(bench, closed_path(random, {0.02, 0, 0.025}, 0.02, 0.0, 500)).net_j);
     fine += std::abs(work_along(bench, closed_path(same, {0.02, 0, 0.025}, 0.02, 0.0, 4000)).net_j);
@@ -206,16 +206,16 @@ TEST(SpaceEffects, AllocateNothingWhileTheyRun) {
   effects::EffectChain chain(std::move(specs));
   effects::EffectFrame frame;
   frame.dt_s = 0.001, frame.proximity = &field, frame.tool_points = points;
-  double felt = 0.0;
+  double with_force = 0.0;
   EXPECT_EQ(heap_count_of([&] {
               for (int n = 0; n < 500; ++n) {
                 frame.tool = {Vec3(0.0001 * n, 0, 0.03),
                               Quat(Eigen::AngleAxisd(0.01 * n, Vec3::UnitX()))};
-                felt += chain.apply(frame).wrench.force.norm();
+                with_force += chain.apply(frame).wrench.force.norm();
               }
             }),
             0);
-  EXPECT_GT(felt, 1.0);
+  EXPECT_GT(with_force, 1.0);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST(Region, HasTheGradientOfItsWeightWithinItsBounds) {
   std::uniform_real_distribution<double> number(-0.1, 0.1);
   for (const Region& region : {sphere(), box()}) {
     double steepest = 0.0, bent = 0.0;
-    for (int trial = 0; trial < 3000; ++trial) {
+    for (int attempt = 0; attempt < 3000; ++attempt) {
       const Vec3 x = Vec3(1, 2, 3) + Vec3(number(random), number(random), number(random));
       const RegionWeight here = weight_at(region, x);
       constexpr double kStep = 1e-7;

@@ -15,7 +15,7 @@ TEST(SurfaceDamping, IsViscousAlongTheSurfaceAndAcrossItAsAskedFor) {
              {{"damping_ns_per_m", {4}}, {"normal_damping_ns_per_m", {2}}, {"full_force_n", {1}}}));
   const Twist twist{Vec3(0.1, -0.05, 0.2), Vec3(0, 5, 0)};
   const Pose pose = pressing(1.5);
-  const effects::EffectPush push = asked.at(pose, {plane(pose)}, twist);
+  const effects::EffectForce push = asked.at(pose, {plane(pose)}, twist);
   const Vec3 expected(-4 * (0.1 - 0.05), 4 * 0.05,
                       -2 * 0.2);  // the lowest point goes back by 5 rad/s times 10 mm
   EXPECT_TRUE(push.wrench.force.isApprox(expected, 1e-9)) << push.wrench.force.transpose();
@@ -55,7 +55,7 @@ TEST(SurfaceDamping, TakesEnergyAtEveryMomentWithinItsBound) {
   const auto any = [&] {
     return Vec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
   };
-  for (int trial = 0; trial < 300; ++trial) {
+  for (int attempt = 0; attempt < 300; ++attempt) {
     Asked asked(effect("surface_damping", {{"damping_ns_per_m", {between(random, 0, 100)}},
                                            {"normal_damping_ns_per_m", {between(random, 0, 100)}},
                                            {"full_force_n", {scale_between(random, 0.01, 10)}},
@@ -68,15 +68,15 @@ TEST(SurfaceDamping, TakesEnergyAtEveryMomentWithinItsBound) {
       std::vector<contact::ContactResult> contacts = {
           on_plane(pose, tool, kUp, 0, 800), on_ball(pose, tool, Vec3(0.015, 0, 0), 0.012, 1500),
           on_plane(pose, tool, Vec3(0, 0.6, 0.8), 0, 300)};
-      const effects::EffectPush push = asked.at(pose, contacts, twist);
+      const effects::EffectForce push = asked.at(pose, contacts, twist);
       ASSERT_LE(push.wrench.force.dot(twist.linear) + push.wrench.torque.dot(twist.angular), 1e-12)
-          << trial;
+          << attempt;
       const double fastest =
           twist.linear.norm() + asked.chain.spec(0).values.number(3) * twist.angular.norm();
       ASSERT_LE(push.wrench.force.norm(), bound.damping_ns_per_m * fastest * (1 + 1e-12));
       ASSERT_GE(least_eigenvalue(push.stiffness), -1e-9 * push.stiffness.norm());
       std::swap(contacts[0], contacts[2]);
-      const effects::EffectPush again = Asked(asked.chain.spec(0)).at(pose, contacts, twist);
+      const effects::EffectForce again = Asked(asked.chain.spec(0)).at(pose, contacts, twist);
       if (n == 0) {
         ASSERT_LT((again.wrench.force - push.wrench.force).norm(), 1e-12) << "order of the objects";
       }
@@ -90,7 +90,7 @@ TEST(SurfaceDamping, ReportsAStiffnessNotLessThanItsChangeWithDepth) {
   Vec3 last = Vec3::Zero();
   for (int n = 0; n < 3000; ++n) {
     const Pose pose = pressing(1e-3 * n);
-    const effects::EffectPush push = asked.at(pose, {plane(pose)}, twist);
+    const effects::EffectForce push = asked.at(pose, {plane(pose)}, twist);
     if (n > 0) {
       EXPECT_LE((push.wrench.force - last).norm(),
                 push.stiffness_bound_n_per_m * 1e-6 * (1 + 1e-9));

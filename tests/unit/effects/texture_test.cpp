@@ -97,7 +97,7 @@ TEST(Texture, PushesAlongTheSurfaceOnlyAndNotInFreeSpace) {
 
 TEST(Texture, OnAFlatSurfacePressedEvenlyGivesNoEnergyOn220RandomClosedPaths) {
   std::mt19937_64 random(77);
-  for (int trial = 0; trial < 220; ++trial) {
+  for (int attempt = 0; attempt < 220; ++attempt) {
     effects::EffectSpec spec = any_texture(random);
     const double wave = spec.values.number(1), full = spec.values.number(4);
     const ClosedPath path(random, pressing(1.01 * full, 0.03, -0.02),
@@ -112,14 +112,14 @@ TEST(Texture, OnAFlatSurfacePressedEvenlyGivesNoEnergyOn220RandomClosedPaths) {
       const double step = n > 0 ? work(last, wrench, before, pose) : 0.0;
       sum += step, moved += std::abs(step), last = wrench, before = pose;
     }
-    EXPECT_LE(std::abs(sum), 1e-4 * moved) << trial;
+    EXPECT_LE(std::abs(sum), 1e-4 * moved) << attempt;
   }
 }
 
 TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
   std::mt19937_64 random(78);
   double highest = 0.0;
-  for (int trial = 0; trial < 220; ++trial) {
+  for (int attempt = 0; attempt < 220; ++attempt) {
     effects::EffectSpec spec = any_texture(random);
     const double bound = effects::bound_of(spec).energy_per_metre_j, wave = spec.values.number(1);
     const BallTool tool{
@@ -127,7 +127,7 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
     const ClosedPath path(random, {Vec3(0, 0, 0.009) - tool.centre, Quat::Identity()},
                           Vec3(wave, wave, 5e-4), between(random, 0, 0.2));
     Asked asked(std::move(spec));
-    double sum = 0.0, way = 0.0;
+    double sum = 0.0, displacement = 0.0;
     Wrench last;
     Pose before;
     for (int n = 0; n <= 3000; ++n) {
@@ -139,12 +139,13 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
       if (n > 0) {
         sum += work(last, wrench, before, pose);
         const Eigen::AngleAxisd turn(pose.orientation * before.orientation.conjugate());
-        way += (pose.position - before.position).norm() + turn.angle() * tool.centre.norm();
-        ASSERT_LE(sum, bound * way + 1e-12) << trial;
+        displacement +=
+            (pose.position - before.position).norm() + turn.angle() * tool.centre.norm();
+        ASSERT_LE(sum, bound * displacement + 1e-12) << attempt;
       }
       last = wrench, before = pose;
     }
-    highest = std::max(highest, sum / (bound * way));
+    highest = std::max(highest, sum / (bound * displacement));
   }
   EXPECT_GT(highest, 1e-4) << "some are given energy: that is why the kind is called bounded";
   EXPECT_EQ(effects::find_effect_kind("texture")->energy, effects::EnergyBehaviour::kBounded);
@@ -152,7 +153,7 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
 
 TEST(Texture, GivesEnergyToAHandThatPressesDownhillOnlyAndNoMoreThanTheBound) {
   Asked asked(texture(kGrating, 0.004, 0.5));
-  double sum = 0.0, way = 0.0;
+  double sum = 0.0, displacement = 0.0;
   Wrench last;
   Pose before;
   for (int n = 0; n <= 4000; ++n) {  // down a ridge pressed, up again in the air
@@ -162,16 +163,16 @@ TEST(Texture, GivesEnergyToAHandThatPressesDownhillOnlyAndNoMoreThanTheBound) {
     if (n > 0 && n != 2000)
       sum += work(last, wrench, before, pose);
     if (n > 0)
-      way += std::abs(x - before.position.x());
+      displacement += std::abs(x - before.position.x());
     last = wrench, before = pose;
   }
   EXPECT_NEAR(sum, 0.5 * 0.004 / M_PI, 1e-5);
-  EXPECT_LT(sum, 0.5 * way);
+  EXPECT_LT(sum, 0.5 * displacement);
 }
 
 TEST(Texture, HasNoForceStepWithinItsReportedStiffness) {
   std::mt19937_64 random(6);
-  for (int trial = 0; trial < 40; ++trial) {
+  for (int attempt = 0; attempt < 40; ++attempt) {
     Asked asked(any_texture(random));
     double bound_before = 0.0;
     Vec3 last = Vec3::Zero();
@@ -179,14 +180,14 @@ TEST(Texture, HasNoForceStepWithinItsReportedStiffness) {
     for (int n = 0; n <= 10000; ++n) {
       const double t = n / 10000.0;
       const Pose pose{Vec3(0.02 * t, 0.013 * t, 0.011 - 0.012 * t * (1 - t)), Quat::Identity()};
-      const effects::EffectPush push = asked.at(pose, {plane(pose)});
+      const effects::EffectForce push = asked.at(pose, {plane(pose)});
       ASSERT_GE(least_eigenvalue(push.stiffness), -1e-9 * push.stiffness.norm());
       if (n > 0) {
         ASSERT_LE((push.wrench.force - last).norm(),
                   std::max(bound_before, push.stiffness_bound_n_per_m) *
                           (pose.position - before.position).norm() * (1 + 1e-6) +
                       1e-12)
-            << trial << " " << n;
+            << attempt << " " << n;
       }
       bound_before = push.stiffness_bound_n_per_m, last = push.wrench.force, before = pose;
     }

@@ -68,16 +68,16 @@ class Asked {
  public:
   explicit Asked(effects::EffectSpec spec) : chain(std::vector{std::move(spec)}) {}
 
-  effects::EffectPush at(const Pose& pose, const std::vector<contact::ContactResult>& contacts,
-                         const Twist& twist = {}, const std::vector<Twist>& objects = {}) {
+  effects::EffectForce at(const Pose& pose, const std::vector<contact::ContactResult>& contacts,
+                          const Twist& twist = {}, const std::vector<Twist>& objects = {}) {
     std::vector<effects::ObjectContact> touched;
     for (std::size_t n = 0; n < contacts.size(); ++n)
       touched.push_back(
           {static_cast<std::uint32_t>(n), &contacts[n], n < objects.size() ? objects[n] : Twist{}});
     return with(pose, touched, twist);
   }
-  effects::EffectPush with(const Pose& pose, std::span<const effects::ObjectContact> touched,
-                           const Twist& twist = {}) {
+  effects::EffectForce with(const Pose& pose, std::span<const effects::ObjectContact> touched,
+                            const Twist& twist = {}) {
     effects::EffectFrame frame;
     frame.tool = pose, frame.twist = twist, frame.dt_s = 0.001, frame.time_s = time_s += 0.001,
     frame.contacts = touched;
@@ -98,9 +98,9 @@ inline double work(const Wrench& from, const Wrench& to, const Pose& start, cons
 /// A smooth closed way of the tool, seeded: three harmonics on each axis.
 class ClosedPath {
  public:
-  ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& way_m, double turn_rad)
+  ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& path_m, double turn_rad)
       : middle_(middle),
-        way_m_(way_m),
+        path_m_(path_m),
         turn_rad_(turn_rad) {
     std::normal_distribution<double> number;
     for (int h = 0; h < 3; ++h)
@@ -116,13 +116,13 @@ class ClosedPath {
         x[a] += sine_[h][a] * std::sin(phase) + cosine_[h][a] * std::cos(phase);
       }
     const Vec3 turn = turn_rad_ * x.tail<3>();
-    return {middle_.position + way_m_.cwiseProduct(x.head<3>()),
+    return {middle_.position + path_m_.cwiseProduct(x.head<3>()),
             Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * middle_.orientation};
   }
 
  private:
   Pose middle_;
-  Vec3 way_m_;
+  Vec3 path_m_;
   double turn_rad_;
   double sine_[3][6], cosine_[3][6];
 };

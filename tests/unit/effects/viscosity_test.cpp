@@ -18,7 +18,7 @@ TEST(Viscosity, PushesAgainstTheVelocityAndTakesEnergyOnly) {
   EffectFrame frame;
   frame.dt_s = 0.001;
   frame.twist = {Vec3(0.1, -0.2, 0.3), Vec3(1, 0, -1)};
-  const EffectPush push = chain.apply(frame);
+  const EffectForce push = chain.apply(frame);
   EXPECT_TRUE(push.wrench.force.isApprox(Vec3(-0.3, 0.6, -0.9)));
   EXPECT_TRUE(push.wrench.torque.isApprox(Vec3(-0.1, 0, 0.1)));
   EXPECT_LT(push.wrench.force.dot(frame.twist.linear) + push.wrench.torque.dot(frame.twist.angular),

@@ -48,7 +48,7 @@ TEST(Friction, WithinTheConeTheToolSticksAndDoesNotCreep) {
 
 TEST(Friction, AWayThereAndBackTakesEnergy) {
   Pressed rig;
-  double taken = 0.0, way = 0.0;
+  double taken = 0.0, displacement = 0.0;
   Vec3 last = Vec3::Zero();
   for (int k = 0; k <= 1200; ++k) {
     Pose hand = rig.hand;
@@ -57,12 +57,12 @@ TEST(Friction, AWayThereAndBackTakesEnergy) {
     const Vec3 force = -frame.shift;  // on the hand, over k
     if (k > 600) {
       taken -= force.dot(hand.position - last);
-      way += (hand.position - last).norm();
+      displacement += (hand.position - last).norm();
     }
     last = hand.position;
   }
-  EXPECT_GT(taken, 0.5 * kFriction * 0.005 * way * 0.5);
-  EXPECT_LT(taken, kFriction * 0.0052 * way);
+  EXPECT_GT(taken, 0.5 * kFriction * 0.005 * displacement * 0.5);
+  EXPECT_LT(taken, kFriction * 0.0052 * displacement);
 }
 
 TEST(Friction, ATwistedPegFaceResistsTurnsAboutItsNormal) {

@@ -52,11 +52,11 @@ TEST(Holes, AShiftedCrossIsHeldByTheClosedForm) {
 
 TEST(Holes, ATurnedCrossIsHeldByTheClosedForm) {
   for (const double c : {2e-4, 5e-5}) {
-    for (const double way : {0.1, -0.1}) {
+    for (const double displacement : {0.1, -0.1}) {
       Rig rig(test::prism(test::cross(kLength, kWidth, 0.0), -0.01, 0.01),
               test::block_with_hole(test::cross(kLength, kWidth, c), 0.02, -0.02, 0.02));
       ASSERT_TRUE(rig.virtual_tool.place({}, {&rig.object_pose, 1}));
-      const Pose hand{Vec3::Zero(), turned(way, Vec3::UnitZ())};
+      const Pose hand{Vec3::Zero(), turned(displacement, Vec3::UnitZ())};
       rig.lead({}, hand, 30);
       const VirtualToolFrame frame = rig.rest(hand, 200);
       // The arm's corner (length, width) comes to the wall: length sin + width cos = width +
@@ -65,7 +65,7 @@ TEST(Holes, ATurnedCrossIsHeldByTheClosedForm) {
       const double held = std::asin((kWidth + c - kMargin) / radius) - std::atan2(kWidth, kLength);
       const Vec3 rotation = 2.0 * frame.tool.orientation.vec();
       EXPECT_NEAR(std::abs(rotation.z()), held, 1e-3 * held);
-      EXPECT_LT(angle_between(frame.rotation, {0, 0, way}), 0.1 * kDegree);
+      EXPECT_LT(angle_between(frame.rotation, {0, 0, displacement}), 0.1 * kDegree);
       EXPECT_LT(frame.tool.position.norm(), 1e-6);
     }
   }

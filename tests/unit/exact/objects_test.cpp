@@ -46,7 +46,8 @@ TEST(Objects, InACornerOfTwoEachPushesWithItsOwnForce) {
   EXPECT_NEAR((forces[1].force - Vec3(-frame.shift.x(), 0, 0)).norm(), 0.0, 1e-7);
 }
 
-/// Two flush blocks as one body: nothing is felt of their seam, and each tells its own force.
+/// Two flush blocks as one body: nothing is displayed of their seam, and each reports its own
+/// force.
 TEST(Objects, OfOneBodyTellEachItsOwnForce) {
   const mesh::TriangleMesh left = test::box({-0.1, -0.1, -0.02}, {0.0, 0.1, 0.0});
   const mesh::TriangleMesh right = test::box({0.0, -0.12, -0.03}, {0.1, 0.12, 0.0});
@@ -96,7 +97,7 @@ TEST(Objects, AnObjectAtHalfAMetrePerSecondDoesNotLag) {
         z = -0.02;
       rig.object_pose.position.z() = z;
       const VirtualToolFrame frame = rig.frame(hand);
-      ASSERT_EQ(frame.object_lag_m, 0.0) << k << ' ' << ball;
+      ASSERT_EQ(frame.object_delay_m, 0.0) << k << ' ' << ball;
       ASSERT_FALSE(frame.cut_short) << k;
       if (k % 10 == 0) {
         ASSERT_FALSE(rig.intersects()) << k;
@@ -123,7 +124,7 @@ TEST(Objects, AToolThatIsPinchedIsNotPassedUntilTheObjectIsFarBeyond) {
     }
   }
   EXPECT_TRUE(lost);
-  EXPECT_LT(rig.poses[1].position.z(), 0.0205 - limits::kMaxObjectLagM + 1e-3);
+  EXPECT_LT(rig.poses[1].position.z(), 0.0205 - limits::kMaxObjectDelayM + 1e-3);
 }
 
 }  // namespace

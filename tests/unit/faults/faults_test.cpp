@@ -112,9 +112,9 @@ TEST(FaultRecorder, LeavesABagOfTheLastTwoSecondsForEachFaultAndNoMoreThanTheMos
   ASSERT_EQ(states.size(), 2000U);
   EXPECT_EQ(states.front().sequence_number, 1000U);
   EXPECT_EQ(states.back().sequence_number, 2999U);
-  const std::vector<std::string> told = told_in(folder / "faults");
-  EXPECT_LE(told.size(), kMaxRecords);
-  EXPECT_NE(told.at(0).find(" 2.0 s before another "), std::string::npos) << told.at(0);
+  const std::vector<std::string> reported = fault_records_in(folder / "faults");
+  EXPECT_LE(reported.size(), kMaxRecords);
+  EXPECT_NE(reported.at(0).find(" 2.0 s before another "), std::string::npos) << reported.at(0);
 }
 
 TEST(FaultRecorder, SaysWhereTheDiskRefusesAndGoesOn) {
@@ -124,11 +124,11 @@ TEST(FaultRecorder, SaysWhereTheDiskRefusesAndGoesOn) {
   push(*recorder, 0, 10);
   recorder->keep(kReason);
   runtime::NodeReport report;
-  for (int n = 0; n < 200 && !report.values.contains("fault_record_trouble"); ++n) {
+  for (int n = 0; n < 200 && !report.values.contains("fault_record_error"); ++n) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     recorder->report_to(report);
   }
-  EXPECT_NE(report.values["fault_record_trouble"].find("faults"), std::string::npos);
+  EXPECT_NE(report.values["fault_record_error"].find("faults"), std::string::npos);
   EXPECT_FALSE(report.values.contains("fault_record"));
 }
 

@@ -74,7 +74,7 @@ TEST(Fr3Open, SpeaksTheVersionThatTheRobotHas) {
     EXPECT_EQ(driver.version(), version);
     for (int i = 0; i < 2000 && !driver.session().force_allowed(); ++i)
       (void)driver.read(20ms), (void)driver.write({});
-    EXPECT_TRUE(driver.session().force_allowed()) << version << ": " << driver.trouble();
+    EXPECT_TRUE(driver.session().force_allowed()) << version << ": " << driver.last_error();
   }
 }
 
@@ -142,7 +142,7 @@ TEST(Fr3Open, TakesAnEndEffectorThatTheRobotTellsOf) {
 TEST(Fr3Open, WaitsForPeopleAndSaysSo) {
   const Robot robot(10, {"not_ready@0:60"});
   const Fr3Driver driver(robot.options());
-  EXPECT_NE(driver.trouble().find("joints"), std::string::npos) << driver.trouble();
+  EXPECT_NE(driver.last_error().find("joints"), std::string::npos) << driver.last_error();
 }
 
 TEST(Fr3Open, AReflexThatIsThereAlreadyIsRefusedInWords) {
@@ -163,7 +163,7 @@ TEST(Fr3Open, AChannelThatClosesInTheMiddleIsDisconnectedAtOnceAndSaidSo) {
     (void)driver.write({Vec3(3, 0, 0), Vec3::Zero()});
   }
   EXPECT_EQ(last, devices::DeviceError::kDisconnected);
-  EXPECT_NE(driver.trouble().find("closed"), std::string::npos) << driver.trouble();
+  EXPECT_NE(driver.last_error().find("closed"), std::string::npos) << driver.last_error();
 }
 
 }  // namespace open_test

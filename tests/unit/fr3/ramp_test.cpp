@@ -22,22 +22,22 @@ Vec6 wrench_of(const Joints& torque) {
 
 TEST(TorqueRamp, GoesAlongAStraightLineInStepsAndArrivesExactly) {
   TorqueRamp ramp(kStep, kMax);
-  const Wrench wanted{Vec3(20.0, -10.0, 15.0), Vec3(0.5, 0.0, -0.5)};
+  const Wrench expected{Vec3(20.0, -10.0, 15.0), Vec3(0.5, 0.0, -0.5)};
   Joints last = Joints::Zero();
   int steps = 0;
   for (bool arrived = false; !arrived && steps < 100; ++steps) {
-    ramp.told(last);
-    const Joints torque = ramp.next(kJacobian, wanted, Joints::Zero());
+    ramp.acknowledge(last);
+    const Joints torque = ramp.next(kJacobian, expected, Joints::Zero());
     EXPECT_LE((torque - last).cwiseAbs().maxCoeff(), kStep + 1e-12);
-    EXPECT_LE(wrench_of(torque).head<3>().norm(), wanted.force.norm() * (1 + 1e-9))
+    EXPECT_LE(wrench_of(torque).head<3>().norm(), expected.force.norm() * (1 + 1e-9))
         << "never more than both ends";
     last = torque;
-    arrived = (torque - arm::joint_torque(kJacobian, wanted)).norm() < 1e-12;
+    arrived = (torque - arm::joint_torque(kJacobian, expected)).norm() < 1e-12;
   }
   EXPECT_GE(steps, 8);
   EXPECT_LT(steps, 20);
   for (int i = 0; i < steps; ++i) {
-    ramp.told(last);
+    ramp.acknowledge(last);
     const Joints torque = ramp.next(kJacobian, {}, Joints::Zero());
     EXPECT_LE((torque - last).cwiseAbs().maxCoeff(), kStep + 1e-12);
     last = torque;
@@ -48,12 +48,12 @@ TEST(TorqueRamp, GoesAlongAStraightLineInStepsAndArrivesExactly) {
 
 TEST(TorqueRamp, ACommandThatWasLostIsNotCountedAsGiven) {
   TorqueRamp ramp(kStep, kMax);
-  const Wrench wanted{Vec3(40.0, 0.0, 0.0), Vec3::Zero()};
+  const Wrench expected{Vec3(40.0, 0.0, 0.0), Vec3::Zero()};
   std::mt19937 random(2);
   Joints robot = Joints::Zero();
   for (int n = 0; n < 500; ++n) {
-    ramp.told(robot);
-    const Joints torque = ramp.next(kJacobian, n / 50 % 2 ? Wrench{} : wanted, Joints::Zero());
+    ramp.acknowledge(robot);
+    const Joints torque = ramp.next(kJacobian, n / 50 % 2 ? Wrench{} : expected, Joints::Zero());
     if (random() % 3 == 0)
       continue;
     EXPECT_LE((torque - robot).cwiseAbs().maxCoeff(), 1.0)
@@ -65,7 +65,7 @@ TEST(TorqueRamp, ACommandThatWasLostIsNotCountedAsGiven) {
 TEST(TorqueRamp, WhatARobotClaimsBeyondTheLastCommandsIsNotBelieved) {
   TorqueRamp ramp(kStep, kMax);
   for (int n = 0; n < 100; ++n) {
-    ramp.told(Joints::Constant(n % 2 ? 1e30 : std::numeric_limits<double>::quiet_NaN()));
+    ramp.acknowledge(Joints::Constant(n % 2 ? 1e30 : std::numeric_limits<double>::quiet_NaN()));
     const Joints torque = ramp.next(kJacobian, {}, Joints::Zero());
     EXPECT_TRUE(torque.isZero(0.0));
   }
@@ -75,10 +75,10 @@ TEST(TorqueRamp, EndsAtZeroEvenIfTheRobotsWordNeverChanges) {
   for (const double word : {0.5, std::numeric_limits<double>::quiet_NaN()}) {
     TorqueRamp ramp(kStep, kMax);
     for (int n = 0; n < 200; ++n)
-      ramp.told(Joints::Constant(word)),
+      ramp.acknowledge(Joints::Constant(word)),
           ramp.next(kJacobian, {Vec3(20, 0, 0), Vec3::Zero()}, Joints::Zero());
     for (int n = 0; n < 400; ++n)
-      ramp.told(Joints::Constant(word)), ramp.next(kJacobian, {}, Joints::Zero());
+      ramp.acknowledge(Joints::Constant(word)), ramp.next(kJacobian, {}, Joints::Zero());
     EXPECT_TRUE(ramp.at_rest()) << word;
   }
 }
@@ -88,7 +88,7 @@ TEST(TorqueRamp, KeepsToWhatAJointMayGive) {
   Joints torque;
   for (int n = 0; n < 500; ++n) {
     torque = ramp.next(kJacobian, {Vec3(1000.0, 1000.0, 1000.0), Vec3::Zero()}, Joints::Zero());
-    ramp.told(torque);
+    ramp.acknowledge(torque);
     ASSERT_TRUE((torque.array().abs() <= kMax.array()).all());
   }
   EXPECT_GT((torque.array().abs() / kMax.array()).maxCoeff(), 0.99);

@@ -11,7 +11,7 @@ using fr3::fci::Outcome;
 using fr3::fci::Request;
 using fr3::fci::RobotMode;
 
-hand::Hand nobody() {
+hand::Hand released_hand() {
   sim::OperatorConfig config;
   config.released = true;
   Motion rest;
@@ -21,7 +21,7 @@ hand::Hand nobody() {
 
 struct Rig {
   explicit Rig(std::vector<Fault> faults = {})
-      : robot(RobotConfig{}, nobody(), FaultSchedule(std::move(faults))) {}
+      : robot(RobotConfig{}, released_hand(), FaultSchedule(std::move(faults))) {}
   Outcome move() {
     fr3::fci::Received body;
     const fr3::fci::Message message = fr3::fci::move_request(robot.dialect(), 1);

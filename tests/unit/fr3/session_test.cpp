@@ -46,7 +46,7 @@ TEST(FciSession, AsksForTorqueControlOnceAndAllowsForceWhenItIsThere) {
   Rig rig;
   EXPECT_FALSE(rig.session.force_allowed());
   rig.run();
-  EXPECT_EQ(rig.session.trouble(), Trouble::kNone);
+  EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kNone);
 }
 
 TEST(FciSession, ComesBackFromLostPacketsByItselfAfterAPauseAndNotForEver) {
@@ -55,7 +55,7 @@ TEST(FciSession, ComesBackFromLostPacketsByItselfAfterAPauseAndNotForEver) {
   for (int n = 0; n < 10; ++n) {
     EXPECT_EQ(rig.see(in_reflex(kLostPacketsError)), std::nullopt);
     EXPECT_FALSE(rig.session.force_allowed());
-    EXPECT_EQ(rig.session.trouble(), Trouble::kLostPackets);
+    EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kLostPackets);
     EXPECT_EQ(rig.see(in_reflex(kLostPacketsError), 0.4), std::nullopt) << "not at once";
     EXPECT_EQ(rig.see(in_reflex(kLostPacketsError), 0.2), Request::kErrorRecovery);
     rig.session.answered(Request::kErrorRecovery, Outcome::kSuccess);
@@ -65,7 +65,7 @@ TEST(FciSession, ComesBackFromLostPacketsByItselfAfterAPauseAndNotForEver) {
   }
   rig.see(in_reflex(kLostPacketsError), 2.0);
   EXPECT_EQ(rig.session.error(), devices::DeviceError::kFault);
-  EXPECT_EQ(rig.session.trouble(), Trouble::kTooOften);
+  EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kTooOften);
 }
 
 TEST(FciSession, AnyOtherReflexIsAPersonsMatter) {
@@ -74,7 +74,7 @@ TEST(FciSession, AnyOtherReflexIsAPersonsMatter) {
     rig.run();
     EXPECT_EQ(rig.see(in_reflex(errors), 3.0), std::nullopt);
     EXPECT_EQ(rig.session.error(), devices::DeviceError::kFault);
-    EXPECT_EQ(rig.session.trouble(), Trouble::kReflex);
+    EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kReflex);
     EXPECT_EQ(rig.session.errors(), errors);
   }
 }
@@ -83,7 +83,7 @@ TEST(FciSession, WaitsThroughAShortUserStopAndEndsInALongOne) {
   Rig rig;
   rig.run();
   EXPECT_EQ(rig.see(in_mode(RobotMode::kUserStopped), 1.0), std::nullopt);
-  EXPECT_EQ(rig.session.trouble(), Trouble::kUserStop);
+  EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kUserStop);
   EXPECT_EQ(rig.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle), 0.6), Request::kMove);
   rig.see(in_torque_control());
@@ -96,7 +96,7 @@ TEST(FciSession, SaysWhyMoveWasRefusedAndAsksAgain) {
   Rig rig;
   EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle)), Request::kMove);
   rig.session.answered(Request::kMove, Outcome::kSafetyFunction);
-  EXPECT_EQ(rig.session.trouble(), Trouble::kRefused);
+  EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kRefused);
   EXPECT_EQ(rig.session.refusal(), Outcome::kSafetyFunction);
   EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle), 0.6), Request::kMove);
   for (int n = 0; n < 10; ++n) {
@@ -117,7 +117,7 @@ TEST(FciSession, AJointThatIsTooFastTakesTheForceAwayForAsLong) {
   rig.run();
   rig.session.see(in_torque_control(), 1e-3, true);
   EXPECT_FALSE(rig.session.force_allowed());
-  EXPECT_EQ(rig.session.trouble(), Trouble::kFast);
+  EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kFast);
   rig.see(in_torque_control());
   EXPECT_TRUE(rig.session.force_allowed());
 }
@@ -132,8 +132,8 @@ TEST(FciSession, AtItsEndItStopsTheMotionAndAsksForNothingElse) {
 }
 
 TEST(FciSession, EveryTroubleHasASentenceThatSaysWhatToDo) {
-  for (int i = 1; i <= static_cast<int>(Trouble::kFast); ++i)
-    EXPECT_TRUE(sentence_of(static_cast<Trouble>(i)).starts_with("no force")) << i;
+  for (int i = 1; i <= static_cast<int>(Diagnostic::kFast); ++i)
+    EXPECT_TRUE(sentence_of(static_cast<Diagnostic>(i)).starts_with("no force")) << i;
 }
 
 }  // namespace session_test

@@ -12,9 +12,9 @@ struct Scene {
   Scene() {
     msr.interface.state = State::kMon, msr.interface.quality = Quality::kPerfect;
     msr.robot.power = kAllDrives, msr.robot.control = Control::kJointImpedance;
-    session.see(msr, 1e-3, Trouble::kNone);
+    session.see(msr, 1e-3, Diagnostic::kNone);
     msr.interface.state = State::kCmd;
-    session.see(msr, 1e-3, Trouble::kNone);
+    session.see(msr, 1e-3, Diagnostic::kNone);
     push.setConstant(5.0);
   }
   MsrPacket msr = empty_msr();
@@ -28,7 +28,7 @@ TEST(FriComposer, LeavesThePushOutWhereTheSessionAllowsNone) {
   ASSERT_TRUE(s.session.force_allowed());
   EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq[3], 5.0F);
   s.msr.interface.quality = Quality::kBad;
-  s.session.see(s.msr, 1e-3, Trouble::kNone);
+  s.session.see(s.msr, 1e-3, Diagnostic::kNone);
   ASSERT_TRUE(s.session.in_command());
   EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq, Joints{});
 }
@@ -46,7 +46,7 @@ TEST(FriComposer, LeavesAPushOutThatIsNoNumberOrTooLargeForTheWire) {
 TEST(FriComposer, RepeatsThePositionWithoutPushForAPacketItCannotTrust) {
   Scene s;
   const CmdPacket before = s.composer.answer(s.msr, s.session, true, s.push);
-  const CmdPacket after = s.composer.answer_untrusted({99, 0, kMsrSize, kMsrId}, s.session);
+  const CmdPacket after = s.composer.reply_to_invalid({99, 0, kMsrSize, kMsrId}, s.session);
   EXPECT_EQ(after.command.jnt_pos, before.command.jnt_pos);
   EXPECT_EQ(after.command.add_jnt_trq, Joints{});
   EXPECT_EQ(after.header.refl_seq, 99);

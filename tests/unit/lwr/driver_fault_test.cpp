@@ -79,7 +79,7 @@ TEST_F(LwrDriverFault, MarksAPoseWhoseJointsAreNoNumbersOrImpossible) {
 }
 
 TEST_F(LwrDriverFault, AnswersAMeasurementItCannotTrustWithTheLastPosition) {
-  const float kept = krc->heard.back().command.jnt_pos[4];
+  const float kept = krc->received.back().command.jnt_pos[4];
   const lwr::fri::MsrPacket good = msr();
   msr().data.cmd_jnt_pos[4] = static_cast<float>(kNaN);
   Cycle t = without_push();
@@ -203,7 +203,7 @@ TEST_F(LwrDriverFault, DropsTheForceWithTheQualityAndTakesItUpAgain) {
   EXPECT_TRUE(t.sample);
   EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kRun);
-  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kQualityDropped);
+  EXPECT_EQ(driver->session().diagnostic(), lwr::fri::Diagnostic::kQualityDropped);
   msr().interface.quality = lwr::fri::Quality::kOk;
   push();
 }
@@ -217,7 +217,7 @@ TEST_F(LwrDriverFault, ComesBackByItselfAfterTheControllerLeftCommandMode) {
   EXPECT_EQ(t.written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(t.command.command.jnt_pos[0], 0.3F) << "mirrors again at once";
   EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
-  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kDroppedOut);
+  EXPECT_EQ(driver->session().diagnostic(), lwr::fri::Diagnostic::kDroppedOut);
   krc->program_runs = true;
   ASSERT_TRUE(run_to_command(*krc, *driver));
   EXPECT_EQ(driver->session().starts(), 2U);
@@ -230,7 +230,7 @@ TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
   msr().interface.state = lwr::fri::State::kMon;
   krc->program_runs = false;
   EXPECT_EQ(without_push().written.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kDrivesWentOff);
+  EXPECT_EQ(driver->session().diagnostic(), lwr::fri::Diagnostic::kDrivesWentOff);
   EXPECT_NE(driver->status_text().find("[drives off: E1]"), std::string::npos)
       << driver->status_text();
 }
@@ -260,7 +260,7 @@ TEST_F(LwrDriverFault, DropsTheForceWhileAJointIsTooFast) {
     }
   }
   EXPECT_TRUE(refused);
-  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kTooFast);
+  EXPECT_EQ(driver->session().diagnostic(), lwr::fri::Diagnostic::kTooFast);
   for (int n = 0; n < 40; ++n)
     cycle(*krc, *driver, kPush);
   push();
@@ -278,14 +278,14 @@ TEST_F(LwrDriverFault, SendsNothingThatIsNoNumberWhateverComesIn) {
     const std::size_t word = 2 + random / 65536U % 227U;  // any word but the head's
     const std::uint32_t bits = n % 3 ? random * 747796405U : 0x7FC00000U;
     std::memcpy(reinterpret_cast<char*>(&msr()) + 4 * word, &bits, 4);
-    const std::size_t before = krc->heard.size();
+    const std::size_t before = krc->received.size();
     const Cycle t = cycle(*krc, *driver, kPush);
-    EXPECT_EQ(krc->heard.size(), before + 1)
+    EXPECT_EQ(krc->received.size(), before + 1)
         << "answered, and the fake refuses what is not finite; word " << word;
     if (t.sample) {
       EXPECT_TRUE(t.sample->pose.finite() && t.sample->twist.finite());
     }
-    EXPECT_LE(torque_of(krc->heard.back()), 100.0);
+    EXPECT_LE(torque_of(krc->received.back()), 100.0);
   }
 }
 

@@ -1,4 +1,4 @@
-// Opening: what a person is told where it cannot be done, and that it can be done again.
+// Opening: what a person is reported where it cannot be done, and that it can be done again.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -22,7 +22,7 @@ std::string refusal(const lwr::LwrOptions& options) {
   }
   return {};
 }
-bool tells(const std::string& sentence, std::string_view fact) { return sentence.contains(fact); }
+bool states(const std::string& sentence, std::string_view fact) { return sentence.contains(fact); }
 
 TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
   lwr::LwrOptions options = quick_options();
@@ -31,7 +31,7 @@ TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
   for (const std::string& part :
        {std::string("0.02 s"), "127.0.0.1:" + std::to_string(options.port), std::string("friOpen"),
         std::string("friSetup")})
-    EXPECT_TRUE(tells(sentence, part)) << part << " is not in: " << sentence;
+    EXPECT_TRUE(states(sentence, part)) << part << " is not in: " << sentence;
 }
 
 TEST(LwrOpen, IsCancelledBySomebodyElse) {
@@ -40,7 +40,7 @@ TEST(LwrOpen, IsCancelledBySomebodyElse) {
   std::atomic<bool> cancelled{false};
   options.cancelled = &cancelled;
   std::jthread other([&] { cancelled.store(true); });
-  EXPECT_FALSE(tells(refusal(options), "3600")) << "it did not wait so long";
+  EXPECT_FALSE(states(refusal(options), "3600")) << "it did not wait so long";
 }
 
 TEST(LwrOpen, SaysThatThePortIsBusy) {
@@ -49,16 +49,16 @@ TEST(LwrOpen, SaysThatThePortIsBusy) {
   lwr::LwrOptions options = quick_options();
   options.port = krc.port;
   const std::string sentence = refusal(options);
-  EXPECT_TRUE(tells(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
+  EXPECT_TRUE(states(sentence, "127.0.0.1:" + std::to_string(krc.port))) << sentence;
   EXPECT_TRUE(cycle(krc, *driver).sample) << "the one that was first goes on";
 }
 
 TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
   lwr::LwrOptions options = quick_options();
   options.address = "robot";
-  EXPECT_TRUE(tells(refusal(options), "'robot'"));
+  EXPECT_TRUE(states(refusal(options), "'robot'"));
   options.address = "203.0.113.7";
-  EXPECT_TRUE(tells(refusal(options), "203.0.113.7"));
+  EXPECT_TRUE(states(refusal(options), "203.0.113.7"));
 }
 
 TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
@@ -69,14 +69,14 @@ TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
   std::string sentence;
   krc.msr.header.datagram_id = 0x2007;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, "916 bytes from 127.0.0.1:") &&
-              tells(sentence, name_of(lwr::fri::PacketFault::kId)))
+  EXPECT_TRUE(states(sentence, "916 bytes from 127.0.0.1:") &&
+              states(sentence, name_of(lwr::fri::PacketFault::kId)))
       << sentence;
   krc.msr.header.datagram_id = lwr::fri::kMsrId;
   krc.msr.data.cmd_jnt_pos[0] = std::numeric_limits<float>::quiet_NaN();
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, name_of(lwr::fri::PacketFault::kNotFinite)) &&
-              !tells(sentence, "bytes"))
+  EXPECT_TRUE(states(sentence, name_of(lwr::fri::PacketFault::kNotFinite)) &&
+              !states(sentence, "bytes"))
       << sentence;
 }
 
@@ -89,7 +89,7 @@ TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
   krc.msr.interface.state = lwr::fri::State::kOff;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, "friOpen") && !tells(sentence, "friSetup")) << sentence;
+  EXPECT_TRUE(states(sentence, "friOpen") && !states(sentence, "friSetup")) << sentence;
 }
 
 TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
@@ -119,7 +119,7 @@ TEST(LwrOpen, SaysThatOnlyOthersSend) {
   krc.port = options.port;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, "127.0.0.9") && tells(sentence, "'controller'")) << sentence;
+  EXPECT_TRUE(states(sentence, "127.0.0.9") && states(sentence, "'controller'")) << sentence;
 }
 
 TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
@@ -129,7 +129,7 @@ TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
   krc.msr.interface.msr_period_s = 0.0F;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, " 0 s") && tells(sentence, "1 to 100 ms")) << sentence;
+  EXPECT_TRUE(states(sentence, " 0 s") && states(sentence, "1 to 100 ms")) << sentence;
 }
 
 TEST(LwrOpen, RefusesAnArmWithADriveError) {
@@ -139,7 +139,7 @@ TEST(LwrOpen, RefusesAnArmWithADriveError) {
   krc.msr.robot.error = 0x08;
   std::string sentence;
   krc.serve_while([&] { sentence = refusal(options); });
-  EXPECT_TRUE(tells(sentence, " A3") && !tells(sentence, "A2") && !tells(sentence, "A4"))
+  EXPECT_TRUE(states(sentence, " A3") && !states(sentence, "A2") && !states(sentence, "A4"))
       << sentence;
 }
 
@@ -148,7 +148,7 @@ TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
   krc.msr.robot.power = 0;
   const auto driver = krc.open();
   EXPECT_EQ(cycle(krc, *driver).written.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kDrivesNotOn);
+  EXPECT_EQ(driver->session().diagnostic(), lwr::fri::Diagnostic::kDrivesNotOn);
   krc.msr.robot.power = lwr::fri::kAllDrives;
   EXPECT_TRUE(run_to_command(krc, *driver));
 }
@@ -158,7 +158,7 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
     lwr::LwrOptions options = quick_options();
     change(options);
     const std::string sentence = refusal(options);
-    EXPECT_TRUE(tells(sentence, field)) << field << ": " << sentence;
+    EXPECT_TRUE(states(sentence, field)) << field << ": " << sentence;
   };
   refused([](lwr::LwrOptions& o) { o.capture_file = "/nowhere/at/all.pcap"; },
           "/nowhere/at/all.pcap");

@@ -44,7 +44,7 @@ TEST(LwrDriver, MirrorsTheControllersPositionUntilCommandMode) {
     EXPECT_EQ(torque_of(t.command), 0.0);
     EXPECT_EQ(t.command.krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
   }
-  EXPECT_EQ(driver->session().trouble(), lwr::fri::Trouble::kQualityTooLowToStart);
+  EXPECT_EQ(driver->session().diagnostic(), lwr::fri::Diagnostic::kQualityTooLowToStart);
 }
 
 TEST(LwrDriver, GivesTheWrenchAsJointTorqueAtTheMeasuredPosition) {
@@ -72,7 +72,7 @@ TEST(LwrDriver, CountsItsAnswersAndReflectsTheMeasurement) {
   FakeController krc;
   krc.msr.header.send_seq = 65500;
   const auto driver = krc.open();
-  std::uint16_t last = krc.heard.back().header.send_seq;
+  std::uint16_t last = krc.received.back().header.send_seq;
   for (int n = 0; n < 200; ++n) {
     const Cycle t = cycle(krc, *driver);
     ASSERT_EQ(t.answers, 1U);
@@ -93,8 +93,8 @@ TEST(LwrDriver, NeverChangesItsFlags) {
   ASSERT_TRUE(run_to_command(krc, *driver));
   cycle(krc, *driver, {Vec3(1e9, 0, 0), Vec3::Zero()});
   krc.close(std::move(driver));
-  for (const lwr::fri::CmdPacket& answer : krc.heard)
-    EXPECT_EQ(answer.command.cmd_flags, krc.heard.front().command.cmd_flags);
+  for (const lwr::fri::CmdPacket& answer : krc.received)
+    EXPECT_EQ(answer.command.cmd_flags, krc.received.front().command.cmd_flags);
 }
 
 TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
@@ -105,7 +105,7 @@ TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
   for (int n = 0; n < 200; ++n)
     cycle(krc, *driver);
   float last = krc.msr.data.cmd_jnt_pos[1];
-  for (const lwr::fri::CmdPacket& answer : krc.heard) {
+  for (const lwr::fri::CmdPacket& answer : krc.received) {
     EXPECT_LE(std::abs(answer.command.jnt_pos[1] - last),
               0.001 * lwr::lwr_limits().velocity_rad_s[1]);
     last = answer.command.jnt_pos[1];
@@ -187,7 +187,7 @@ TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
   }
   EXPECT_LT(first, 0.02) << "ramped in";
   EXPECT_GT(last, 0.1);
-  const lwr::LwrJoints torque = lwr::fri::from_wire(krc.heard.back().command.add_jnt_trq);
+  const lwr::LwrJoints torque = lwr::fri::from_wire(krc.received.back().command.add_jnt_trq);
   EXPECT_LT(torque.dot(n), 0.0) << "towards the posture";
   EXPECT_LT(torque.dot(lwr::joint_torque(arm.jacobian(q), kPush)), 1e-4);
 }
@@ -202,10 +202,10 @@ TEST(LwrDriver, MakesATorqueThatTheJointsCannotGiveSmallerInProportion) {
   const Cycle t = cycle(krc, *driver, strong);
   ASSERT_TRUE(t.written);
   EXPECT_NEAR(torque_of(t.command), 20.0, 1e-4);
-  const lwr::LwrJoints wanted =
+  const lwr::LwrJoints commanded_joints =
       lwr::joint_torque(lwr::LwrArm().jacobian(lwr::lwr_rest_posture()), strong);
   const lwr::LwrJoints got = lwr::fri::from_wire(t.command.command.add_jnt_trq);
-  EXPECT_NEAR(got.normalized().dot(wanted.normalized()), 1.0, 1e-9);
+  EXPECT_NEAR(got.normalized().dot(commanded_joints.normalized()), 1.0, 1e-9);
   EXPECT_EQ(driver->counts().scaled, 1U);
 }
 
@@ -279,15 +279,15 @@ TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
   auto driver = krc.open(options);
   ASSERT_TRUE(run_to_command(krc, *driver));
   cycle(krc, *driver, kPush);
-  const std::size_t before = krc.heard.size();
+  const std::size_t before = krc.received.size();
   const auto start = std::chrono::steady_clock::now();
   krc.close(std::move(driver));
   EXPECT_LT(std::chrono::steady_clock::now() - start, 1s) << "followed, not timed out";
   EXPECT_EQ(krc.msr.interface.state, lwr::fri::State::kMon);
-  ASSERT_GT(krc.heard.size(), before + 2);
-  for (std::size_t n = before; n < krc.heard.size(); ++n) {
-    EXPECT_EQ(torque_of(krc.heard[n]), 0.0);
-    EXPECT_EQ(krc.heard[n].krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
+  ASSERT_GT(krc.received.size(), before + 2);
+  for (std::size_t n = before; n < krc.received.size(); ++n) {
+    EXPECT_EQ(torque_of(krc.received[n]), 0.0);
+    EXPECT_EQ(krc.received[n].krl.integer[lwr::fri::kFrmIntRun], lwr::fri::kHalt);
   }
 }
 
@@ -314,7 +314,7 @@ TEST(LwrDriver, WaitsForAControllerInVirtualTime) {
   std::atomic<int> pushes{0};
   std::thread controller([&] {  // the next measurement only after the answer; the first again and
                                 // again until there is one
-    while (!done && krc.heard.empty()) {
+    while (!done && krc.received.empty()) {
       krc.send();
       std::this_thread::sleep_for(2ms);
       krc.receive();
@@ -325,7 +325,7 @@ TEST(LwrDriver, WaitsForAControllerInVirtualTime) {
         std::this_thread::sleep_for(5ms);  // busy elsewhere
       while (!done && krc.receive().empty())
         std::this_thread::sleep_for(20us);
-      if (torque_of(krc.heard.back()) > 1.0)
+      if (torque_of(krc.received.back()) > 1.0)
         ++pushes;
     }
   });

@@ -43,7 +43,7 @@ std::vector<lwr::fri::CmdPacket> FakeController::receive() {
         lwr::fri::PacketFault::kNone)
       continue;
     answers.push_back(command);
-    heard.push_back(command);
+    received.push_back(command);
     if (program_runs)
       follow(command);
   }

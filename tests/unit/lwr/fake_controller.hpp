@@ -37,7 +37,7 @@ class FakeController {
   lwr::fri::MsrPacket msr = lwr::fri::empty_msr();  ///< what is sent next
   bool program_runs = true;                         ///< state and echo follow the requests
   std::uint16_t port = 0;                           ///< of the driver
-  std::vector<lwr::fri::CmdPacket> heard;           ///< every answer so far
+  std::vector<lwr::fri::CmdPacket> received;        ///< every answer so far
 
  private:
   void follow(const lwr::fri::CmdPacket& command);

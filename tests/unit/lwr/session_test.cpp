@@ -19,10 +19,10 @@ struct Scene {
     msr.robot.power = kAllDrives;
     msr.robot.control = Control::kJointImpedance;
   }
-  Trouble see(double seconds = kDt, Trouble arm = Trouble::kNone) {
+  Diagnostic see(double seconds = kDt, Diagnostic arm = Diagnostic::kNone) {
     for (double t = 0.0; t < seconds - kDt / 2; t += kDt)
       session.see(msr, kDt, arm);
-    return session.trouble();
+    return session.diagnostic();
   }
   void command() { msr.interface.state = State::kCmd, msr.krl.integer[kToIntEcho] = kRun; }
   void monitor() { msr.interface.state = State::kMon, msr.krl.integer[kToIntEcho] = kHalt; }
@@ -34,7 +34,7 @@ struct Scene {
   void run() {
     see();
     command();
-    ASSERT_EQ(see(), Trouble::kNone);
+    ASSERT_EQ(see(), Diagnostic::kNone);
   }
   MsrPacket msr = empty_msr();
   FriSession session;
@@ -48,15 +48,15 @@ TEST(FriSession, AsksForTheStrategyAndStartsAtPerfectQualityOnly) {
   for (const Quality quality :
        {Quality::kInvalid, Quality::kUnacceptable, Quality::kBad, Quality::kOk}) {
     s.msr.interface.quality = quality;
-    EXPECT_EQ(s.see(0.1), Trouble::kQualityTooLowToStart);
+    EXPECT_EQ(s.see(0.1), Diagnostic::kQualityTooLowToStart);
     EXPECT_EQ(s.request(), kHalt);
   }
   s.msr.interface.quality = Quality::kPerfect;
-  EXPECT_EQ(s.see(), Trouble::kStarting);
+  EXPECT_EQ(s.see(), Diagnostic::kStarting);
   EXPECT_EQ(s.request(), kRun);
   EXPECT_FALSE(s.session.force_allowed());
   s.command();
-  EXPECT_EQ(s.see(), Trouble::kNone);
+  EXPECT_EQ(s.see(), Diagnostic::kNone);
   EXPECT_TRUE(s.session.force_allowed());
   EXPECT_EQ(s.session.starts(), 1U);
 }
@@ -64,27 +64,27 @@ TEST(FriSession, AsksForTheStrategyAndStartsAtPerfectQualityOnly) {
 TEST(FriSession, StartsAtTheQualityAskedFor) {
   Scene s({.start_quality = Quality::kOk});
   s.msr.interface.quality = Quality::kOk;
-  EXPECT_EQ(s.see(), Trouble::kStarting);
+  EXPECT_EQ(s.see(), Diagnostic::kStarting);
 }
 
 TEST(FriSession, HaltsAProgramThatStillRunsFromBefore) {
   Scene s;
   s.command();
-  EXPECT_EQ(s.see(0.1), Trouble::kProgramStillRuns);
+  EXPECT_EQ(s.see(0.1), Diagnostic::kProgramStillRuns);
   EXPECT_EQ(s.request(), kHalt);
   EXPECT_FALSE(s.session.force_allowed()) << "command mode, but not the one that was asked for";
   s.msr.interface.state = State::kMon;
-  EXPECT_EQ(s.see(), Trouble::kProgramStillRuns) << "the echo says that it has not heard";
+  EXPECT_EQ(s.see(), Diagnostic::kProgramStillRuns) << "the echo says that it has not received";
   s.monitor();
-  EXPECT_EQ(s.see(), Trouble::kStarting);
+  EXPECT_EQ(s.see(), Diagnostic::kStarting);
 }
 
 TEST(FriSession, GivesUpAStartThatDoesNotComeAndTriesAgain) {
   Scene s({.start_timeout_s = 0.1, .pause_s = 0.05});
-  EXPECT_EQ(s.see(0.09), Trouble::kStarting);
-  EXPECT_EQ(s.see(0.02), Trouble::kStartTimedOut);
+  EXPECT_EQ(s.see(0.09), Diagnostic::kStarting);
+  EXPECT_EQ(s.see(0.02), Diagnostic::kStartTimedOut);
   EXPECT_EQ(s.request(), kHalt);
-  EXPECT_EQ(s.see(0.06), Trouble::kStarting);
+  EXPECT_EQ(s.see(0.06), Diagnostic::kStarting);
   EXPECT_EQ(s.request(), kRun);
 }
 
@@ -92,13 +92,13 @@ TEST(FriSession, ComesBackAfterTheControllerLeftCommandMode) {
   Scene s({.pause_s = 0.05});
   s.run();
   s.monitor();
-  EXPECT_EQ(s.see(), Trouble::kDroppedOut);
+  EXPECT_EQ(s.see(), Diagnostic::kDroppedOut);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(s.request(), kHalt) << "asked to halt before it is asked to start";
-  EXPECT_EQ(s.see(0.04), Trouble::kDroppedOut);
-  EXPECT_EQ(s.see(0.02), Trouble::kStarting);
+  EXPECT_EQ(s.see(0.04), Diagnostic::kDroppedOut);
+  EXPECT_EQ(s.see(0.02), Diagnostic::kStarting);
   s.command();
-  EXPECT_EQ(s.see(), Trouble::kNone);
+  EXPECT_EQ(s.see(), Diagnostic::kNone);
   EXPECT_EQ(s.session.drops(), 1U);
   EXPECT_EQ(s.session.starts(), 2U);
 }
@@ -111,7 +111,7 @@ TEST(FriSession, AsksAPersonAfterTooManyDrops) {
     s.monitor();
     s.see();
   }
-  EXPECT_EQ(s.see(1.0), Trouble::kTooManyDrops);
+  EXPECT_EQ(s.see(1.0), Diagnostic::kTooManyDrops);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
   EXPECT_EQ(s.request(), kHalt);
 }
@@ -120,25 +120,25 @@ TEST(FriSession, TakesTheForceAwayWhileTheQualityIsDown) {
   Scene s;
   s.run();
   s.msr.interface.quality = Quality::kBad;
-  EXPECT_EQ(s.see(), Trouble::kQualityDropped);
+  EXPECT_EQ(s.see(), Diagnostic::kQualityDropped);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(s.request(), kRun) << "command mode is kept";
   s.msr.interface.quality = Quality::kInvalid;
-  EXPECT_EQ(s.see(), Trouble::kQualityDropped);
+  EXPECT_EQ(s.see(), Diagnostic::kQualityDropped);
   s.msr.interface.quality = Quality::kOk;
-  EXPECT_EQ(s.see(), Trouble::kNone);
+  EXPECT_EQ(s.see(), Diagnostic::kNone);
 }
 
 TEST(FriSession, TellsDrivesThatAreNotOnYetFromDrivesThatWentOff) {
   Scene s({.pause_s = 0.0, .drives_off_grace_s = 0.5});
   s.msr.robot.power = 0x3F;
-  EXPECT_EQ(s.see(10.0), Trouble::kDrivesNotOn);
+  EXPECT_EQ(s.see(10.0), Diagnostic::kDrivesNotOn);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable)
       << "a person has not switched them on yet";
   s.msr.robot.power = kAllDrives;
   s.run();
   s.msr.robot.power = 0;
-  EXPECT_EQ(s.see(), Trouble::kDrivesWentOff);
+  EXPECT_EQ(s.see(), Diagnostic::kDrivesWentOff);
   EXPECT_FALSE(s.session.in_command())
       << "drives off: the position must mirror, whatever the state says";
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
@@ -150,7 +150,7 @@ TEST(FriSession, TakesADriveErrorForAFaultAtOnce) {
   Scene s;
   s.run();
   s.msr.robot.error = 0x04;
-  EXPECT_EQ(s.see(), Trouble::kDriveError);
+  EXPECT_EQ(s.see(), Diagnostic::kDriveError);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
 }
 
@@ -159,7 +159,7 @@ TEST(FriSession, TakesAClosedInterfaceForGone) {
     Scene s;
     s.run();
     s.msr.interface.state = state;
-    EXPECT_EQ(s.see(), Trouble::kClosed);
+    EXPECT_EQ(s.see(), Diagnostic::kClosed);
     EXPECT_EQ(s.session.error(), devices::DeviceError::kDisconnected);
     EXPECT_FALSE(s.session.in_command());
   }
@@ -170,21 +170,21 @@ TEST(FriSession, RefusesAnotherControlMode) {
   s.see();
   s.command();
   s.msr.robot.control = Control::kPosition;
-  EXPECT_EQ(s.see(), Trouble::kWrongControlMode);
+  EXPECT_EQ(s.see(), Diagnostic::kWrongControlMode);
   EXPECT_EQ(s.request(), kHalt);
   Scene t;
   t.run();
   t.msr.robot.control = Control::kCartesianImpedance;
-  EXPECT_EQ(t.see(), Trouble::kWrongControlMode);
+  EXPECT_EQ(t.see(), Diagnostic::kWrongControlMode);
   EXPECT_FALSE(t.session.force_allowed());
 }
 
 TEST(FriSession, TakesTheForceAwayWhileAJointIsTooFast) {
   Scene s;
   s.run();
-  EXPECT_EQ(s.see(kDt, Trouble::kTooFast), Trouble::kTooFast);
+  EXPECT_EQ(s.see(kDt, Diagnostic::kTooFast), Diagnostic::kTooFast);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(s.see(), Trouble::kNone);
+  EXPECT_EQ(s.see(), Diagnostic::kNone);
 }
 
 TEST(FriSession, StopsForGood) {
@@ -205,9 +205,9 @@ TEST(FriSession, StopsForGood) {
 
 TEST(FriSession, HasASentenceForEveryTrouble) {
   std::set<std::string_view> sentences;
-  for (int n = 0; n <= static_cast<int>(Trouble::kStopping); ++n)
-    sentences.insert(sentence_of(static_cast<Trouble>(n)));
-  EXPECT_EQ(sentences.size(), static_cast<std::size_t>(Trouble::kStopping) + 1);
+  for (int n = 0; n <= static_cast<int>(Diagnostic::kStopping); ++n)
+    sentences.insert(sentence_of(static_cast<Diagnostic>(n)));
+  EXPECT_EQ(sentences.size(), static_cast<std::size_t>(Diagnostic::kStopping) + 1);
   EXPECT_EQ(sentences.count("unknown"), 0U);
 }
 

@@ -82,9 +82,9 @@ TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
         const double arm = std::sqrt(3.0 * second_moment / link.mass_kg);
         for (const double side : {-1.0, 1.0}) {
           const Vec3 point = link.centre_m + side * arm * Vec3::Unit(axis);
-          const Vec3 way = after[i].rotation * point + after[i].origin -
-                           before[i].rotation * point - before[i].origin;
-          energy += 0.5 * link.mass_kg / 6.0 * (way / (2.0 * kH)).squaredNorm();
+          const Vec3 displacement = after[i].rotation * point + after[i].origin -
+                                    before[i].rotation * point - before[i].origin;
+          energy += 0.5 * link.mass_kg / 6.0 * (displacement / (2.0 * kH)).squaredNorm();
         }
       }
     }
@@ -100,9 +100,10 @@ TEST(ArmDynamics, GravityIsTheGradientOfThePotentialEnergyAndTheHandCarriesItsel
     const lwr::LwrJoints gravity = dynamics.at(q, lwr::LwrJoints::Zero(), kHand).gravity;
     for (int i = 0; i < 7; ++i) {
       const double h = 1e-6;
-      const lwr::LwrJoints way = h * lwr::LwrJoints::Unit(i);
-      const double slope =
-          (potential_energy(dynamics, q + way) - potential_energy(dynamics, q - way)) / (2.0 * h);
+      const lwr::LwrJoints displacement = h * lwr::LwrJoints::Unit(i);
+      const double slope = (potential_energy(dynamics, q + displacement) -
+                            potential_energy(dynamics, q - displacement)) /
+                           (2.0 * h);
       EXPECT_NEAR(gravity[i], slope, 1e-7);
     }
   }

@@ -10,7 +10,7 @@ namespace voxtouch::lwr_sim {
 namespace {
 
 using test::arm_at;
-using test::nobody;
+using test::released_hand;
 using test::Rig;
 
 ControllerConfig quick() {
@@ -86,19 +86,19 @@ TEST(Control, ATorqueComesAfterItsPeriodAndItsDelayAndThroughItsLag) {
   ASSERT_TRUE(rig.start());
   rig.periods(20);
   rig.remote.torque[0] = 4.0F;
-  const auto felt = [&] { return rig.controller.row().applied.force.norm(); };
+  const auto applied_force = [&] { return rig.controller.row().applied.force.norm(); };
   rig.period();  // the answer comes in here
-  EXPECT_NEAR(felt(), 0.0, 1e-3);
+  EXPECT_NEAR(applied_force(), 0.0, 1e-3);
   rig.periods(2);  // and waits
-  EXPECT_NEAR(felt(), 0.0, 1e-3);
+  EXPECT_NEAR(applied_force(), 0.0, 1e-3);
   rig.period();
-  const double first = felt();
+  const double first = applied_force();
   EXPECT_GT(first, 0.01);
   rig.periods(2);
-  const double third = felt();
+  const double third = applied_force();
   rig.periods(30);
-  EXPECT_NEAR(first / felt(), 1.0 - std::exp(-1.0 / 3.0), 0.08);
-  EXPECT_NEAR(third / felt(), 1.0 - std::exp(-1.0), 0.08);
+  EXPECT_NEAR(first / applied_force(), 1.0 - std::exp(-1.0 / 3.0), 0.08);
+  EXPECT_NEAR(third / applied_force(), 1.0 - std::exp(-1.0), 0.08);
 }
 
 TEST(Control, JointStiffnessHoldsAgainstTheHandAsMuchAsItSays) {
@@ -207,22 +207,22 @@ TEST(Control, AClosedControllerSaysOff) {
   EXPECT_TRUE(rig.controller.braked());
 }
 
-lwr::LwrJoints start(const lwr::LwrArm& arm, const Pose& wanted) {
+lwr::LwrJoints start(const lwr::LwrArm& arm, const Pose& expected) {
   const lwr::LwrJoints limit = lwr::lwr_limits().position_rad;
   const auto reach = [&arm](const lwr::LwrJoints& q) {
     return arm_sim::Reach{arm.at(q).pose_BT, arm.at(q).jacobian};
   };
-  return arm_sim::start_posture(reach, wanted, lwr::lwr_rest_posture(), -limit, limit);
+  return arm_sim::start_posture(reach, expected, lwr::lwr_rest_posture(), -limit, limit);
 }
 
 TEST(StartPosture, BringsTheToolWhereTheMotionStarts) {
   const lwr::LwrArm arm(Pose{Vec3(0.0, 0.0, 0.1), Quat::Identity()});
   const Pose rest = arm.tool(lwr::lwr_rest_posture());
-  const Pose wanted{rest.position + Vec3(0.05, 0.2, 0.1),
-                    rest.orientation * Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()))};
-  const lwr::LwrJoints q = start(arm, wanted);
-  EXPECT_LT((arm.tool(q).position - wanted.position).norm(), 1e-8);
-  EXPECT_LT(arm.tool(q).orientation.angularDistance(wanted.orientation), 1e-7);
+  const Pose expected{rest.position + Vec3(0.05, 0.2, 0.1),
+                      rest.orientation * Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()))};
+  const lwr::LwrJoints q = start(arm, expected);
+  EXPECT_LT((arm.tool(q).position - expected.position).norm(), 1e-8);
+  EXPECT_LT(arm.tool(q).orientation.angularDistance(expected.orientation), 1e-7);
   EXPECT_TRUE((q.cwiseAbs().array() <= lwr::lwr_limits().position_rad.array()).all());
   EXPECT_EQ(start(arm, rest), lwr::lwr_rest_posture());
   EXPECT_THROW(start(arm, {Vec3(2.0, 0.0, 0.0), rest.orientation}), std::runtime_error);

@@ -89,7 +89,7 @@ TEST(DriverAtTheController, ItsForceIsFeltByTheHandAndNothingIsRefused) {
 
 TEST(DriverAtTheController, FindsItsModeWhereTheFirstStartKeepsPositionControl) {
   const std::uint16_t port = free_port();
-  RunningController krc(port, test::nobody(), {}, true);
+  RunningController krc(port, test::released_hand(), {}, true);
   lwr::LwrDriver driver(options(port));
   const auto sample = driver.read(1s);
   ASSERT_TRUE(sample);

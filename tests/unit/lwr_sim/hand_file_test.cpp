@@ -22,7 +22,7 @@ hand::HandFile sample() {
   f.motion.orientation = Quat(0.1, 0.2, -0.3, 0.4).normalized();
   f.motion.turn = {Vec3(3.0, 2.0, 1.0).normalized(), -0.2, 0.1, 1.0 / 3.0};
   f.hand = *hand::grip("arm-firm");
-  f.hand.let_go_at_s = 2.5;
+  f.hand.release_time_s = 2.5;
   f.hand.tremor_n = 0.1;
   f.posture_rad = {0.1, 0.2, 0.3, -1.4, 0.5, 0.6, 1.0 / 7.0};
   f.seed = std::numeric_limits<std::uint64_t>::max();
@@ -44,8 +44,8 @@ TEST(HandFile, ReadsBackToTheSameBits) {
   EXPECT_EQ(back.posture_rad, f.posture_rad);
   EXPECT_EQ(back.seed, f.seed);
   EXPECT_EQ(back.hand.stiffness_n_per_m, f.hand.stiffness_n_per_m);
-  EXPECT_EQ(back.hand.let_go_at_s, 2.5);
-  EXPECT_EQ(back.hand.grip_harder_at_s, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(back.hand.release_time_s, 2.5);
+  EXPECT_EQ(back.hand.grip_change_time_s, std::numeric_limits<double>::infinity());
   EXPECT_TRUE(back.hand.carries_tool);
 }
 
@@ -54,7 +54,7 @@ TEST(HandFile, EveryFieldOfTheOperatorIsWritten) {
   static_assert(sizeof(sim::OperatorConfig) == 13 * sizeof(double));
   const std::string plain = hand::to_text(sample());
   for (double sim::OperatorConfig::*field :
-       {&sim::OperatorConfig::let_go_at_s, &sim::OperatorConfig::grip_harder_at_s,
+       {&sim::OperatorConfig::release_time_s, &sim::OperatorConfig::grip_change_time_s,
         &sim::OperatorConfig::grip_factor, &sim::OperatorConfig::mass_kg,
         &sim::OperatorConfig::damping_ns_per_m, &sim::OperatorConfig::stiffness_n_per_m,
         &sim::OperatorConfig::inertia_kg_m2, &sim::OperatorConfig::damping_nms_per_rad,
@@ -91,7 +91,7 @@ TEST(HandFile, WhatIsLeftOutKeepsItsDefaultAndCommentsAreNoKeys) {
   EXPECT_FALSE(f.motion.repeat_from);
   EXPECT_TRUE(f.posture_rad.empty());
   EXPECT_EQ(hand::parse_hand("path_m:\n  - [0, 0, 0]\nlet_go_at_s: .inf\nreleased: true\n", "test")
-                .hand.let_go_at_s,
+                .hand.release_time_s,
             std::numeric_limits<double>::infinity());
 }
 

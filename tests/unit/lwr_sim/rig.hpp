@@ -7,7 +7,7 @@
 
 namespace voxtouch::lwr_sim::test {
 
-inline hand::Hand nobody() {
+inline hand::Hand released_hand() {
   sim::OperatorConfig config;
   config.released = true;
   Motion motion;
@@ -30,7 +30,7 @@ inline hand::Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0,
 }
 
 struct Rig {
-  explicit Rig(const ControllerConfig& config = {}, hand::Hand hand = nobody(),
+  explicit Rig(const ControllerConfig& config = {}, hand::Hand hand = released_hand(),
                std::vector<Fault> faults = {})
       : controller(config, std::move(hand), FaultSchedule(std::move(faults))) {}
 

@@ -253,7 +253,7 @@ TEST(Session, InRealTimeMeasurementsLeaveByTheClock) {
   ControllerConfig config;
   config.period_s = 0.01;
   config.script_pause_s = 0.02;
-  FriController controller(config, test::nobody());
+  FriController controller(config, test::released_hand());
   SessionConfig network;
   network.remote_port = client.port();
   network.duration_s = 0.6;
@@ -275,7 +275,7 @@ TEST(Session, InRealTimeItGoesOnWithoutAnyAnswer) {
   client.answers_left = 0;
   ControllerConfig config;
   config.period_s = 0.01;
-  FriController controller(config, test::nobody());
+  FriController controller(config, test::released_hand());
   SessionConfig network;
   network.remote_port = client.port();
   network.duration_s = 0.2;
@@ -290,7 +290,7 @@ TEST(Session, StrangersAreNotListenedTo) {
   Client client;
   ControllerConfig config;
   config.period_s = 0.01;
-  FriController controller(config, test::nobody());
+  FriController controller(config, test::released_hand());
   SessionConfig network;
   network.remote_port = client.port();
   network.duration_s = 0.2;
@@ -311,7 +311,7 @@ TEST(Session, ASilentControllerHearsNothing) {
     if (silent)
       faults = {parse_fault("silent@0", kFaults)};
     ControllerConfig config;
-    FriController controller(config, test::nobody(), FaultSchedule(faults));
+    FriController controller(config, test::released_hand(), FaultSchedule(faults));
     SessionConfig network;
     network.remote_port = remote.local().port;
     network.duration_s = 0.02;
@@ -326,7 +326,7 @@ TEST(Session, ASilentControllerHearsNothing) {
 
 TEST(Session, APortThatIsTakenGivesASentence) {
   arm::UdpSocket bound("127.0.0.1", 0);
-  FriController controller({}, test::nobody());
+  FriController controller({}, test::released_hand());
   SessionConfig network;
   network.port = bound.local().port;
   try {

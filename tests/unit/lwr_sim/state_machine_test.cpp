@@ -307,7 +307,7 @@ TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart
 }
 
 TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
-  Rig off(quick(), test::nobody(), {parse_fault("drives_off@0.2:0.1:4", kFaults)});
+  Rig off(quick(), test::released_hand(), {parse_fault("drives_off@0.2:0.1:4", kFaults)});
   ASSERT_TRUE(off.start());
   while (off.controller.time_s() < 0.2005)
     off.period();
@@ -315,7 +315,7 @@ TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
   EXPECT_EQ(test::error(off.period()), 0);
   EXPECT_EQ(off.controller.state(), lwr::fri::State::kMon);
   EXPECT_EQ(off.reason(), Reason::kDrivesOff);
-  Rig error(quick(), test::nobody(), {parse_fault("drive_error@0.2:0.1:4", kFaults)});
+  Rig error(quick(), test::released_hand(), {parse_fault("drive_error@0.2:0.1:4", kFaults)});
   ASSERT_TRUE(error.start());
   while (error.controller.time_s() < 0.2005)
     error.period();
@@ -324,7 +324,7 @@ TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
 }
 
 TEST(StateMachine, AForcedQualityShowsAndEndsCommandMode) {
-  Rig rig(quick(), test::nobody(),
+  Rig rig(quick(), test::released_hand(),
           {parse_fault("quality@0.2:0.1:2", kFaults), parse_fault("quality@0.4:0.1:1", kFaults)});
   ASSERT_TRUE(rig.start());
   while (rig.controller.time_s() < 0.2005)
@@ -339,7 +339,7 @@ TEST(StateMachine, AForcedQualityShowsAndEndsCommandMode) {
 }
 
 TEST(StateMachine, AMeasurementWithoutNumbersIsSentAsTheScheduleSays) {
-  Rig rig(quick(), test::nobody(),
+  Rig rig(quick(), test::released_hand(),
           {parse_fault("nan@0.1:0.002:3", kFaults), parse_fault("nan@0.2:0.001:8", kFaults)});
   rig.remote.run = 0;
   int bad_joint = 0, bad_time = 0;

@@ -39,9 +39,9 @@ std::string upper(std::string text) {
 
 class OddFile : public ::testing::Test {
  protected:
-  /// `told`: what a warning must say; empty: there must be none.
+  /// `reported`: what a warning must say; empty: there must be none.
   void expect_tetrahedron(const std::string& name, const std::string& bytes,
-                          const std::string& told) {
+                          const std::string& reported) {
     SCOPED_TRACE(name);
     try {
       const mesh::ImportedMesh got = mesh::import_mesh(folder_.write(name, bytes));
@@ -51,10 +51,10 @@ class OddFile : public ::testing::Test {
           EXPECT_EQ(got.mesh.corner(t, k), tetrahedron().corner(t, k));
       }
       EXPECT_TRUE(got.report.clean());
-      ASSERT_EQ(got.warnings.size(), told.empty() ? 0U : 1U)
+      ASSERT_EQ(got.warnings.size(), reported.empty() ? 0U : 1U)
           << (got.warnings.empty() ? "" : got.warnings[0]);
-      if (!told.empty()) {
-        EXPECT_NE(got.warnings[0].find(told), std::string::npos) << got.warnings[0];
+      if (!reported.empty()) {
+        EXPECT_NE(got.warnings[0].find(reported), std::string::npos) << got.warnings[0];
       }
     } catch (const mesh::MeshError& refused) {
       ADD_FAILURE() << refused.what();
@@ -73,16 +73,16 @@ class OddFile : public ::testing::Test {
 };
 
 TEST_F(OddFile, WithAByteOrderMarkKeepsItsFirstStatement) {
-  const std::string told = "byte order mark";
-  expect_tetrahedron("t.obj", kMark + samples::obj_text(tetrahedron()), told);
-  expect_tetrahedron("t.stl", kMark + samples::text_stl(tetrahedron()), told);
-  expect_tetrahedron("t.ply", kMark + kPly, told);
-  expect_tetrahedron("t.dae", kMark + Collada().xml(), told);
-  expect_tetrahedron("t.glb", kMark + Gltf().glb(), told);
+  const std::string reported = "byte order mark";
+  expect_tetrahedron("t.obj", kMark + samples::obj_text(tetrahedron()), reported);
+  expect_tetrahedron("t.stl", kMark + samples::text_stl(tetrahedron()), reported);
+  expect_tetrahedron("t.ply", kMark + kPly, reported);
+  expect_tetrahedron("t.dae", kMark + Collada().xml(), reported);
+  expect_tetrahedron("t.glb", kMark + Gltf().glb(), reported);
   folder_.write("t.bin", samples::gltf_buffer());
   Gltf two;
   two.buffer = R"({"byteLength":72,"uri":"t.bin"})";
-  expect_tetrahedron("t.gltf", kMark + two.json(), told);
+  expect_tetrahedron("t.gltf", kMark + two.json(), reported);
   std::string header = samples::binary_stl(tetrahedron());
   expect_tetrahedron("header.stl", header.replace(0, 3, kMark), "");  // any header is right there
 }

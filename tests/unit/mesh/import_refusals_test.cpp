@@ -76,7 +76,7 @@ TEST_F(Refusal, NamesAFileThatMayNotBeRead) {
       folder_.path(), std::filesystem::perms::others_exec | std::filesystem::perms::group_exec,
       std::filesystem::perm_options::add);
   const uid_t me = geteuid();
-  ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be nobody for this line
+  ASSERT_EQ(seteuid(me == 0 ? 65534 : me), 0);  // root may read everything: be none for this line
   const std::string text = refusal(path);
   ASSERT_EQ(seteuid(me), 0);
   EXPECT_NE(text.find("opened"), std::string::npos) << text;

@@ -99,7 +99,7 @@ bool soon(const Condition& condition) {
 TEST(MeshProcess, EndsWithWhoAskedAndHasNoneOfItsFiles) {
   const Folder folder;
   const auto bomb = folder.write("bomb.dae", endless());
-  const int open_beside = ::open("/dev/null", O_RDONLY);  // not closed on exec
+  const int inherited_file = ::open("/dev/null", O_RDONLY);  // not closed on exec
   const pid_t asks = ::fork();
   if (asks == 0) {
     sentence(bomb, {.cpu_s = 60});
@@ -122,7 +122,7 @@ TEST(MeshProcess, EndsWithWhoAskedAndHasNoneOfItsFiles) {
   ::kill(asks, SIGKILL);
   ::waitpid(asks, nullptr, 0);
   EXPECT_TRUE(soon([&] { return !std::filesystem::exists(reader); }));
-  ::close(open_beside);
+  ::close(inherited_file);
 }
 
 TEST(MeshProcess, RehearsesWhatIsReadWithoutChecks) {
@@ -131,12 +131,12 @@ TEST(MeshProcess, RehearsesWhatIsReadWithoutChecks) {
   self.nodes = R"(<node id="n"><instance_geometry url="#g"/><instance_node url="#n"/></node>)";
   scene::Scene scene;
   scene.dynamic_mesh.path = folder.write("good.dae", samples::Collada().xml());
-  EXPECT_NO_THROW(mesh_import::rehearse_reading(scene));
+  EXPECT_NO_THROW(mesh_import::dry_run_reading(scene));
   scene.static_meshes.resize(1);
   scene.static_meshes[0].path = folder.write("self.dae", self.xml());
-  EXPECT_THROW(mesh_import::rehearse_reading(scene), mesh::MeshError);
+  EXPECT_THROW(mesh_import::dry_run_reading(scene), mesh::MeshError);
   scene.static_meshes[0].path = folder.write("none.dae", "no XML");
-  EXPECT_NO_THROW(mesh_import::rehearse_reading(scene));
+  EXPECT_NO_THROW(mesh_import::dry_run_reading(scene));
 }
 
 TEST(MeshProcess, RefusesAnswersThatDoNotFit) {

@@ -17,8 +17,8 @@ using samples::tetrahedron;
 namespace {
 
 /// One finding in one sentence: how many, and where the first are.
-void expect_tells(const mesh::MeshReport& report, const std::string& count,
-                  const std::string& places) {
+void expect_reports(const mesh::MeshReport& report, const std::string& count,
+                    const std::string& places) {
   const auto all = report.sentences();
   ASSERT_EQ(all.size(), 1U);
   EXPECT_TRUE(all[0].starts_with(count + " ") && all[0].contains(places)) << all[0];
@@ -54,7 +54,7 @@ TEST(MeshReport, CountsOpenEdgesAndSaysThatThereIsNoInterior) {
   EXPECT_FALSE(r.closed);
   EXPECT_EQ(r.open_edges.count, 3u);
   EXPECT_EQ(r.open_edges.examples, (Indices{0, 1, 2}));
-  expect_tells(r, "3", " 0, 1, 2)");
+  expect_reports(r, "3", " 0, 1, 2)");
 }
 
 TEST(MeshReport, NeverCallsAnOpenMeshInverted) {
@@ -162,8 +162,8 @@ TEST(MeshReport, NamesAShellInAShellThatFacesTheSameWay) {
   const mesh::TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), box({1, 1, 1}, {2, 2, 2}));
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.nested_parts.examples, Indices{12});
-  expect_tells(r, "1", " 12)");
-  // Also where the inner one comes first, and with a part of its own beside.
+  expect_reports(r, "1", " 12)");
+  // Also where the inner one comes first, and with a part of its own next to.
   const mesh::MeshReport first = mesh::inspect(joined(
       joined(box({1, 1, 1}, {2, 2, 2}), box({0, 0, 0}, {3, 3, 3})), box({7, 0, 0}, {8, 1, 1})));
   EXPECT_EQ(first.nested_parts.examples, Indices{0});
@@ -216,7 +216,7 @@ TEST(MeshReport, ListsOnlyTheFirstFew) {
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.zero_area.count, 9u);
   EXPECT_EQ(r.zero_area.examples, (Indices{4, 5, 6, 7, 8}));
-  expect_tells(r, "9", " 4, 5, 6, 7, 8, ...)");
+  expect_reports(r, "9", " 4, 5, 6, 7, 8, ...)");
 }
 
 TEST(MeshReport, SurvivesAnEmptyMesh) {

@@ -111,7 +111,8 @@ bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const V
          n.dot((a - c).cross(x - c)) >= 0;
 }
 
-bool share_a_corner(const std::array<std::uint32_t, 3>& s, const std::array<std::uint32_t, 3>& t) {
+bool have_common_corner(const std::array<std::uint32_t, 3>& s,
+                        const std::array<std::uint32_t, 3>& t) {
   for (const auto i : s) {
     if (i == t[0] || i == t[1] || i == t[2])
       return true;
@@ -136,7 +137,7 @@ std::size_t self_intersections(const mesh::TriangleMesh& mesh) {
     for (std::size_t t = 0; t < boxes.size(); ++t) {
       if (s == t || !boxes[s].intersects(boxes[t]))
         continue;
-      if (share_a_corner(mesh.triangles[s], mesh.triangles[t])) {
+      if (have_common_corner(mesh.triangles[s], mesh.triangles[t])) {
         int common = 0;
         for (const auto i : mesh.triangles[s]) {
           common += std::count(mesh.triangles[t].begin(), mesh.triangles[t].end(), i) > 0;

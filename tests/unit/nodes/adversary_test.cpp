@@ -1,5 +1,5 @@
-// A ring in contact, in real time, and somebody on its network who writes its messages too: nothing
-// of his is felt, and he is named.
+// A ring in contact, in real time, and a person on its network who writes its messages too: nothing
+// of his is displayed, and he is named.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -116,23 +116,23 @@ class Attacked : public testing::Test {
     const auto* report = report_of(role);
     return report && report->message.find(words) != std::string::npos;
   }
-  /// Until the hand has pressed for a while; the force that is felt then is what stays right.
+  /// Until the hand has pressed for a while; the force that is displayed then is what stays right.
   void until_it_presses() {
     ASSERT_TRUE(sees([&] {
       return newest_state.sequence_number > 1500 && number("device", "max_force_n") > 0.05;
     }));
     ASSERT_TRUE(sees([&] {
       return newest_state.sequence_number > 2700;
-    }));  // and its status has told of all that
-    felt = number("device", "max_force_n");
+    }));  // and its status has reported of all that
+    device_force = number("device", "max_force_n");
     commanded = largest_force, steady = last_force;
     ASSERT_GT(std::abs(steady), 0.05);
     session = newest_state.session_id;
-    ASSERT_LT(felt, 3.0);
+    ASSERT_LT(device_force, 3.0);
   }
   /// `write` about a thousand times a second for a while; then nothing of it has been felt.
   void attack(const std::string& what, const std::function<void(Adversary&)>& write,
-              const std::string& who_names_him) {
+              const std::string& naming_participant) {
     SCOPED_TRACE(what);
     const std::uint64_t before = newest_state.sequence_number;
     Adversary adversary(kDomain, rig);
@@ -142,23 +142,23 @@ class Attacked : public testing::Test {
       write(adversary);
       std::this_thread::sleep_for(milliseconds(1));
     }
-    if (!who_names_him.empty()) {
-      EXPECT_TRUE(sees([&] { return write(adversary), says(who_names_him, "is refused"); },
+    if (!naming_participant.empty()) {
+      EXPECT_TRUE(sees([&] { return write(adversary), says(naming_participant, "is refused"); },
                        std::chrono::seconds(5)))
-          << (report_of(who_names_him) ? last_report.message : "no report");
+          << (report_of(naming_participant) ? last_report.message : "no report");
     }
     EXPECT_TRUE(sees([&] { return newest_state.sequence_number > before + 900; }))
         << "the run does not go on";
-    EXPECT_LE(number("device", "max_force_n"), 1.15 * felt + 0.05);
+    EXPECT_LE(number("device", "max_force_n"), 1.15 * device_force + 0.05);
     EXPECT_LE(largest_force, 1.15 * commanded + 0.05) << "of the coupling's own commands";
     EXPECT_TRUE(sees([&] { return std::abs(last_force - steady) < 0.05 * std::abs(steady); },
                      std::chrono::seconds(3)))
-        << "the contact is not felt as before: " << last_force << " N, not " << steady << " N";
+        << "the contact is not displayed as before: " << last_force << " N, not " << steady << " N";
     EXPECT_EQ(marked, 0) << "foreign samples reached the rendering";
     EXPECT_EQ(number("coupling", "designs"), 1.0);
     EXPECT_EQ(device->thread.status(), -1);
   }
-  /// He has gone, and nobody is named any more.
+  /// He has gone, and none is named any more.
   void expect_silence() {
     EXPECT_TRUE(sees([&] {
       return !says("device", "refused") && !says("coupling", "refused") &&
@@ -179,7 +179,7 @@ class Attacked : public testing::Test {
   msg::ContactState newest_contact{};
   msg::ForceCommand newest_command{};
   msg::DeviceState newest_state{};
-  double last_force = 0.0, largest_force = 0.0, felt = 0.0, commanded = 0.0, steady = 0.0;
+  double last_force = 0.0, largest_force = 0.0, device_force = 0.0, commanded = 0.0, steady = 0.0;
   std::uint64_t session = 0;
   int marked = 0;
 };

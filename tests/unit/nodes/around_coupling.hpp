@@ -42,7 +42,7 @@ inline std::string scene_with(const std::string& coupling) {
 
 struct Seen {
   std::string status, kind;
-  double cutoff_hz = 0, shown_n_per_m = 0, damping_ns_per_m = 0;
+  double cutoff_hz = 0, displayed_n_per_m = 0, damping_ns_per_m = 0;
   std::size_t reasons = 0, notes = 0;
   std::uint64_t from_sample = 0;
   bool anew = false, runs = false;
@@ -99,7 +99,7 @@ class Around {
     descriptions.write(m);
     device.say(7);
   }
-  /// What the effects demand, beside the contact.
+  /// What the effects demand, next to the contact.
   struct Demand {
     double damping_ns_per_m, least_n_per_m;
     std::string torque;
@@ -129,8 +129,8 @@ class Around {
     m.largest_damping = m.stiffest = runtime::lend(oil),
     m.largest_damping_place = runtime::lend(none);
     m.effects_damping_nms_per_rad = m.largest_damping_nms_per_rad = demand.damping_nms_per_rad;
-    m.largest_turning_damping = runtime::lend(oil),
-    m.largest_turning_damping_place = runtime::lend(none);
+    m.largest_rotation_damping = runtime::lend(oil),
+    m.largest_rotation_damping_place = runtime::lend(none);
     m.torque_effect = runtime::lend(demand.torque);
     static const std::string hand = "remote";
     m.external_force_n = demand.external_force_n;
@@ -181,7 +181,7 @@ class Around {
     while (commands.take(command))
       forces.push_back(command.wrench.force.z);
     designs.take_each([this](const msg::CouplingDesign& d) {
-      seen.push_back({d.status, d.kind, d.cutoff_hz, d.shown_stiffness_n_per_m,
+      seen.push_back({d.status, d.kind, d.cutoff_hz, d.displayed_stiffness_n_per_m,
                       d.injected_damping_ns_per_m, d.reasons._length, d.notes._length,
                       d.from_sample, d.anew, d.runs});
       for (std::uint32_t n = 0; n < d.notes._length; ++n)

@@ -33,8 +33,8 @@ class Asker {
     return wait_until([&] { return changes.matched_count() == 1 && answers.matched_count() == 1; });
   }
 
-  /// Sends until somebody has heard: a first message may go before the other end knows this one.
-  bool send_until_heard(msg::EffectChange m, std::uint64_t request) {
+  /// Sends until a person has received: a first message may go before the other end knows this one.
+  bool send_until_received(msg::EffectChange m, std::uint64_t request) {
     static char none[] = "", name[] = "viscosity";
     m.request = request;
     m.effect = name, m.parameter = m.model = none;
@@ -56,7 +56,7 @@ class Asker {
   /// The first word on a request, if only that it waits.
   Said first_word(std::uint64_t request) {
     EXPECT_TRUE(wait_until([&] { return take_answers(), !said[request].empty(); }))
-        << "nobody answered " << request;
+        << "none answered " << request;
     return said[request].empty() ? Said{} : said[request].front();
   }
   /// The last word on a request; `meanwhile` is done until it comes.
@@ -66,7 +66,7 @@ class Asker {
       take_answers();
       return !said[request].empty() &&
              said[request].back().result != msg::effect_changed::kResultWaiting;
-    })) << "nobody answered "
+    })) << "none answered "
         << request;
     return said[request].empty() ? Said{} : said[request].back();
   }

@@ -68,7 +68,7 @@ class RenderingLive : public testing::Test {
           return rendering_node::run(options, stop);
         }) {
     EXPECT_TRUE(asker.ready());
-    EXPECT_TRUE(asker.send_until_heard(change(99), 1'000'000));
+    EXPECT_TRUE(asker.send_until_received(change(99), 1'000'000));
   }
   void describe(std::uint64_t id, double mass_kg = 0.1) {
     msg::DeviceDescription m = stylus(session = id);
@@ -232,7 +232,7 @@ TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
     asker.send(change(kActionValue, kNan), v, "damping_ns_per_m");
   samples(100);
   EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
-  EXPECT_LT(largest_step, 1e-9) << "nothing of it was felt";
+  EXPECT_LT(largest_step, 1e-9) << "nothing of it was displayed";
 }
 
 TEST_F(RenderingLive, WaitsForTheSampleThatWasNamed) {
@@ -262,7 +262,7 @@ TEST_F(RenderingLive, AnswersWhatIsAskedAgainButDoesItOnce) {
   samples(150);
   asker.said.clear();
   msg::EffectChange again = change(kActionGain, 0.5);
-  ASSERT_TRUE(asker.send_until_heard(again, request));
+  ASSERT_TRUE(asker.send_until_received(again, request));
   EXPECT_EQ(asker.said[request].back().from_sample, first.from_sample);
   samples(150);
   EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12) << "the gain of the later change stays";
@@ -378,7 +378,7 @@ TEST_F(RenderingLive, JudgesWhatWasChangedBeforeADeviceCameWhenItComes) {
   const std::uint64_t waits =
       asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
   begin(5);
-  EXPECT_EQ(demanded_ns_per_m, 50.0) << "the coupling is told";
+  EXPECT_EQ(demanded_ns_per_m, 50.0) << "the coupling is reported";
   EXPECT_TRUE(says("margin of 2"));
   EXPECT_EQ(report().state, runtime::NodeState::kFailed);
   refused(asker.last_word(waits, [this] { sample(); }), kStands);

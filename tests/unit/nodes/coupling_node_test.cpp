@@ -33,7 +33,7 @@ TEST(CouplingNode, WaitsForDeviceAndPlanThenDesignsOnce) {
   ASSERT_EQ(around.seen.size(), 1U);
   EXPECT_NE(around.seen[0].status, "infeasible");
   EXPECT_EQ(around.seen[0].kind, "shaping_filter");
-  EXPECT_GT(around.seen[0].shown_n_per_m, 50.0);
+  EXPECT_GT(around.seen[0].displayed_n_per_m, 50.0);
   for (int i = 0; i < 600; ++i)
     around.touch();
   ASSERT_FALSE(around.forces.empty());
@@ -58,7 +58,7 @@ TEST(CouplingNode, DesignsAnewWithoutAForceStepWhenTheDeviceOrTheContactChange) 
   for (int i = 0; i < 200 || (around.seen.size() < 2 && i < 5000); ++i)
     around.touch();
   ASSERT_EQ(around.seen.size(), 2U);
-  EXPECT_LT(around.seen[1].shown_n_per_m, around.seen[0].shown_n_per_m);
+  EXPECT_LT(around.seen[1].displayed_n_per_m, around.seen[0].displayed_n_per_m);
   EXPECT_GT(around.seen[1].damping_ns_per_m, 0.0);
   EXPECT_TRUE(around.seen[0].anew && around.seen[0].runs);
   EXPECT_EQ(around.seen[0].from_sample, 0U);
@@ -69,7 +69,7 @@ TEST(CouplingNode, DesignsAnewWithoutAForceStepWhenTheDeviceOrTheContactChange) 
     around.touch();
   ASSERT_EQ(around.seen.size(), 3U);
   EXPECT_LT(largest_step(around.forces), 0.05 * kForce)
-      << "of a held contact; a jump would be felt as a knock";
+      << "of a held contact; a jump would be displayed as a knock";
   EXPECT_GT(around.forces.back(), 0.2 * kForce) << "the same contact is still felt";
   EXPECT_EQ(around.node.end(), 0);
 }

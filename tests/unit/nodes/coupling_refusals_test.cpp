@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/scene/scene_file.hpp"
-#include "nodes/coupling/fitting.hpp"
+#include "nodes/coupling/coupling_fit.hpp"
 #include "nodes/runtime/device_message.hpp"
 #include "tests/unit/nodes/around_coupling.hpp"
 
@@ -62,8 +62,8 @@ TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDevice
   EXPECT_EQ(around.node.end(), 0);
 }
 
-/// Another rendering may run another scene: nothing of it is felt before its plan has come and has
-/// been fitted to.
+/// Another rendering may run another scene: nothing of it is displayed before its plan has come and
+/// has been fitted to.
 TEST(CouplingNode, CommandsNothingForARestartedRenderingBeforeItsPlan) {
   Around around("{design: auto, kind: shaping_filter}", false, true);
   const std::pair device{std::string("device"), around.device.participant.guid()};
@@ -134,7 +134,7 @@ TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
   ASSERT_EQ(fitting.fit().refusal, "");
   fitting.begin();
   fitting.set_plan(Around::message_of(30.0, 7, much));
-  std::optional<fitting::FittedCoupling> fitted;
+  std::optional<device_fit::FittedCoupling> fitted;
   ASSERT_TRUE(wait_until([&] { return (fitted = fitting.poll()).has_value(); }));
   EXPECT_NE(fitted->refusal.find("'oil'"), std::string::npos) << fitted->refusal;
 }

@@ -1,4 +1,4 @@
-// What DDS says of the datagrams that anybody may send it, on stderr.
+// What DDS says of the datagrams that any participant may send it, on stderr.
 #include <gtest/gtest.h>
 
 #include <arpa/inet.h>
@@ -11,7 +11,7 @@
 #include <dds/ddsrt/log.h>
 
 #include "nodes/bus/participant.hpp"
-#include "nodes/log/tell.hpp"
+#include "nodes/console/log.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
 namespace voxtouch::test {
@@ -19,18 +19,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Lines that stand on stderr at the end of `told`, and the seconds that it took.
+/// Lines that stand on stderr at the end of `reported`, and the seconds that it took.
 struct Said {
   std::string text;
   long lines = 0;
   double seconds = 0.0;
 };
 template <class F>
-Said said_while(F&& told) {
+Said said_while(F&& reported) {
   testing::internal::CaptureStderr();
   const auto begin = Clock::now();
-  told();
-  log::finish_telling(std::chrono::seconds(5));
+  reported();
+  console::flush_log(std::chrono::seconds(5));
   Said said{testing::internal::GetCapturedStderr(), 0,
             std::chrono::duration<double>(Clock::now() - begin).count()};
   said.lines = std::count(said.text.begin(), said.text.end(), '\n');

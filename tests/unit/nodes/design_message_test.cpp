@@ -11,12 +11,12 @@ namespace {
 /// Every field has a value of its own, which none has by default.
 TakenUp distinct() {
   TakenUp use{7, 812, true, {}, 0.0013};
-  auto& [kind, cutoff, ratio, gain, c, r, cap, cap_turning, injected, injected_turning, filter,
-         window, slow, band, share, free_n] =
+  auto& [kind, cutoff, ratio, gain, c, r, cap, cap_rotation, injected, injected_rotation, filter,
+         window, slow, band, fraction, free_n] =
       use.coupling.spec;  // a field more does not compile: it has to go with the message
   double next = 0.1;
-  for (double* number : {&cutoff, &ratio, &gain, &c, &r, &cap, &cap_turning, &injected,
-                         &injected_turning, &filter, &slow, &band, &share, &free_n})
+  for (double* number : {&cutoff, &ratio, &gain, &c, &r, &cap, &cap_rotation, &injected,
+                         &injected_rotation, &filter, &slow, &band, &fraction, &free_n})
     *number = next += 1.0 / 3.0;
   kind = "spring_damper", window = 3;
   auto& [force, torque, resolution, damping, friction, delay, lag] = use.coupling.limits;

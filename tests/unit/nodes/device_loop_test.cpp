@@ -18,7 +18,7 @@
 namespace voxtouch::device_node {
 namespace {
 
-/// Fails at the samples it is told to; remembers every force it was given.
+/// Fails at the samples it is reported to; remembers every force it was given.
 class FaultyDevice final : public devices::Driver {
  public:
   std::map<std::uint64_t, devices::DeviceError> read_faults,
@@ -189,7 +189,7 @@ TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
   EXPECT_EQ(device.pushed[902], 0.0);
   EXPECT_LT(device.pushed[920], 0.5) << "the force comes back in a ramp";
   EXPECT_GT(largest(1000, 1200), 0.5);
-  EXPECT_FALSE(progress.in_trouble.load());
+  EXPECT_FALSE(progress.has_error.load());
 }
 
 TEST_F(DeviceLoopRun, KeepsWhatItSawBeforeTheDeviceDroppedItsForce) {
@@ -207,7 +207,7 @@ TEST_F(DeviceLoopRun, KeepsWhatItSawBeforeTheDeviceDroppedItsForce) {
       test::read_ring_topic<msg::ForceCommand>(folder / "device_1", "/r/device/given");
   EXPECT_GT(given.back().wrench.force.x, 1.5);
   EXPECT_FALSE(std::filesystem::exists(folder / "device_2"));
-  EXPECT_NE(faults::told_in(folder.path()).at(0).find("force"), std::string::npos);
+  EXPECT_NE(faults::fault_records_in(folder.path()).at(0).find("force"), std::string::npos);
 }
 
 TEST_F(DeviceLoopRun, LocksItselfWhereItsCommandsAreAboveTheLimitUntilAPersonHasSaidSo) {
@@ -337,11 +337,11 @@ TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
   for (std::uint64_t i = 200; i < 300; ++i)
     device.odd_samples[i] = i % 2 ? marked : not_a_number;
   EXPECT_EQ(run(500), End::kFinished);
-  EXPECT_EQ(progress.counters[DeviceCounter::kHeldPoses], 100);
+  EXPECT_EQ(progress.counters[DeviceCounter::kLatchedPoses], 100);
   int flagged = 0;
   for (const msg::DeviceState& state : seen) {
     EXPECT_EQ(state.pose.position.z, 0.5) << "sample " << state.sequence_number;
-    const bool untrusted = (state.flags & msg::device_state::kFlagPoseHeld) != 0;
+    const bool untrusted = (state.flags & msg::device_state::kFlagPoseLatched) != 0;
     EXPECT_EQ(untrusted, state.sequence_number >= 199 && state.sequence_number < 299)
         << "sample " << state.sequence_number;
     flagged += untrusted;

@@ -120,7 +120,7 @@ class ExternalLive : public testing::Test {
     }
     msg::ExternalSample e;
     while (taken.take(e))
-      told.push_back(e);
+      reported.push_back(e);
   }
   /// One sample of a hand that rests in the air.
   void sample() {
@@ -181,26 +181,26 @@ class ExternalLive : public testing::Test {
   double may_ask_n = 0.0, most_n = 0.0, most_step = 0.0;
   std::string asks;
   msg::ContactState last{};
-  std::vector<msg::ExternalSample> told;
+  std::vector<msg::ExternalSample> reported;
 };
 
 TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSilent) {
   begin(5);
-  EXPECT_EQ(may_ask_n, kMaxN) << "the plan tells the coupling what may be asked for";
+  EXPECT_EQ(may_ask_n, kMaxN) << "the plan reports the coupling what may be asked for";
   EXPECT_EQ(asks, "external");
   samples(50);
-  EXPECT_EQ(force(), 0.0) << "nobody writes";
+  EXPECT_EQ(force(), 0.0) << "none writes";
   Outsider robot(topic, rig);
   ASSERT_TRUE(is_followed(robot, 5.0));
   ASSERT_TRUE(until([&] { return force() > 0.999 * kMaxN; }, [&] { robot.write(0, 5, 0); }));
   EXPECT_EQ(last.wrench.force.y, last.effects_wrench.force.y) << "the hand is given it";
   EXPECT_EQ(last.contact_wrench.force.y, 0.0)
       << "and it is no contact, which the validator would judge";
-  ASSERT_FALSE(told.empty());
-  EXPECT_EQ(told.back().wrench.force.y, 5.0) << "as it came, before any bound";
-  EXPECT_EQ(told.back().session_id, 5U);
-  EXPECT_EQ(told.back().sample_time_ns,
-            static_cast<std::int64_t>(told.back().sequence_number) * 1'000'000);
+  ASSERT_FALSE(reported.empty());
+  EXPECT_EQ(reported.back().wrench.force.y, 5.0) << "as it came, before any bound";
+  EXPECT_EQ(reported.back().session_id, 5U);
+  EXPECT_EQ(reported.back().sample_time_ns,
+            static_cast<std::int64_t>(reported.back().sequence_number) * 1'000'000);
   const auto feed = [&] { robot.write(0, 5, 0); };
   EXPECT_TRUE(until(
       [&] {
@@ -213,7 +213,7 @@ TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSile
   // Silence: by the samples' own time it is held for the timeout, and zero after the fade.
   ASSERT_TRUE(until([&] { return force() == 0.0; }));
   const double silent_s =
-      1e-3 * static_cast<double>(last.sequence_number - told.back().sequence_number);
+      1e-3 * static_cast<double>(last.sequence_number - reported.back().sequence_number);
   EXPECT_GE(silent_s, kTimeoutS);
   samples(20);
   EXPECT_EQ(force(), 0.0);
@@ -235,7 +235,7 @@ TEST_F(ExternalLive, FollowsOneWriterAndNamesEveryOther) {
                       turned |= last.effects_wrench.force.y < 0.0;
                     }));
   EXPECT_FALSE(turned);
-  for (const msg::ExternalSample& sample : told)
+  for (const msg::ExternalSample& sample : reported)
     ASSERT_EQ(sample.wrench.force.y, 1.0) << "no foreign value reached the loop";
   EXPECT_TRUE(says("is refused: ")) << report().message;
   second.reset();
@@ -254,7 +254,7 @@ TEST_F(ExternalLive, FollowsNobodyWhereSeveralAreThereAtTheStart) {
       << report().message;
   for (int n = 0; n < 200; ++n)
     both(), sample();  // ten looks of the housekeeping
-  EXPECT_TRUE(told.empty());
+  EXPECT_TRUE(reported.empty());
   EXPECT_EQ(force(), 0.0);
   two.reset();
   EXPECT_TRUE(is_followed(one, 1.0)) << "one is left";
@@ -281,7 +281,7 @@ TEST_F(ExternalLive, TakesTheFramesOfTheRigAndNoOther) {
     Outsider lost(topic, rig, "base_link\x1b[2J");
     EXPECT_TRUE(
         until([&] { return figure("external_wrong_frame") > 10.0; }, [&] { lost.write(0, 1, 0); }));
-    EXPECT_TRUE(told.empty());
+    EXPECT_TRUE(reported.empty());
     EXPECT_TRUE(says("'base_link?[2J'") && says("'world' or '" + rig + "/device'"))
         << report().message;
   }
@@ -299,12 +299,12 @@ TEST_F(ExternalLive, AnotherSessionBeginsWithNothingAndFollowsAnew) {
   for (int n = 0; n < 20; ++n)
     robot.write(0, 1, 0);
   begin(6);
-  told.clear(), last = {}, most_n = 0.0;
+  reported.clear(), last = {}, most_n = 0.0;
   samples(50);
   EXPECT_EQ(most_n, 0.0) << "a value of the last session";
-  EXPECT_TRUE(told.empty());
+  EXPECT_TRUE(reported.empty());
   ASSERT_TRUE(is_followed(robot, 1.0));
-  EXPECT_EQ(told.back().session_id, 6U);
+  EXPECT_EQ(reported.back().session_id, 6U);
 }
 
 TEST_F(ExternalLive, ChangesWhileItRunsAsFarAsTheDeviceGives) {

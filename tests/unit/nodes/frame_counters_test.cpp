@@ -30,16 +30,17 @@ TEST(FrameCounters, CountOneKindOfFrameEach) {
        [](Frame&, msg::ContactState& m) { m.flags = msg::contact_state::kFlagRefusedSample; }},
       {kContact, [](Frame& f, msg::ContactState&) { f.touch.contact.wrench.force.z() = 1.0; }},
       {kFast, [](Frame& f, msg::ContactState&) { f.touch.fast = true; }},
-      {kMissed, [](Frame& f, msg::ContactState&) { f.touch.missed = true; }},
-      {kPassing, [](Frame& f, msg::ContactState&) { f.touch.passing = true; }},
-      {kBuried,
+      {kTunnellingSuspected,
+       [](Frame& f, msg::ContactState&) { f.touch.tunnelling_suspected = true; }},
+      {kPassedThrough, [](Frame& f, msg::ContactState&) { f.touch.passed_through = true; }},
+      {kFullyInside,
        [](Frame& f, msg::ContactState&) {
          f.touch.contact.interior_hits = 3, f.touch.contact.surface_hits = 2;
        }},
-      {kHeld, [](Frame& f, msg::ContactState&) { f.touch.retained = true; }},
+      {kLatched, [](Frame& f, msg::ContactState&) { f.touch.latched = true; }},
       {kSaturated, [](Frame& f, msg::ContactState&) { f.touch.contact.saturated = true; }},
-      {kLag, [](Frame& f, msg::ContactState&) { f.tool.lag = true; }},
-      {kUnplaced, [](Frame& f, msg::ContactState&) { f.tool.unplaced = true; }},
+      {kNotConverged, [](Frame& f, msg::ContactState&) { f.tool.not_converged = true; }},
+      {kNotInitialised, [](Frame& f, msg::ContactState&) { f.tool.not_initialised = true; }},
       {kMostQueries,
        [](Frame& f, msg::ContactState&) { f.tool.queries = contact::limits::kMaxQueries; }}};
   for (const auto& [set, change] : cases)
@@ -49,12 +50,12 @@ TEST(FrameCounters, CountOneKindOfFrameEach) {
 }
 
 TEST(FrameCounters, CountNoPushingContactAsBuried) {
-  EXPECT_EQ(counted(kBuried,
+  EXPECT_EQ(counted(kFullyInside,
                     [](auto& f, auto&) {
                       f.touch.contact.interior_hits = f.touch.contact.surface_hits = 2;
                     }),
             0.0);
-  EXPECT_EQ(counted(kBuried,
+  EXPECT_EQ(counted(kFullyInside,
                     [](auto& f, auto&) {
                       f.touch.contact.interior_hits = 3, f.touch.contact.wrench.force.x() = 1.0;
                     }),

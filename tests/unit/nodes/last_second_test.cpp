@@ -18,18 +18,18 @@ TEST(LastSecond, HoldsTheLargestForceForASecondAndNoLonger) {
 
 TEST(LastSecond, CountsTheShareAnsweredInIt) {
   LastSecond last;
-  EXPECT_EQ(last.answered_share(), 1.0);
+  EXPECT_EQ(last.answered_ratio(), 1.0);
   std::uint64_t samples = 0, answered = 0;
   for (int ms = 0; ms <= 4000; ms += 20) {
     last.look(ms * 1'000'000LL, samples, answered, 0.0);
     if (ms == 2000) {
-      EXPECT_EQ(last.answered_share(), 1.0);
+      EXPECT_EQ(last.answered_ratio(), 1.0);
     }
     if (ms == 3000) {
-      EXPECT_EQ(last.answered_share(), 0.5);
+      EXPECT_EQ(last.answered_ratio(), 0.5);
     }
     if (ms == 4000) {
-      EXPECT_EQ(last.answered_share(), 0.0);
+      EXPECT_EQ(last.answered_ratio(), 0.0);
     }
     samples += 20;
     answered += ms < 2000 ? 20U : ms < 3000 ? 10U : 0U;

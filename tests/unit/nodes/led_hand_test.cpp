@@ -61,7 +61,7 @@ class LedHand : public testing::Test {
         rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run),
         coupling(node_options<coupling_node::Options>(rig, "plane"), coupling_node::run),
         device(led_device(rig, up.participant.guid()), device_node::run) {
-    // Of the ring's nodes only the device asks who plays a role; it is told who does.
+    // Of the ring's nodes only the device asks who plays a role; it is reported who does.
     EXPECT_TRUE(sees([&] { return report("rendering") && report("coupling") && state.session_id; }))
         << device.thread.error();
     name({});
@@ -125,7 +125,7 @@ TEST_F(LedHand, FollowsItsPageAndNoStranger) {
   Page stranger(rig), page(rig);
   page.stand_in.say(state.session_id), stranger.stand_in.say(state.session_id);
   aim(stranger, state.session_id, start + Vec3(0.03, 0.0, 0.0), milliseconds(600));
-  EXPECT_LT((tip() - start).norm(), 1e-4) << "nobody has named it";
+  EXPECT_LT((tip() - start).norm(), 1e-4) << "none has named it";
   EXPECT_EQ(number("operator_targets"), 0.0);
 
   name({&page});

@@ -1,4 +1,4 @@
-// The logger where others go on talking, and the bus with more peers than anybody needs.
+// The logger where others go on talking, and the bus with more peers than any participant needs.
 #include <gtest/gtest.h>
 
 #include <filesystem>

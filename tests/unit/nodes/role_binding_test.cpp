@@ -10,7 +10,7 @@
 
 #include "nodes/bus/followed_reader.hpp"
 #include "nodes/bus/latched_reader.hpp"
-#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/node_monitor.hpp"
 #include "nodes/runtime/participation.hpp"
 #include "tests/support/adversary.hpp"
 #include "tests/support/stand_in.hpp"
@@ -65,10 +65,10 @@ TEST_F(RoleTest, IsOfTheFirstClaimantAndLostForTheSessionWhenItGoes) {
   first->say(7);
   ASSERT_TRUE(comes([&] { return role.bound(); }));
   EXPECT_EQ(role.participant(), first->participant.guid());
-  EXPECT_EQ(role.trouble(registry), "");
+  EXPECT_EQ(role.diagnostic(registry), "");
   Coupling second(rig);
   second.say(7);
-  ASSERT_TRUE(comes([&] { return !role.trouble(registry).empty(); }));
+  ASSERT_TRUE(comes([&] { return !role.diagnostic(registry).empty(); }));
   EXPECT_EQ(role.participant(), first->participant.guid());
   first->say(8), settle();
   EXPECT_EQ(role.participant(), first->participant.guid()) << "a session more is no reason";
@@ -77,15 +77,15 @@ TEST_F(RoleTest, IsOfTheFirstClaimantAndLostForTheSessionWhenItGoes) {
   EXPECT_EQ(role.lost_session(), 7U);
   settle();
   EXPECT_FALSE(role.bound()) << "no rebinding within a session";
-  EXPECT_NE(role.trouble(registry).find("the session is over"), std::string::npos)
-      << role.trouble(registry);
+  EXPECT_NE(role.diagnostic(registry).find("the session is over"), std::string::npos)
+      << role.diagnostic(registry);
   second.say(9);
   ASSERT_TRUE(wait_until([&] {
     return registry.update(), role.update(registry, 9),
            role.participant() == second.participant.guid();
   })) << "another session";
   EXPECT_EQ(role.lost_session(), 0U);
-  EXPECT_EQ(role.trouble(registry), "")
+  EXPECT_EQ(role.diagnostic(registry), "")
       << "a bound participant is not unauthorised, even if it was before";
 }
 
@@ -111,7 +111,7 @@ TEST_F(ClaimedRole, GoesOnlyToParticipantsThatTheClaimNames) {
   auto real = std::make_unique<Coupling>(rig);
   Coupling stranger(rig);
   real->say(7), stranger.say(7), settle();
-  EXPECT_FALSE(role.bound()) << "nobody is named yet";
+  EXPECT_FALSE(role.bound()) << "none is named yet";
   other.name({playing(stranger)}), settle();
   EXPECT_FALSE(role.bound()) << "the claim of a participant that has not started this node";
   up.name({playing(*real)});
@@ -141,20 +141,20 @@ TEST(RigRoles, WritesAGuidAsTextAndReadsItBack) {
 TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
   auto first = std::make_unique<Coupling>(rig);
   Coupling second(rig);
-  registry.update();  // nobody looks while they come
+  registry.update();  // none looks while they come
   first->say(7), second.say(7);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   update();
   EXPECT_FALSE(role.bound());
-  const std::string trouble = role.trouble(registry);
-  EXPECT_NE(trouble.find("(process", trouble.find("(process") + 1), std::string::npos)
-      << "both are named: " << trouble;
+  const std::string diagnostic = role.diagnostic(registry);
+  EXPECT_NE(diagnostic.find("(process", diagnostic.find("(process") + 1), std::string::npos)
+      << "both are named: " << diagnostic;
   first->command(1), second.command(1), settle();
   msg::ForceCommand command;
   EXPECT_FALSE(commands.take(command));
   first.reset();
   ASSERT_TRUE(comes([&] { return role.participant() == second.participant.guid(); }));
-  EXPECT_EQ(role.trouble(registry), "");
+  EXPECT_EQ(role.diagnostic(registry), "");
 }
 
 TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
@@ -221,10 +221,11 @@ TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
   ASSERT_TRUE(wait_until([&] { return commands.take(taken); })) << "pushed out by the foreign ones";
   EXPECT_EQ(taken.sequence_number, 1U);
   EXPECT_FALSE(commands.take(taken));
-  ASSERT_TRUE(comes([&] { return other->write(foreign), !role.trouble(registry).empty(); }));
-  EXPECT_NE(role.trouble(registry).find("no name"), std::string::npos) << role.trouble(registry);
+  ASSERT_TRUE(comes([&] { return other->write(foreign), !role.diagnostic(registry).empty(); }));
+  EXPECT_NE(role.diagnostic(registry).find("no name"), std::string::npos)
+      << role.diagnostic(registry);
   other.reset();
-  EXPECT_TRUE(comes([&] { return role.trouble(registry).empty(); }));
+  EXPECT_TRUE(comes([&] { return role.diagnostic(registry).empty(); }));
   real.command(2);
   EXPECT_TRUE(wait_until([&] { return commands.take(taken); }));
 }
@@ -245,8 +246,8 @@ TEST_F(RoleTest, CountsWhatItRefusesOfEachWriter) {
                        runtime::to_text(one.participant().guid()));
   };
   EXPECT_TRUE(comes([&] {
-    const std::string told = role.refused_writers();
-    return told.contains(of(30, bag)) && told.contains(of(7, tool));
+    const std::string reported = role.refused_writers();
+    return reported.contains(of(30, bag)) && reported.contains(of(7, tool));
   })) << role.refused_writers();
   EXPECT_EQ(role.refused(), 37U);
 }
@@ -281,7 +282,7 @@ TEST_F(RoleTest, HasItsLatchedValueEvenIfItCameLongBeforeItWasKnownWhoseIsNeeded
       wait_until([&] { return other.writer<msg::DeviceDescription>().matched_count() == 1; }));
   for (std::uint64_t i = 0; i < 200; ++i)
     other.write(stylus(1000 + i)), look();
-  EXPECT_EQ(seen, 0U) << "nobody is followed yet";
+  EXPECT_EQ(seen, 0U) << "none is followed yet";
   ASSERT_TRUE(descriptions.following().follow(real.participant.guid()));
   EXPECT_FALSE(descriptions.current());
   EXPECT_TRUE(look());
@@ -415,10 +416,10 @@ TEST_F(RoleTest, RosterHasRoomForSoManyAndForThoseWhoAreKnown) {
   known.say(2);
   EXPECT_TRUE(comes([&] { return registry.report_of(known.participant.guid())->session_id == 2; }));
   EXPECT_EQ(role.participant(), real.participant.guid());
-  const std::string trouble = role.trouble(registry);
+  const std::string diagnostic = role.diagnostic(registry);
   std::size_t named = 1;
-  for (std::size_t at = trouble.find(" and "); at != std::string::npos;
-       at = trouble.find(" and ", at + 1))
+  for (std::size_t at = diagnostic.find(" and "); at != std::string::npos;
+       at = diagnostic.find(" and ", at + 1))
     ++named;
   EXPECT_EQ(named, 16U) << "a person reads it, and it is sent ten times a second";
 }
@@ -490,7 +491,7 @@ class LockstepPeers : public testing::Test {
       {"contacts",
        [guid = rendering->participant.guid()] { return std::vector{guid}; },
        {"rendering"}}};
-  std::optional<runtime::Housekeeping> coupling;
+  std::optional<runtime::NodeMonitor> coupling;
 };
 
 TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {

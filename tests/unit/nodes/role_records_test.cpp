@@ -1,5 +1,5 @@
 // Records that a replay follows: those of who plays the rendering are in the bag, whoever comes
-// when; those of others are not, and are told.
+// when; those of others are not, and are reported.
 #include "nodes/logger/role_records.hpp"
 
 #include <gtest/gtest.h>
@@ -193,7 +193,7 @@ TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName)
   Adversary stranger(kDomain, rig);
   ASSERT_TRUE(wait_until([&] { return rendering.made.matched_count() == 1 && report(); }))
       << node.error();
-  rendering.make(11);  // before anybody plays a role
+  rendering.make(11);  // before any participant plays a role
   char effect[] = "oil", none[] = "";
   msg::EffectChange forged{};
   forged.session_id = 7, forged.from_sample = 66, forged.action = msg::effect_change::kActionSwitch,
@@ -225,11 +225,11 @@ TEST_F(RecordsOfTheLogger, SamplesOfAnotherDeviceAreLeftOutAndItIsNamed) {
     state.session_id = session, state.sequence_number = number;
     writer.write(state);
   };
-  write(foreign, 6, 100), write(own, 7, 1);  // before anybody plays a role
+  write(foreign, 6, 100), write(own, 7, 1);  // before any participant plays a role
   begin();
-  ASSERT_TRUE(wait_until([&] { return figure("left_out_messages") == 1.0; })) << message();
+  ASSERT_TRUE(wait_until([&] { return figure("skipped_messages") == 1.0; })) << message();
   write(foreign, 7, 101);
-  ASSERT_TRUE(wait_until([&] { return figure("left_out_messages") == 2.0; })) << message();
+  ASSERT_TRUE(wait_until([&] { return figure("skipped_messages") == 2.0; })) << message();
   EXPECT_TRUE(message().contains("2 messages are not in the bag: 2 of ")) << message();
   EXPECT_EQ(refused(), 0.0);
   write(own, 7, 2);

@@ -61,7 +61,7 @@ class RosOutputsTest : public testing::Test {
 
 TEST_F(RosOutputsTest, AreNotMadeWhileNobodyReads) {
   run_for(std::chrono::milliseconds(400));  // forty turns of its thread
-  // /tf has one name for all rigs: a test that runs beside this one may read it.
+  // /tf has one name for all rigs: a test that runs next to this one may read it.
   for (const RosOutput kind : {RosOutput::kPose, RosOutput::kWrench, RosOutput::kMarkers})
     EXPECT_EQ(outputs_->made(kind), 0U);
 }
@@ -126,7 +126,7 @@ TEST_F(RosOutputsTest, AreWrittenAHundredTimesASecondWithTheTimeOfTheWall) {
   const auto half = late_ms.begin() + 400;
   const double drift_ms =
       *std::min_element(half, half + 400) - *std::min_element(late_ms.begin(), half);
-  EXPECT_LT(std::abs(drift_ms), 4.0) << "in 4 s: more than 0.1 Hz beside 100 Hz";
+  EXPECT_LT(std::abs(drift_ms), 4.0) << "in 4 s: more than 0.1 Hz next to 100 Hz";
 }
 
 TEST_F(RosOutputsTest, HaveSimulatedTimeAndAClockInLockstep) {
@@ -221,16 +221,17 @@ TEST(MomentMarkers, DrawNoForceThatIsNoNumber) {
                                                  .contact = Vec3(0, 0, bad),
                                                  .points = {}});
     for (const auto& m : markers.all)
-      EXPECT_NE(m.action, 0) << m.ns << ": a command that came from anybody has a force of " << bad;
+      EXPECT_NE(m.action, 0) << m.ns << ": a command that came from any participant has a force of "
+                             << bad;
   }
 }
 
 TEST(DisplayMesh, SharesLeaveSmallMeshesWholeAndGiveTheRestToLargeOnes) {
   using Counts = std::vector<std::size_t>;
-  EXPECT_EQ(mesh_import::shares_of({12, 1'000'000, 1280}, 20'000), (Counts{12, 18'708, 1280}));
-  EXPECT_EQ(mesh_import::shares_of({1'000'000, 500'000}, 20'000), (Counts{10'000, 10'000}));
-  EXPECT_EQ(mesh_import::shares_of({5, 7}, 20'000), (Counts{5, 7}));
-  EXPECT_EQ(mesh_import::shares_of({}, 20'000), Counts());
+  EXPECT_EQ(mesh_import::counts_of({12, 1'000'000, 1280}, 20'000), (Counts{12, 18'708, 1280}));
+  EXPECT_EQ(mesh_import::counts_of({1'000'000, 500'000}, 20'000), (Counts{10'000, 10'000}));
+  EXPECT_EQ(mesh_import::counts_of({5, 7}, 20'000), (Counts{5, 7}));
+  EXPECT_EQ(mesh_import::counts_of({}, 20'000), Counts());
 }
 
 TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
@@ -296,10 +297,10 @@ TEST(PlanMessage, CarriesThePartsOfPlanAndRingSideBySide) {
   rendering::BuildCounts counts;
   counts.shell_points = 100, counts.shell_bytes = 6800, counts.voxmap_bytes = 1234;
   const rendering::Plan plan = rendering::make_plan(scene, counts);
-  rendering_node::publish_plan(writer, scene, plan, fitting::demand_of(scene), 0.001, 7, 0);
-  std::vector<rendering::PlanPart> wanted = plan.parts, got;
+  rendering_node::publish_plan(writer, scene, plan, device_fit::demand_of(scene), 0.001, 7, 0);
+  std::vector<rendering::PlanPart> expected = plan.parts, got;
   for (rendering::PlanPart& part : rendering_node::ring_parts(scene))
-    wanted.push_back(std::move(part));
+    expected.push_back(std::move(part));
   ASSERT_TRUE(wait_until([&] {
     reader.take_each([&](const msg::ScenePlan& m) {
       ASSERT_EQ(m.part_names._length, m.part_nodes._length);
@@ -312,13 +313,13 @@ TEST(PlanMessage, CarriesThePartsOfPlanAndRingSideBySide) {
     });
     return !got.empty();
   }));
-  ASSERT_EQ(got.size(), wanted.size());
+  ASSERT_EQ(got.size(), expected.size());
   for (std::size_t n = 0; n < got.size(); ++n) {
-    EXPECT_EQ(got[n].name, wanted[n].name);
-    EXPECT_EQ(got[n].node, wanted[n].node);
-    EXPECT_EQ(got[n].why, wanted[n].why);
-    EXPECT_EQ(got[n].bytes, wanted[n].bytes);
-    EXPECT_EQ(got[n].expected_ns, wanted[n].expected_ns);
+    EXPECT_EQ(got[n].name, expected[n].name);
+    EXPECT_EQ(got[n].node, expected[n].node);
+    EXPECT_EQ(got[n].why, expected[n].why);
+    EXPECT_EQ(got[n].bytes, expected[n].bytes);
+    EXPECT_EQ(got[n].expected_ns, expected[n].expected_ns);
   }
 }
 

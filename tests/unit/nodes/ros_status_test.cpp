@@ -42,7 +42,7 @@ class RosLines : public testing::Test {
 };
 
 TEST_F(RosLines, AreAtMostTenASecondHoweverMuchIsSaidAndTheNextTellsHowManyWereLeftOut) {
-  log.say(NodeState::kRunning, "nobody reads this");
+  log.say(NodeState::kRunning, "none reads this");
   EXPECT_EQ(log.written(), 0U);
   listen();
   constexpr int kSaid = 5000;

@@ -1,4 +1,4 @@
-// The update server alone: what it hands over to the loop, what it refuses, and what it tells the
+// The update server alone: what it hands over to the loop, what it refuses, and what it reports the
 // coupling.
 #include "nodes/rendering/scene_update_server.hpp"
 
@@ -25,7 +25,7 @@ namespace result = msg::effect_changed;
 class Idle final : public effects::Effect {
  public:
   void apply(const effects::EffectFrame&, const effects::EffectValues&,
-             effects::EffectPush&) noexcept override {}
+             effects::EffectForce&) noexcept override {}
 };
 
 effects::EffectKind idle_kind(std::string_view name,
@@ -78,7 +78,7 @@ TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
   const std::string rig = own_rig("w");
   const auto options = node_options<rendering_node::Options>(rig);
   const bus::Participant participant({kDomain, "lo", "update server"});
-  rendering_node::ChangeLine line;
+  rendering_node::ChangeQueue line;
   std::atomic<bool> waiting{false}, go_on{false};
   std::atomic<std::uint64_t> last{0};
   rendering_node::SceneUpdateServer server(
@@ -119,7 +119,7 @@ class UpdateServer {
             participant_, options_, scene_, std::move(built_), line_, [](const scene::Scene&) {},
             [this](std::uint64_t session) { begun_ = session; }) {
     EXPECT_TRUE(asker_.ready());
-    EXPECT_TRUE(asker_.send_until_heard(change(99), 1'000'000));
+    EXPECT_TRUE(asker_.send_until_received(change(99), 1'000'000));
     line_.begin_session(3);
     server_.device_is(std::make_unique<rendering_node::DescribedDevice>(
         rendering_node::DescribedDevice{3, device}));
@@ -134,7 +134,7 @@ class UpdateServer {
     plans_.take_each([&](const msg::ScenePlan& p) {
       plans.push_back({p.from_sample, p.all_points_stiffness_n_per_m, p.effects_damping_ns_per_m,
                        p.effects_damping_nms_per_rad, p.largest_damping_nms_per_rad,
-                       p.largest_turning_damping, p.largest_turning_damping_place});
+                       p.largest_rotation_damping, p.largest_rotation_damping_place});
     });
   }
   Said ask(const msg::EffectChange& m, const std::string& parameter) {
@@ -149,7 +149,7 @@ class UpdateServer {
       loop(), std::this_thread::sleep_for(milliseconds(1));
   }
   /// Sent without a number, as from a shell.
-  void tell(msg::EffectChange m, std::string parameter) {
+  void deliver(msg::EffectChange m, std::string parameter) {
     m.effect = runtime::lend(name_), m.parameter = runtime::lend(parameter),
     m.model = runtime::lend(none_);
     asker_.changes.write(m);
@@ -205,7 +205,7 @@ class UpdateServer {
   bus::Participant participant_;
   bus::Reader<msg::ScenePlan> plans_;
   Asker asker_;
-  rendering_node::ChangeLine line_;
+  rendering_node::ChangeQueue line_;
   std::atomic<std::uint64_t> begun_{0};
   rendering_node::SceneUpdateServer server_;
   std::uint64_t sample_ = 0;
@@ -233,7 +233,7 @@ TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
 }
 
 /// A bag that has these replays every change, whoever asked for it and whether its question was
-/// heard by the recorder.
+/// received by the recorder.
 TEST(SceneUpdateServer, RecordsWhatWasMadeOnceWithSessionAndSampleAlsoForARecorderThatComesLater) {
   UpdateServer on({.name = "spring",
                    .kind = &kSpring,
@@ -244,7 +244,7 @@ TEST(SceneUpdateServer, RecordsWhatWasMadeOnceWithSessionAndSampleAlsoForARecord
   EXPECT_EQ(on.ask(change(kActionGain, 7.0), "").result, result::kResultRefused);
   const Said stiffer = on.ask(change(kActionValue, 350.0), "stiffness_n_per_m");
   ASSERT_EQ(stiffer.result, result::kResultDone) << stiffer.sentence;
-  on.tell(change(kActionGain, 0.5), "");
+  on.deliver(change(kActionGain, 0.5), "");
   const std::vector<UpdateServer::Made> records = on.records(3);
   ASSERT_EQ(records.size(), 3U);
   EXPECT_EQ(records[0],
@@ -272,7 +272,7 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
   EXPECT_EQ(on.ask(change(kActionValue, 0.2), "share").result, result::kResultDone);
   const Said thicker = on.ask(change(kActionValue, 9.0), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused)
-      << "2 * 9 Ns/m may be felt before the share is down";
+      << "2 * 9 Ns/m may be displayed before the fraction is down";
   on.samples(400);
   EXPECT_EQ(on.ask(change(kActionValue, 9.0), "thickness_ns_per_m").result, result::kResultDone)
       << "it has settled";
@@ -284,7 +284,7 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
             result::kResultWaiting);
   const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused)
-      << "2 * 9 Ns/m may be felt before the share is down";
+      << "2 * 9 Ns/m may be displayed before the fraction is down";
 }
 
 TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
@@ -333,7 +333,7 @@ class ValidatorOfChanges : public testing::Test {
   std::unique_ptr<rendering::BuiltScene> built_;
   std::optional<rendering_node::ChangeValidator> validator_;
   rendering_node::PendingChanges pending_;
-  rendering_node::ChangeLine line_;
+  rendering_node::ChangeQueue line_;
 };
 
 TEST_F(ValidatorOfChanges, JudgesAfterPendingChanges) {

@@ -389,7 +389,7 @@ TEST_F(RenderingAlone, RefusesAPoseThatTheDeviceDoesNotTrust) {
   ASSERT_GT(force(contact_of(1, 0, kInContact)), 0.01);
   msg::ContactState c{};
   for (std::uint64_t i = 1; i <= 6; ++i)
-    c = contact_of(1, i, kInContact, msg::device_state::kFlagPoseHeld);
+    c = contact_of(1, i, kInContact, msg::device_state::kFlagPoseLatched);
   EXPECT_NE(c.flags & msg::contact_state::kFlagRefusedSample, 0U);
   EXPECT_EQ(force(c), 0.0) << "the last good pose would push for ever";
 }
@@ -448,7 +448,7 @@ TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSa
     return report ? runtime::value_of(report->figures, name) : 0.0;
   };
   ASSERT_TRUE(bystander.sees([&] { return figure("answered") > 500; })) << device.thread.error();
-  constexpr char kClaim[] = "answered_before_rival";
+  constexpr char kClaim[] = "answered_before_conflict";
   {
     StandIn other(
         kDomain, "device",

@@ -1,12 +1,12 @@
-// What a node tells of itself arrives as it was told: words as words, numbers as numbers. The ROS
-// form of a node's status is made for whoever reads it, and for nobody else.
+// What a node reports of itself arrives as it was set: words as words, numbers as numbers. The ROS
+// form of a node's status is made for whoever reads it, and for none else.
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <optional>
 #include <thread>
 
-#include "nodes/runtime/housekeeping.hpp"
+#include "nodes/runtime/node_monitor.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "tests/unit/nodes/node_thread.hpp"
 
@@ -85,7 +85,7 @@ TEST(Status, TakesNoFigureForACountThatIsNone) {
   EXPECT_EQ(runtime::as_count(7.0), 7U);
 }
 
-/// Two nodes of a rig, of which one has a loop that the test holds up, and somebody who reads their
+/// Two nodes of a rig, of which one has a loop that the test holds up, and a person who reads their
 /// statuses.
 class TwoNodes : public testing::Test {
  protected:
@@ -113,7 +113,7 @@ class TwoNodes : public testing::Test {
   runtime::NodeOptions options;
   bus::Participant first{{kDomain, "lo", "first"}}, second{{kDomain, "lo", "second"}},
       third{{kDomain, "lo", "third"}};
-  std::optional<runtime::Housekeeping> rendering, device;
+  std::optional<runtime::NodeMonitor> rendering, device;
   std::optional<runtime::NodeRegistry> registry;
 };
 
@@ -139,15 +139,15 @@ TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
 
 TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
   ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
-  int heard = 0;
+  int received = 0;
   std::int64_t last = 0;
   for (int n = 0; n < 100; ++n) {
     ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
-    if (const std::int64_t at = registry->find("device")->heard_ns; at != last)
-      last = at, ++heard;
+    if (const std::int64_t at = registry->find("device")->received_ns; at != last)
+      last = at, ++received;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  EXPECT_GE(heard, 10) << "in two seconds, on a busy machine";
+  EXPECT_GE(received, 10) << "in two seconds, on a busy machine";
   EXPECT_TRUE(registry->hung().empty());
 }
 

@@ -1,4 +1,4 @@
-// However a node or `up` is told to stop, and however early, it stops by itself and says what
+// However a node or `up` is reported to stop, and however early, it stops by itself and says what
 // happened.
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ INSTANTIATE_TEST_SUITE_P(Signals, EverySignal, testing::Values(SIGINT, SIGTERM, 
 TEST(Node, DoesNotOutliveAParentThatDiedBeforeItCouldAsk) {
   Process device(node("device", {"--with-parent", "1999999999"}));
   EXPECT_NE(device.wait(seconds(10)).status, 128 + SIGKILL)
-      << "it went on without anybody to stop it";
+      << "it went on without any participant to stop it";
 }
 
 TEST(Node, RefusesADurationThatNoCountCanHold) {

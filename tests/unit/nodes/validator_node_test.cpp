@@ -1,4 +1,4 @@
-// The validator judges for whoever reads its verdicts, and for nobody else.
+// The validator judges for whoever reads its verdicts, and for none else.
 #include "nodes/validator/validator_node.hpp"
 
 #include <gtest/gtest.h>
@@ -89,16 +89,16 @@ TEST_F(ValidatorNodeTest, IsIdleWhileNobodyReadsItsVerdictsAndSaysSo) {
 TEST_F(ValidatorNodeTest, JudgesForWhoReadsAndNoLongerOnceHeHasGone) {
   auto verdicts = std::make_unique<bus::Reader<msg::ValidationReport>>(
       reader_, qos::kValidation, rig_, qos::profile(qos::ProfileId::kTap));
-  std::uint64_t heard = 0;
+  std::uint64_t received = 0;
   ASSERT_TRUE(shows_until([&] {
-    verdicts->take_each([&](const msg::ValidationReport& v) { heard = v.agree; });
-    return heard >= 5;
+    verdicts->take_each([&](const msg::ValidationReport& v) { received = v.agree; });
+    return received >= 5;
   })) << message();
   verdicts.reset();
-  // His going takes a moment to be known, and the status is told a few times a second only.
+  // His going takes a moment to be known, and the status is reported a few times a second only.
   ASSERT_TRUE(shows_until([&] { return message().starts_with("idle: "); })) << message();
   const std::uint64_t last = checked();
-  EXPECT_GE(last, heard);
+  EXPECT_GE(last, received);
   show_for(std::chrono::milliseconds(400));
   EXPECT_EQ(checked(), last);
 }

@@ -41,10 +41,10 @@ TEST_F(Driver, AForceLimitOfTheCallerOnlyLowersTheDevices) {
 }
 
 TEST_F(Driver, PoseIsTheStylusInMetresWithAUnitQuaternion) {
-  const Quat wanted = Quat(0.9, 0.2, -0.3, 0.1).normalized();
+  const Quat expected = Quat(0.9, 0.2, -0.3, 0.1).normalized();
   Motion motion;
   motion.path = {Vec3(0.03, -0.02, 0.04)};
-  motion.orientation = wanted;
+  motion.orientation = expected;
   ASSERT_EQ(set_motion(motion), 0) << sim.last_message();
   open_driver();
   const auto sample = driver->read(10ms);
@@ -52,7 +52,7 @@ TEST_F(Driver, PoseIsTheStylusInMetresWithAUnitQuaternion) {
   EXPECT_TRUE(sample->pose_valid);
   EXPECT_LT((sample->pose.position - Vec3(0.03, -0.02, 0.04)).norm(), 1e-4);
   EXPECT_NEAR(sample->pose.orientation.norm(), 1.0, 1e-15);
-  EXPECT_LT(sample->pose.orientation.angularDistance(wanted), 5e-3);
+  EXPECT_LT(sample->pose.orientation.angularDistance(expected), 5e-3);
   EXPECT_LT(sample->pose.orientation.angularDistance(orientation_in(state())), 5e-3);
 }
 
@@ -178,7 +178,7 @@ TEST_F(Driver, TorqueGoesOutInMilliNewtonMetresWhereThereAreMotorsForIt) {
   ASSERT_TRUE(driver->write({Vec3(1, 0, 0), Vec3(0.05, 0, 0)}));
   ASSERT_TRUE(driver->read(10ms));
   EXPECT_EQ(Spy::instance().calls({"set 2701"}), std::vector<std::string>{"set 2701 50.000000"});
-  EXPECT_EQ(driver->servo().trouble().count(), 0u);
+  EXPECT_EQ(driver->servo().errors().count(), 0u);
 }
 
 TEST_F(Driver, DestructionLeavesNothingOpenAndNoForce) {
@@ -257,11 +257,11 @@ TEST_F(RealTime, ASecondOfTheServoThreadFeedsASecondOfTheLoop) {
     ++samples;
   }
   const phantom::ServoCounts& s = driver->servo().counts();
-  EXPECT_GT(samples, 200);  // 1000 where nobody else wants the processor
+  EXPECT_GT(samples, 200);  // 1000 where none else wants the processor
   EXPECT_LT(samples, 1100);
   EXPECT_NEAR(1e-9 * static_cast<double>(last), 1.0, 0.3);
   EXPECT_GT(s.pushed.load(), 200u);
-  EXPECT_EQ(driver->servo().trouble().count(), 0u);
+  EXPECT_EQ(driver->servo().errors().count(), 0u);
   EXPECT_GT(state().hand_force[0], -5.0);
   EXPECT_LT(state().hand_force[0], -0.2);  // the hand feels it
   RecordProperty("samples", samples);
@@ -359,7 +359,7 @@ TEST_F(RealTime, AServoLoopThatOnlyFallsSilentIsATimeoutThenDisconnected) {
     ASSERT_TRUE(driver->read(500ms));
   }
   EXPECT_GE(Spy::instance().calls({"enable 4000"}).size(), 2u);
-  EXPECT_EQ(driver->servo().trouble().count(), 0u);
+  EXPECT_EQ(driver->servo().errors().count(), 0u);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Each fault: what the caller is told, and what the motors give in the 100 ms after it.
+// Each fault: what the caller is reported, and what the motors give in the 100 ms after it.
 #include <algorithm>
 
 #include "fixture.hpp"
@@ -25,8 +25,8 @@ class Fault : public DriverTest {
           std::count_if(force.begin(), force.end(), [](double f) { return f > 0.0; }));
     }
   };
-  /// A loop that hears nothing and goes on pushing for 100 periods. Where the driver makes no tick
-  /// any more the arm's time goes on.
+  /// A loop that receives nothing and goes on pushing for 100 periods. Where the driver makes no
+  /// tick any more the arm's time goes on.
   After next_100_ms() {
     After after;
     const auto note = [](std::vector<devices::DeviceError>& all, devices::DeviceError e) {
@@ -64,7 +64,7 @@ TEST_F(Fault, LostCommunicationIsDisconnectedAndNothingIsSetAnyMore) {
   EXPECT_EQ(*std::max_element(after.force.begin() + 10, after.force.end()),
             0.0);  // also once the cable is back
   EXPECT_EQ(driver->write({kPush, Vec3::Zero()}).error(), devices::DeviceError::kDisconnected);
-  EXPECT_NE(driver->trouble().find("0x0302"), std::string::npos) << driver->trouble();
+  EXPECT_NE(driver->last_error().find("0x0302"), std::string::npos) << driver->last_error();
   driver.reset();
   open_driver();
   push_until_steady(kPush);
@@ -101,8 +101,8 @@ TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
   EXPECT_EQ(after.samples, 100);
   EXPECT_EQ(after.written, Errors{devices::DeviceError::kRecoverable});
   EXPECT_EQ(after.pushing(), 0);
-  EXPECT_EQ(driver->servo().trouble().dropped(), 1u);
-  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kWarmMotors);
+  EXPECT_EQ(driver->servo().errors().dropped(), 1u);
+  EXPECT_EQ(driver->servo().errors().newest(), phantom::hd::kWarmMotors);
   EXPECT_EQ(driver->servo().counts().withheld.load(), 1u);  // the command that was under way
   EXPECT_EQ(driver->servo().counts().invalid_poses.load(),
             0u);  // heat says nothing about where it is
@@ -115,27 +115,27 @@ TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
   options.max_speed_m_per_s = 0.1;
   set_motion({0.0, 0.0, 0.0, 0.12, 0.0, 0.0}, 0.5);
   open_driver();
-  Errors told;
+  Errors reported;
   int after_force = 0;
   for (int i = 0; i < 1500; ++i) {
     const Cycle t = cycle(push(0.0, 0.5));
     ASSERT_TRUE(t.sample);
     if (!t.written)
-      told.push_back(t.written.error());
+      reported.push_back(t.written.error());
     const double speed = Eigen::Map<const Vec3>(state().tip_velocity).norm();
     if (speed > 0.15) {
       EXPECT_EQ(t.force, 0.0) << i;
     }
-    if (!told.empty() && t.force > 0.0)
+    if (!reported.empty() && t.force > 0.0)
       ++after_force;
   }
-  ASSERT_FALSE(told.empty());
+  ASSERT_FALSE(reported.empty());
   EXPECT_LE(
-      told.size(),
+      reported.size(),
       5u);  // each time that the limit is passed, which quantised speeds may do more than once
-  for (const devices::DeviceError error : told)
+  for (const devices::DeviceError error : reported)
     EXPECT_EQ(error, devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kExceededMaxVelocity);
+  EXPECT_EQ(driver->servo().errors().newest(), phantom::hd::kExceededMaxVelocity);
   EXPECT_GT(after_force, 100);
 }
 
@@ -146,7 +146,7 @@ TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
   EXPECT_EQ(after.written, Errors{});
   ASSERT_TRUE(driver->read(10ms));  // nothing was asked for: 2 N to 0 in a millisecond
   EXPECT_EQ(cycle(push(0.5)).written.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kExceededMaxForceImpulse);
+  EXPECT_EQ(driver->servo().errors().newest(), phantom::hd::kExceededMaxForceImpulse);
   for (int i = 0; i < 100; ++i)
     ASSERT_TRUE(cycle(push(0.5)).written);
   EXPECT_NEAR(applied().x(), 0.5, 0.05);
@@ -192,7 +192,7 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
     EXPECT_EQ(t.force, 0.0);
     EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
   }
-  EXPECT_NE(driver->trouble().find("pose"), std::string::npos);
+  EXPECT_NE(driver->last_error().find("pose"), std::string::npos);
   Cycle t = cycle(push(2.0));
   EXPECT_TRUE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
@@ -245,7 +245,7 @@ TEST_F(Fault, AFrameThatSomebodyElseLeftOpenSpoilsOneTickOnly) {
   EXPECT_FALSE(t.sample->pose_valid);
   EXPECT_EQ(t.force, 0.0);
   EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
-  EXPECT_EQ(driver->servo().trouble().newest(), phantom::hd::kIllegalBegin);
+  EXPECT_EQ(driver->servo().errors().newest(), phantom::hd::kIllegalBegin);
   ASSERT_TRUE(cycle(push(2.0)).written);
   EXPECT_NEAR(cycle(push(2.0)).force, 2.0, 0.1);
 }

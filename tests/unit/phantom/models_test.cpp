@@ -54,7 +54,7 @@ TEST(PhantomModels, FiguresThatNoDeviceReachesAreNotBelieved) {
     EXPECT_EQ(a.max_stiffness_n_per_m, d.max_stiffness_n_per_m) << x;
     EXPECT_EQ(a.max_force_rate_n_per_s, d.max_force_rate_n_per_s) << x;
     EXPECT_EQ(continuous_force_n(absurd), continuous_force_n(none)) << x;
-    EXPECT_EQ(what_is_wrong(a), "") << x;
+    EXPECT_EQ(validate(a), "") << x;
   }
 }
 

@@ -102,7 +102,7 @@ TEST_F(Opening, AMissingLicenceIsSaidAtOnce) {
 
 TEST_F(Opening, ADeviceThatIsInUseIsSaidAtOnce) {
   ASSERT_NE(api.hdInitDevice(nullptr),
-            phantom::hd::kInvalidHandle);  // somebody else in this process
+            phantom::hd::kInvalidHandle);  // another program in this process
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("in use"), std::string::npos) << sentence;
 }

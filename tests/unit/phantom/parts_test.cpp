@@ -171,29 +171,29 @@ TEST(HdErrors, AreToldApartByWhatCanBeDone) {
   EXPECT_EQ(classify(hd::kSuccess).severity, HdSeverity::kNone);
 }
 
-TEST(HdTrouble, KeepsTheFirstFatalErrorAndCountsTheOthers) {
-  HdTrouble trouble;
-  trouble.note(hd::kSuccess);
-  EXPECT_EQ(trouble.count(), 0u);
-  trouble.note(hd::kWarmMotors);
-  trouble.note(hd::kFrameError);
-  trouble.note(hd::kTimerError);
-  trouble.note(hd::kCommError);
-  EXPECT_EQ(trouble.count(), 2u);
-  EXPECT_EQ(trouble.dropped(), 1u);
-  EXPECT_EQ(trouble.newest(), hd::kFrameError);
-  EXPECT_EQ(trouble.fatal(), hd::kTimerError);
+TEST(HdErrorLog, KeepsTheFirstFatalErrorAndCountsTheOthers) {
+  HdErrorLog errors;
+  errors.note(hd::kSuccess);
+  EXPECT_EQ(errors.count(), 0u);
+  errors.note(hd::kWarmMotors);
+  errors.note(hd::kFrameError);
+  errors.note(hd::kTimerError);
+  errors.note(hd::kCommError);
+  EXPECT_EQ(errors.count(), 2u);
+  EXPECT_EQ(errors.dropped(), 1u);
+  EXPECT_EQ(errors.newest(), hd::kFrameError);
+  EXPECT_EQ(errors.fatal(), hd::kTimerError);
 }
 
-TEST(HdTrouble, ALibraryThatNeverRunsOutOfErrorsDoesNotHoldTheServoThread) {
+TEST(HdErrorLog, ALibraryThatNeverRunsOutOfErrorsDoesNotHoldTheServoThread) {
   static int asked = 0;
   hd::Api api;
   api.hdGetError = []() -> hd::HDErrorInfo {
     ++asked;
     return {hd::kWarmMotors, 0, 0};
   };
-  HdTrouble trouble;
-  trouble.drain(api);
+  HdErrorLog errors;
+  errors.drain(api);
   EXPECT_LE(asked, 256);
 }
 

@@ -59,7 +59,7 @@ TEST_F(Rules, ErrorsAreTakenUntilThereAreNone) {
   for (int i = 0; i < 100; ++i)
     Spy::instance().plant_error(phantom::hd::kForceError);
   ASSERT_TRUE(driver->read(10ms));
-  EXPECT_EQ(driver->servo().trouble().count(), 100u);
+  EXPECT_EQ(driver->servo().errors().count(), 100u);
   EXPECT_EQ(state().errors_waiting, 0u);
 }
 
@@ -89,7 +89,7 @@ TEST_F(Rules, WarmMotorsGetLessForceDownToTheContinuousOne) {
   }
   EXPECT_EQ(driver->sample().force_limit_n, 8.5);
   EXPECT_NEAR(applied().x(), 8.0, 0.4);
-  EXPECT_EQ(driver->servo().trouble().count(), 0u);  // the device never had to drop it
+  EXPECT_EQ(driver->servo().errors().count(), 0u);  // the device never had to drop it
 }
 
 TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
@@ -100,7 +100,7 @@ TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
   }
   EXPECT_GT(hottest, 0.7);
   EXPECT_LT(hottest, 1.0);
-  EXPECT_EQ(driver->servo().trouble().dropped(), 0u);
+  EXPECT_EQ(driver->servo().errors().dropped(), 0u);
 }
 
 TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {

@@ -1,6 +1,6 @@
 #pragma once
 /// Stands between the driver and the simulated library: notes what is called, in order, and answers
-/// wrongly where it is told to.
+/// wrongly where it is reported to.
 #include <functional>
 #include <mutex>
 #include <string>

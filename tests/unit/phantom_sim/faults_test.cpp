@@ -1,4 +1,5 @@
-// Each fault on command: what a caller is told, and what the motors give in the 100 ms after it.
+// Each fault on command: what a caller is reported, and what the motors give in the 100 ms after
+// it.
 #include <cmath>
 
 #include "library.hpp"
@@ -141,7 +142,7 @@ TEST_F(Faults, PositionThatIsNoNumberIsReadAsThat) {
     EXPECT_EQ(std::isnan(m[13]), i < 2);
     EXPECT_FALSE(std::isnan(m[0]));
   }
-  EXPECT_EQ(errors(), Errors{});  // nobody says so
+  EXPECT_EQ(errors(), Errors{});  // none says so
   EXPECT_TRUE(std::isfinite(state().tip[0]));
 }
 
@@ -170,7 +171,7 @@ TEST_F(Faults, HandThatLetsGoLeavesTheArmToTheMotors) {
   hand.mass_kg = 0.1;
   hand.damping_ns_per_m = 4.0;
   hand.stiffness_n_per_m = 300.0;
-  hand.let_go_at_s = state().time + 0.01;
+  hand.release_time_s = state().time + 0.01;
   ASSERT_EQ(set_hand(hand), 0) << sim.last_message();
   next_100_ms();
   EXPECT_FALSE(state().held);

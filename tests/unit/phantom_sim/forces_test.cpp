@@ -184,9 +184,9 @@ TEST_F(Forces, MotorsWarmUpWithTheSquareOfTheForceAndDropIt) {
   while (errors().empty() && ++ticks < 3000)
     tick_force({0.0, 4.0, 0.0});
   EXPECT_LT(ticks, 500);
-  double told[3];
-  api.hdGetDoublev(phantom::hd::kMotorTemperature, told);
-  EXPECT_GE(told[1], 0.99);
+  double reported[3];
+  api.hdGetDoublev(phantom::hd::kMotorTemperature, reported);
+  EXPECT_GE(reported[1], 0.99);
   tick_force({0.0, 1.0, 0.0});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
   EXPECT_EQ(errors(), Errors{});  // said once

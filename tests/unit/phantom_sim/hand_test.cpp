@@ -43,7 +43,7 @@ TEST(Hand, PullsTowardsItsTargetAndBrakes) {
 
 TEST(Hand, LetsGoForGood) {
   sim::OperatorConfig config = plain(0.1, 4.0, 300.0);
-  config.let_go_at_s = 0.5;
+  config.release_time_s = 0.5;
   hand::Hand hand(config, still({0.01, 0.0, 0.0}), kStep);
   EXPECT_GT(run_until(hand, 0.5).stiffness_n_per_m, 0.0);
   for (int i = 0; i < 100; ++i) {
@@ -56,7 +56,7 @@ TEST(Hand, LetsGoForGood) {
 
 TEST(Hand, GripsHarderFromItsTimeOn) {
   sim::OperatorConfig config = plain(0.1, 4.0, 300.0);
-  config.grip_harder_at_s = 0.25;
+  config.grip_change_time_s = 0.25;
   config.grip_factor = 3.0;
   hand::Hand hand(config, still(Vec3::Zero()), kStep);
   EXPECT_DOUBLE_EQ(run_until(hand, 0.25).stiffness_n_per_m, 300.0);
@@ -70,7 +70,7 @@ TEST(Hand, TheOtherSimulatedDevicesKnowTheHarderGrip) {
   sim::SimParameters p = sim::sim_phantom();
   p.description.coulomb_friction_n = 0.0;
   sim::OperatorConfig config = plain(0.1, 4.0, 300.0);
-  config.grip_harder_at_s = 1.0;
+  config.grip_change_time_s = 1.0;
   config.grip_factor = 4.0;
   sim::SimPlant plant(p, config, still(Vec3::Zero()));
   plant.set_state({{0.01, 0.0, 0.0}, Quat::Identity()}, {});

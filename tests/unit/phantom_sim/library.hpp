@@ -47,10 +47,10 @@ void find(F& f, const char* name) {
 
 /// One that does all it can: trembles, carries, grips harder after 0.5 s and lets go.
 inline sim::OperatorConfig shaky_hand(
-    double let_go_at_s = std::numeric_limits<double>::infinity()) {
+    double release_time_s = std::numeric_limits<double>::infinity()) {
   sim::OperatorConfig hand;
   hand.mass_kg = 0.1, hand.damping_ns_per_m = 4.0, hand.stiffness_n_per_m = 300.0;
-  hand.let_go_at_s = let_go_at_s, hand.grip_harder_at_s = 0.5, hand.grip_factor = 2.0;
+  hand.release_time_s = release_time_s, hand.grip_change_time_s = 0.5, hand.grip_factor = 2.0;
   hand.tremor_n = 0.2, hand.tremor_bandwidth_hz = 10.0;
   hand.carries_tool = true;
   return hand;

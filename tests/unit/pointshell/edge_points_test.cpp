@@ -56,14 +56,14 @@ TEST(EdgePoints, OfABlockLieOnItsTwelveEdgesNoFartherApartThanHalfAVoxelAndItsCo
     const double kApart = kEdgePointsApart * kEdge * 1.0001;
     for (int axis = 0; axis < 3; ++axis)
       for (int side = 0; side < 4; ++side)
-        for (double share = -1.0; share <= 1.0; share += 0.01) {
+        for (double fraction = -1.0; fraction <= 1.0; fraction += 0.01) {
           Vec3 at = half;
           at[(axis + 1) % 3] *= side & 1 ? 1.0 : -1.0, at[(axis + 2) % 3] *= side & 2 ? 1.0 : -1.0,
-              at[axis] *= share;
+              at[axis] *= fraction;
           double nearest = std::numeric_limits<double>::infinity();
           for (const Vec3& p : own)
             nearest = std::min(nearest, (p - at).norm());
-          ASSERT_LE(nearest, std::abs(share) == 1.0 ? 1e-12 : 0.5 * kApart);
+          ASSERT_LE(nearest, std::abs(fraction) == 1.0 ? 1e-12 : 0.5 * kApart);
         }
     EXPECT_LE(points.size(), static_cast<std::size_t>(8.0 * half.sum() / kApart) + 24);
   }
@@ -134,7 +134,7 @@ TEST(EdgePoints, OfAnOpenMeshAreItsSharpEdgesAndItsRims) {
   for (const auto& [from, to, opposite] : {std::array{a, b, c}, {b, c, a}, {c, a, b}}) {
     const Vec3 middle = 0.5 * (from + to), along = (to - from).normalized();
     const bool across =
-        along.cwiseAbs().maxCoeff() < 0.9;  // in the side; the two others end the sides beside it
+        along.cwiseAbs().maxCoeff() < 0.9;  // in the side; the two others end the sides next to it
     const Vec3 away = (opposite - middle).dot(along) * along - (opposite - middle);
     EXPECT_TRUE(has(points, grid, middle, across ? away : inward)) << middle.transpose();
   }
@@ -161,10 +161,10 @@ TEST(EdgePoints, OfSheetsAreWhereTheyEndOrFold) {
   mesh::TriangleMesh tee;  // three halves at the x axis
   tee.vertices = {{-0.01, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, {0, -0.01, 0}, {0, 0, 0.01}};
   tee.triangles = {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}};
-  const voxmap::Grid beside = voxmap::default_grid(tee, kEdge);
-  const Pointshell points = points_of(tee, beside);
+  const voxmap::Grid other_grid = voxmap::default_grid(tee, kEdge);
+  const Pointshell points = points_of(tee, other_grid);
   for (std::size_t p = 0; p < points.size(); ++p) {
-    const Vec3 at = points.point(p) + beside.origin;
+    const Vec3 at = points.point(p) + other_grid.origin;
     EXPECT_TRUE(at.tail<2>().norm() > 1e-6 || std::abs(at.x()) > 0.0099) << at.transpose();
   }
 }

@@ -69,7 +69,7 @@ TEST(Topics, AreOfferedAsRosToolsAskForThem) {
 }
 
 /// Published hashes of ROS 2 from Iron on, as several independent projects list them: texts,
-/// arrays, sequences and nested types are among them, and services. Those of our own types nobody
+/// arrays, sequences and nested types are among them, and services. Those of our own types none
 /// publishes: tests/interop/hashes computes them once more.
 TEST(Types, HaveTheHashesThatRosPublishes) {
   const std::pair<std::string_view, std::string_view> all[] = {

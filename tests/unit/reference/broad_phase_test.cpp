@@ -64,12 +64,12 @@ TEST(BroadPhase, GivesTheDepthOfAMeshInOneOfThreeHundred) {
   const ReferenceScene all(boxes.scene_with(mesh("aligned_box.obj", 0.02))),
       one(scene(boxes.specs[137], mesh("aligned_box.obj", 0.02)));
   const Vec3 centre = boxes.specs[137].pose.position;
-  for (const double beside : {0.0, 0.03, 0.045, 0.055, 0.07, 0.09}) {
-    const Pose pose = at(centre + Vec3(0, 0, beside));
+  for (const double offset_m : {0.0, 0.03, 0.045, 0.055, 0.07, 0.09}) {
+    const Pose pose = at(centre + Vec3(0, 0, offset_m));
     const GapResult gap = all.gap(pose), alone = one.gap(pose);
-    EXPECT_EQ(gap.gap_m, alone.gap_m) << beside;
-    EXPECT_EQ(gap.direction, alone.direction) << beside;
-    EXPECT_EQ(gap.method, alone.method) << beside;
+    EXPECT_EQ(gap.gap_m, alone.gap_m) << offset_m;
+    EXPECT_EQ(gap.direction, alone.direction) << offset_m;
+    EXPECT_EQ(gap.method, alone.method) << offset_m;
   }
 }
 

@@ -18,7 +18,7 @@ constexpr double kMust = (0.8660254037844386 + 1.2 + 0.1) * kE;
 GapResult gap_of(double gap_m) {
   GapResult gap;
   gap.gap_m = gap_m;
-  gap.buried_m = std::max(0.0, -gap_m);
+  gap.inside_depth_m = std::max(0.0, -gap_m);
   gap.direction = Vec3::UnitZ();
   gap.sphere_radius_m = 10 * kE;
   gap.unique_face = gap.depth_exact = gap.self_check = true;
@@ -66,7 +66,7 @@ TEST(Judge, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
 
 TEST(Judge, DecidesThatNoForceActsInFreeSpaceHeldOrNot) {
   ReportedContact pushed;
-  pushed.retained = true;
+  pushed.latched = true;
   pushed.wrench.torque.x() = 1e-12;
   EXPECT_EQ(once(gap_of(kFree + 1e-9), pushed).verdict, Verdict::kDisagree);
 }
@@ -85,20 +85,20 @@ TEST(Judge, DecidesThatSomethingCollidesWhenBuriedDeepEnough) {
 
 TEST(Judge, DoesNotDemandAHitWhereThePlateIsThin) {
   GapResult thin = gap_of(-3 * kE);
-  thin.buried_m = 0;
+  thin.inside_depth_m = 0;
   thin.depth_exact = false;
   EXPECT_EQ(verdict(thin, {}), Verdict::kInBand);
 }
 
 TEST(Judge, DemandsAHitOnceAWholeCapIsInside) {
   GapResult shallow = gap_of(-0.8 * kE);
-  shallow.cap_buried_m = 0.36 * kE;
+  shallow.cap_inside_depth_m = 0.36 * kE;
   EXPECT_EQ(verdict(shallow, {}), Verdict::kDisagree);
-  shallow.cap_buried_m = 0.34 * kE;
+  shallow.cap_inside_depth_m = 0.34 * kE;
   EXPECT_EQ(verdict(shallow, {}), Verdict::kInBand);
   JudgeSettings coarse = kSettings;
   coarse.shell_gap_m = 1.8 * kE;
-  shallow.cap_buried_m = 0.7 * kE;
+  shallow.cap_inside_depth_m = 0.7 * kE;
   EXPECT_EQ(Judge(coarse).judge(shallow, {}).verdict, Verdict::kInBand)
       << "a coarse shell may miss the cap";
 }
@@ -142,7 +142,7 @@ TEST(Judge, ComparesDepthFromAboveAlways) {
   ReportedContact through = contact(1.65 * kE);
   through.interior_hits = 3;
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), through), Verdict::kDisagree);
-  through.retained = true;
+  through.latched = true;
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), through), Verdict::kInBand)
       << "an old depth is not compared";
 }
@@ -172,13 +172,13 @@ TEST(Judge, SeesAForceOrANormalAloneThatIsOff) {
 TEST(Judge, WantsOnlyTheSignOfFirstTouchHeldAndSaturatedFrames) {
   EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 40)), Verdict::kInBand);
   EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 100)), Verdict::kDisagree);
-  ReportedContact retained = contact(0.5 * kE, 0, 60);
-  retained.retained = true, retained.interior_hits = 9;
-  EXPECT_EQ(verdict(gap_of(-kE), retained), Verdict::kInBand);
-  retained.interior_hits = 0;
-  EXPECT_EQ(verdict(gap_of(-kE), retained), Verdict::kInBand);
-  retained.wrench.force *= -1;
-  EXPECT_EQ(verdict(gap_of(-kE), retained), Verdict::kDisagree);
+  ReportedContact latched = contact(0.5 * kE, 0, 60);
+  latched.latched = true, latched.interior_hits = 9;
+  EXPECT_EQ(verdict(gap_of(-kE), latched), Verdict::kInBand);
+  latched.interior_hits = 0;
+  EXPECT_EQ(verdict(gap_of(-kE), latched), Verdict::kInBand);
+  latched.wrench.force *= -1;
+  EXPECT_EQ(verdict(gap_of(-kE), latched), Verdict::kDisagree);
 }
 
 TEST(Judge, FindsAFrozenForceByTheGapThatMovesOn) {
@@ -201,10 +201,10 @@ TEST(Judge, LetsTheSameForceStandWhileTheGapDoes) {
 
 TEST(Judge, LetsAFlaggedHeldForceStandInContact) {
   Judge judge(kSettings);
-  ReportedContact retained = contact(0.5 * kE);
-  retained.retained = true, retained.interior_hits = 4;
+  ReportedContact latched = contact(0.5 * kE);
+  latched.latched = true, latched.interior_hits = 4;
   for (int i = 0; i < 20; ++i)
-    EXPECT_NE(judge.judge(gap_of(-0.1 * kE * i), retained).verdict, Verdict::kDisagree);
+    EXPECT_NE(judge.judge(gap_of(-0.1 * kE * i), latched).verdict, Verdict::kDisagree);
 }
 
 TEST(Judge, BlamesItselfWhereItsOwnCrossCheckFails) {
@@ -309,7 +309,7 @@ TEST(Judge, AsksNothingOfTheTorqueWherePushesNeedNotAgree) {
     change(report);
     return verdict(on_handle(), report);
   };
-  EXPECT_EQ(with([](ReportedContact& r) { r.retained = true; }), Verdict::kInBand);
+  EXPECT_EQ(with([](ReportedContact& r) { r.latched = true; }), Verdict::kInBand);
   EXPECT_EQ(with([](ReportedContact& r) { r.fallback = true; }), Verdict::kInBand);
   EXPECT_EQ(with([](ReportedContact& r) { r.interior_hits = 1; }), Verdict::kInBand);
   EXPECT_EQ(with([](ReportedContact& r) { r.coherence = 0.49; }), Verdict::kInBand);

@@ -19,12 +19,12 @@ using namespace test_scenes;
 /// nearest edge.
 double plain_distance(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a).normalized();
-  const Vec3 foot = x - n.dot(x - a) * n;
+  const Vec3 projected = x - n.dot(x - a) * n;
   const auto left = [&](const Vec3& p, const Vec3& q) {
-    return n.dot((q - p).cross(foot - p)) >= 0;
+    return n.dot((q - p).cross(projected - p)) >= 0;
   };
   if (left(a, b) && left(b, c) && left(c, a))
-    return (x - foot).norm();
+    return (x - projected).norm();
   const auto edge = [&](const Vec3& p, const Vec3& q) {
     const double along = std::clamp((x - p).dot(q - p) / (q - p).squaredNorm(), 0.0, 1.0);
     return (x - p - along * (q - p)).norm();
@@ -198,7 +198,7 @@ TEST(MeshDistance, BothWaysEqualBruteForce) {
       const NearestPoint found = distance.nearest(x);
       EXPECT_NEAR(found.distance_m, least, 1e-12);
       EXPECT_NEAR((found.point - x).norm(), least, 1e-12);
-      EXPECT_NEAR(distance.second_way(x), least, distance.second_way_error_m());
+      EXPECT_NEAR(distance.second_method(x), least, distance.second_method_error_m());
     }
   }
 }

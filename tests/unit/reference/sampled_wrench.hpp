@@ -43,7 +43,7 @@ class SampledIntegral {
 
  private:
   using Corners = std::array<Vec3, 3>;
-  static constexpr double kCrossingShare =
+  static constexpr double kCrossingRatio =
       0.25;  ///< triangles across the surface are split this much finer
 
   double distance(const Vec3& x) {
@@ -63,7 +63,7 @@ class SampledIntegral {
     if (at_centre > radius)
       return;
     const bool inside = at_centre < -radius;
-    if (radius > (inside ? 1.0 : kCrossingShare) * resolution_) {
+    if (radius > (inside ? 1.0 : kCrossingRatio) * resolution_) {
       const Vec3 ab = 0.5 * (c[0] + c[1]), bc = 0.5 * (c[1] + c[2]), ca = 0.5 * (c[2] + c[0]),
                  quarter = 0.25 * twice_area;
       for (const Corners& part : {Corners{c[0], ab, ca}, Corners{ab, c[1], bc},

@@ -1,4 +1,4 @@
-/// The gap of whole scenes against closed forms, and what is claimed beside it.
+/// The gap of whole scenes against closed forms, and what is claimed next to it.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -145,15 +145,15 @@ f 4 1 5 8
   const ReferenceScene thin(scene(file.spec())), thick(scene(mesh("slab_tilted.obj")));
   const GapResult through = thin.gap(at(Vec3(0.1, 0.1, kSphereRadius - 0.2)));
   EXPECT_NEAR(through.gap_m, -0.2, kExact);
-  EXPECT_EQ(through.buried_m, 0.0) << "the sphere's lowest point has come out below";
+  EXPECT_EQ(through.inside_depth_m, 0.0) << "the sphere's lowest point has come out below";
   EXPECT_FALSE(through.depth_exact);
   const GapResult in_it = thin.gap(at(Vec3(0.1, 0.1, kSphereRadius - 0.012)));
-  EXPECT_NEAR(in_it.buried_m, 0.008, kExact);
+  EXPECT_NEAR(in_it.inside_depth_m, 0.008, kExact);
   const GapResult deep = thick.gap(at(Vec3(0.0, 0.0, 0.65)));
   EXPECT_TRUE(deep.depth_exact);
-  EXPECT_NEAR(deep.buried_m, -deep.gap_m, 1e-9);
-  EXPECT_GT(deep.cap_buried_m, 0.0);
-  EXPECT_LT(deep.cap_buried_m, deep.buried_m);
+  EXPECT_NEAR(deep.inside_depth_m, -deep.gap_m, 1e-9);
+  EXPECT_GT(deep.cap_inside_depth_m, 0.0);
+  EXPECT_LT(deep.cap_inside_depth_m, deep.inside_depth_m);
 }
 
 TEST(SphereGap, CallsAFaceUniqueOnlyWhereThePatchHasOneDirection) {
@@ -189,7 +189,7 @@ TEST(SphereGap, OfAnOpenMeshHasNoInside) {
   const GapResult gap = reference.gap(at(Vec3(0, 0, 0.45)));
   EXPECT_FALSE(gap.inside_known);
   EXPECT_NEAR(gap.gap_m, -0.05, kExact);
-  EXPECT_EQ(gap.buried_m, 0.0);
+  EXPECT_EQ(gap.inside_depth_m, 0.0);
   EXPECT_FALSE(gap.depth_exact && -gap.gap_m > kEdge);
   EXPECT_TRUE(gap.self_check);
 }
@@ -206,7 +206,7 @@ TEST(MeshGap, IsTheDistanceWhileApart) {
 TEST(MeshGap, IsABoundFromTheDeepestCornerOnceTheyOverlap) {
   const ReferenceScene reference(scene(mesh("aligned_box.obj"), mesh("aligned_box.obj", 0.5)));
   const GapResult gap = reference.gap(at(Vec3(0.1, 0.0, 0.25 + 0.125 - 0.07)));
-  EXPECT_NEAR(gap.buried_m, 0.07, kExact);
+  EXPECT_NEAR(gap.inside_depth_m, 0.07, kExact);
   EXPECT_NEAR(gap.gap_m, -0.07, kExact);
   EXPECT_NEAR(gap.direction.z(), 1.0, 1e-9);
   EXPECT_FALSE(gap.depth_exact || gap.unique_face);
@@ -217,12 +217,12 @@ TEST(MeshGap, SeesOneObjectInsideTheOther) {
   const ReferenceScene small_in_big(scene(mesh("aligned_box.obj"), mesh("aligned_box.obj", 0.5)));
   const GapResult inside = small_in_big.gap(at(Vec3(0.01, 0, 0)));
   EXPECT_LT(inside.gap_m, 0.0);
-  EXPECT_GT(inside.buried_m, 0.12);
+  EXPECT_GT(inside.inside_depth_m, 0.12);
   const ReferenceScene big_round_small(
       scene(mesh("aligned_box.obj", 0.5), mesh("aligned_box.obj")));
   const GapResult swallowed = big_round_small.gap(at(Vec3(0.01, 0, 0)));
   EXPECT_LT(swallowed.gap_m, 0.0);
-  EXPECT_EQ(swallowed.buried_m, 0.0)
+  EXPECT_EQ(swallowed.inside_depth_m, 0.0)
       << "no point of the dynamic surface is inside the static object";
 }
 

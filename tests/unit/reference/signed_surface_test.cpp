@@ -34,20 +34,20 @@ Part box(double size) {
                         size);
 }
 
-/// Points round the part, and points beside its corners and edges, where features change.
+/// Points round the part, and points next to its corners and edges, where features change.
 std::vector<Vec3> places(const ReferenceMesh& mesh, int count) {
   std::mt19937_64 random(3);
-  const auto share = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  const auto fraction = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };
   Vec3 low = mesh.vertices[0], high = low;
   for (const Vec3& v : mesh.vertices)
     low = low.cwiseMin(v), high = high.cwiseMax(v);
   const Vec3 size = high - low;
   std::vector<Vec3> out;
   for (int n = 0; n < count; ++n) {
-    const Vec3 dice(share(), share(), share());
+    const Vec3 dice(fraction(), fraction(), fraction());
     out.push_back(low - 0.2 * size + 1.4 * size.cwiseProduct(dice));
     const std::size_t t = random() % mesh.triangles.size();
-    const double along = n % 2 == 0 ? 0.0 : share();
+    const double along = n % 2 == 0 ? 0.0 : fraction();
     out.push_back(mesh.corner(t, 0) + along * (mesh.corner(t, 1) - mesh.corner(t, 0)) +
                   0.01 * size.norm() * (dice - Vec3::Constant(0.5)));
   }

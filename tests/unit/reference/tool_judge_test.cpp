@@ -28,14 +28,14 @@ GapResult gap_of(double gap_m, bool one_face = true) {
 
 /// The hand that far below the virtual tool, which is `off_m` off the plane; the spring `degrees`
 /// askew.
-ReportedTool tool(double way_m, double degrees = 0.0) {
+ReportedTool tool(double path_m, double degrees = 0.0) {
   ReportedTool report;
   const double angle = degrees * std::numbers::pi / 180.0;
   const Vec3 up(std::sin(angle), 0.0, std::cos(angle));
   report.tool.position = Vec3(0, 0, kR);
-  report.hand.position = report.tool.position - way_m * up;
-  report.wrench.force = 300.0 * way_m * up;
-  report.constrained = way_m > 0.0;
+  report.hand.position = report.tool.position - path_m * up;
+  report.wrench.force = 300.0 * path_m * up;
+  report.constrained = path_m > 0.0;
   return report;
 }
 
@@ -55,12 +55,12 @@ TEST(ToolJudge, AgreesWithASpringThatPressesABallOnAPlane) {
 
 TEST(ToolJudge, FindsForcesWithoutATool) {
   ReportedTool report = tool(0.01);
-  report.unplaced = true;
+  report.not_initialised = true;
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "a force of"));
   report.wrench = {};
   EXPECT_EQ(said(report, 0.0, -0.01), "");
   report = tool(0.01);
-  report.lag = true;
+  report.not_converged = true;
   EXPECT_EQ(said(report, -0.005, -0.01), "") << "an object has moved through it";
   report = tool(0.01);
   report.constrained = false;
@@ -84,11 +84,11 @@ TEST(ToolJudge, FindsAForceThatIsNotTheSprings) {
 
 /// It is held off as a wall of an eighth of a voxel; which side is its inside is not asked.
 TEST(ToolJudge, FindsAnOpenMeshInTheTool) {
-  const auto of_open = [](double at_tool, double at_hand, double way_m) {
+  const auto of_open = [](double at_tool, double at_hand, double path_m) {
     Judgement out;
     GapResult tool_gap = gap_of(at_tool), hand_gap = gap_of(at_hand);
     tool_gap.inside_known = hand_gap.inside_known = false;
-    return tool_breach(kSettings, kTool, tool_gap, hand_gap, tool(way_m), out);
+    return tool_breach(kSettings, kTool, tool_gap, hand_gap, tool(path_m), out);
   };
   const double deep = 0.1 * kE + kChord, off = 0.0825 * kE + kSag + kChord;
   EXPECT_EQ(of_open(0.99 * off, -0.01, 0.01), "");
@@ -108,9 +108,9 @@ TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
   EXPECT_EQ(said(tool(0.01), 1.01 * off, -0.01, kTool, false), "")
       << "in a corner the distance is blunt";
   EXPECT_NE(said(tool(0.01), 1.01 * (kE + kSag + kChord), -0.01, kTool, false), "");
-  ReportedTool on_its_way = tool(0.01);
-  on_its_way.residual_m = off;
-  EXPECT_EQ(said(on_its_way, 1.9 * off, -0.01), "");
+  ReportedTool approaching = tool(0.01);
+  approaching.residual_m = off;
+  EXPECT_EQ(said(approaching, 1.9 * off, -0.01), "");
 }
 
 TEST(ToolJudge, FindsAForceOverNothingAndNoForceInTheWall) {

@@ -132,7 +132,7 @@ TEST(ReferenceWrench, ConvergesAsItsResolutionIsHalved) {
 TEST(ReferenceWrench, IsConservative) {
   const ReferenceWrench reference(shipped("cylinder"), 0.5e-3);
   const Vec3 touch = shipped("cylinder").motions.at("hit").path.back();
-  double work = 0.0, way = 0.0, most = 0.0;
+  double work = 0.0, displacement = 0.0, most = 0.0;
   constexpr int kSteps = 40;
   const auto pose = [&](int n) {
     const double a = 2 * std::numbers::pi * n / kSteps;
@@ -147,11 +147,11 @@ TEST(ReferenceWrench, IsConservative) {
             .wrench;
     const Eigen::AngleAxisd turn(to.orientation * from.orientation.conjugate());
     work += w.force.dot(to.position - from.position) + w.torque.dot(turn.angle() * turn.axis());
-    way += (to.position - from.position).norm();
+    displacement += (to.position - from.position).norm();
     most = std::max(most, w.force.norm());
   }
   EXPECT_GT(most, 0.0);
-  EXPECT_LT(std::abs(work), 0.002 * most * way);
+  EXPECT_LT(std::abs(work), 0.002 * most * displacement);
 }
 
 /// At random attitudes, in faces, edges, a fillet and teeth, at depths as
@@ -168,7 +168,7 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
   const auto uniform = [&](double low, double high) {
     return low + (high - low) * static_cast<double>(random() >> 11) * 0x1p-53;
   };
-  for (const auto& [name, part, share] :
+  for (const auto& [name, part, fraction] :
        {std::tuple("bracket", test::bracket(), 0.18), std::tuple("gear", test::gear(), 0.205)}) {
     scene.static_meshes[0].path = folder / ("voxtouch_wrench_" + std::string(name) + ".obj");
     test::write_obj(part, scene.static_meshes[0].path);
@@ -199,8 +199,9 @@ TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
     std::printf(
         "%s: %.2f %% off at most, %.0f distances a contact, %.0f where sampled everywhere\n", name,
         100 * largest, asked / 4.0, asked_before / 4.0);
-    EXPECT_LT(asked, share * asked_before) << "what neighbours share is asked for once, and what "
-                                              "the corners' distances cover is not asked for";
+    EXPECT_LT(asked, fraction * asked_before)
+        << "what neighbours share is asked for once, and what "
+           "the corners' distances cover is not asked for";
     std::filesystem::remove(scene.static_meshes[0].path);
   }
   std::filesystem::remove(scene.dynamic_mesh.path);

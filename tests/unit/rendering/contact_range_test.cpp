@@ -84,19 +84,19 @@ TEST(ContactStiffness, BoundsEverySetOfPointsWithAnyDirections) {
   std::uniform_real_distribution<double> number(-1.0, 1.0);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
   double tightest = 0.0;
-  for (int trial = 0; trial < 2000; ++trial) {
+  for (int attempt = 0; attempt < 2000; ++attempt) {
     std::vector<Vec3> points;
-    const auto count = 1 + trial % 12;
+    const auto count = 1 + attempt % 12;
     for (int p = 0; p < count; ++p)
       points.push_back(vector() + Vec3(0.5, 0, 0));
     const StiffnessBounds bound = contact_stiffness(shell_of(points), {3.0});
     contact::StiffnessSum sum;
     const Vec3 axis = vector().normalized();
     for (const Vec3& arm : points) {
-      if (trial % 3 == 0 && number(random) < 0.0)
+      if (attempt % 3 == 0 && number(random) < 0.0)
         continue;
       // Every other trial chooses the worst direction for one axis.
-      const Vec3 u = trial % 2 == 0 ? vector() : axis.cross(arm);
+      const Vec3 u = attempt % 2 == 0 ? vector() : axis.cross(arm);
       sum.add(arm, u.normalized());
     }
     Mat6 stiffness = Mat6::Zero();

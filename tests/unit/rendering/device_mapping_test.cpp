@@ -43,9 +43,9 @@ TEST(DeviceMapping, TipGoesThroughBaseScaleAndToolOffset) {
     const scene::WorkspaceMapping spec = r.spec();
     const Pose tip = r.pose();
     DeviceMapping mapping(spec);
-    const Pose wanted =
+    const Pose expected =
         spec.pose_WD * Pose{spec.position_scale * tip.position, tip.orientation} * spec.pose_PT;
-    EXPECT_LE(distance(mapping.update(tip, {}, 0).pose, wanted), 1e-14);
+    EXPECT_LE(distance(mapping.update(tip, {}, 0).pose, expected), 1e-14);
   }
   DeviceMapping plain{scene::WorkspaceMapping{}};
   const Pose tip = r.pose();

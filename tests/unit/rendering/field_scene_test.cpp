@@ -56,9 +56,9 @@ TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
   EXPECT_EQ(with->renderer().model(), contact::ContactModelKind::kField);
   EXPECT_EQ(without->field(), nullptr);
   EXPECT_TRUE(any_has(with->plan().built, "24 mm inside"));
-  EXPECT_FALSE(any_has(with->plan().left_out, "distance field"));
+  EXPECT_FALSE(any_has(with->plan().skipped, "distance field"));
   EXPECT_FALSE(any_has(without->plan().built, "distance field"));
-  EXPECT_TRUE(any_has(without->plan().left_out, "distance field"));
+  EXPECT_TRUE(any_has(without->plan().skipped, "distance field"));
   EXPECT_EQ(with->plan().bytes - without->plan().bytes, with->field()->bytes());
   EXPECT_GT(with->plan().expected_ns_per_frame, without->plan().expected_ns_per_frame);
   // Asked for on the command line, of a scene that names another model.
@@ -77,7 +77,7 @@ TEST_F(FieldScene, WarnsOfTheThinnestBodyByNameAndOfNoneThatIsThickEnough) {
   EXPECT_FALSE(any_has(built("{mesh: thin.obj}", kAdapted)->plan().warnings, "thinnest"));
 }
 
-/// As `virtual_tool_trials plates` measures it: walls of a quarter to one voxel 0.7 degrees,
+/// As `virtual_tool_runs plates` measures it: walls of a quarter to one voxel 0.7 degrees,
 /// of 1.25 voxels askew 5.7, of 2.5 voxels 0.2 (95 %).
 TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
   const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
@@ -96,10 +96,10 @@ TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
 TEST_F(FieldScene, AnOpenMeshIsAWallForAVirtualToolAndForNothingElse) {
   const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
   const auto alone = built("{mesh: open.obj}", kTool),
-             beside = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kTool);
+             combined = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kTool);
   const auto forces = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField),
              closed = built("{mesh: thick.obj}", kField);
-  for (const auto* scene : {&alone, &beside})
+  for (const auto* scene : {&alone, &combined})
     EXPECT_TRUE(any_has((*scene)->plan().warnings,
                         "open.obj: the mesh is open. What of it is not closed holds a virtual tool "
                         "from either side as a wall of 0.25 mm"));
@@ -107,9 +107,9 @@ TEST_F(FieldScene, AnOpenMeshIsAWallForAVirtualToolAndForNothingElse) {
     return scene.field()->at(scene.field()->grid().to_grid(x)).distance_m;
   };
   EXPECT_NEAR(at(*alone, Vec3(0.04, 0.04, -0.002)), 0.002 - 0.0625 * 0.002, 1e-6);
-  EXPECT_NEAR(at(*beside, Vec3(0.04, 0.04, 0.098)), 0.002 - 0.0625 * 0.002, 1e-6);
-  EXPECT_EQ(at(*forces, Vec3(0.04, 0.04, 0.098)), 0.004) << "forces of depth know of no wall there";
-  EXPECT_EQ(at(*closed, Vec3(0.04, 0.04, 0.01)), at(*beside, Vec3(0.04, 0.04, 0.01)));
+  EXPECT_NEAR(at(*combined, Vec3(0.04, 0.04, 0.098)), 0.002 - 0.0625 * 0.002, 1e-6);
+  EXPECT_EQ(at(*forces, Vec3(0.04, 0.04, 0.098)), 0.004) << "penalty forces know of no wall there";
+  EXPECT_EQ(at(*closed, Vec3(0.04, 0.04, 0.01)), at(*combined, Vec3(0.04, 0.04, 0.01)));
 }
 
 TEST_F(FieldScene, AnOpenMeshIsNamedAndRefusedWhereItIsAllThereIs) {

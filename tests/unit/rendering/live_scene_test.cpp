@@ -43,14 +43,14 @@ TEST(LiveScene, GoesFromOneSceneToTheNextWithinTwoTenthsOfASecondAndWithoutAStep
   const Vec3 before = last;
   live.swap_to(*new_scene);
   const Vec3 after = plane(0.001)->scene_renderer().render(pressed(), 0.0).wrench.force;
-  const double way = (after - before).norm();
-  ASSERT_GT(way, 0.5 * before.norm()) << "the two must differ, or nothing is shown";
+  const double displacement = (after - before).norm();
+  ASSERT_GT(displacement, 0.5 * before.norm()) << "the two must differ, or nothing is shown";
   int samples = 0;
   for (; live.fading(); ++samples) {
     ASSERT_LT(samples, 250);
     ASSERT_EQ(live.retired(), nullptr) << "it still is rendered";
     const SceneFrame frame = live.render(pressed(), 0.001 * (samples + 1));
-    ASSERT_LE((frame.wrench.force - last).norm(), 1.001 * way * 0.001 / LiveScene::kFadeS);
+    ASSERT_LE((frame.wrench.force - last).norm(), 1.001 * displacement * 0.001 / LiveScene::kFadeS);
     const Eigen::SelfAdjointEigenSolver<Mat6> eigen(frame.stiffness);
     ASSERT_GT(eigen.eigenvalues().minCoeff(), -1e-9 * eigen.eigenvalues().maxCoeff());
     const Mat3 translation = frame.stiffness.topLeftCorner<3, 3>();

@@ -50,7 +50,7 @@ TEST(Objects, EachPushesWithItsOwnStiffness) {
 }
 
 /// Everything that the contact asks, as numbers that are the same only for the same grid.
-std::vector<double> felt(BuiltScene& built) {
+std::vector<double> sampled_forces(BuiltScene& built) {
   std::vector<double> all{static_cast<double>(built.plan().surface_voxels),
                           static_cast<double>(built.plan().interior_voxels)};
   for (int n = 0; n < 200; ++n) {
@@ -77,8 +77,8 @@ TEST(Objects, LieClearOfTheirGridsBordersUnlessTheSceneSaysWhereTheGridBegins) {
   const auto again = build_scene(
       scene_of("  - {mesh: plane.obj, origin: [-0.123, -0.123, -0.023]}\n"), serial_for());
   ASSERT_EQ(grid.origin, Vec3(-0.123, -0.123, -0.023)) << "what the plan says, read back";
-  EXPECT_EQ(felt(*chosen), felt(*again));
-  EXPECT_NE(felt(*chosen), felt(*given));
+  EXPECT_EQ(sampled_forces(*chosen), sampled_forces(*again));
+  EXPECT_NE(sampled_forces(*chosen), sampled_forces(*given));
 }
 
 TEST(Objects, HaveTheGridThatTheSceneGivesEachOfThem) {
@@ -104,7 +104,7 @@ TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
   const auto two = build_scene(
       scene_of("  - {mesh: plane.obj}\n" + wall + ", object: {name: wall}}\n"), serial_for());
   const Pose floor{Vec3(0.003, 0.002, 0.009), Quat::Identity()},
-      beside{Vec3(0.122, 0.002, 0.05), Quat::Identity()},
+      off_both{Vec3(0.122, 0.002, 0.05), Quat::Identity()},
       corner{Vec3(0.122, 0.002, 0.009), Quat::Identity()};
   std::vector<std::uint32_t> ids;
   EXPECT_LT((one->contacts().probe(floor, ids).wrench.force -
@@ -122,7 +122,7 @@ TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
   EXPECT_EQ(sum.stiffness, Mat6(a.stiffness + b.stiffness));
   EXPECT_EQ(sum.stiffness_bound_n_per_m, a.stiffness_bound_n_per_m + b.stiffness_bound_n_per_m);
   EXPECT_EQ(sum.deepest_depth_m, std::max(a.deepest_depth_m, b.deepest_depth_m));
-  EXPECT_GT(two->contacts().probe(beside, ids).wrench.force.norm(), 0.0);
+  EXPECT_GT(two->contacts().probe(off_both, ids).wrench.force.norm(), 0.0);
 }
 
 TEST(Objects, OneThatMovesIsTouchedWhereItIsAndCarriesItsWork) {

@@ -82,23 +82,23 @@ TEST(Plan, SaysWhatIsLeftOutUntilTheSceneAsksForIt) {
   const Plan bare = make_plan(s, counts());
   for (const char* what :
        {"distance field", "Distances outside", "velocity", "viscosity", "Clutch"})
-    EXPECT_TRUE(any_has(bare.left_out, {what})) << what;
-  EXPECT_FALSE(any_has(bare.left_out, {"Interior"}));
+    EXPECT_TRUE(any_has(bare.skipped, {what})) << what;
+  EXPECT_FALSE(any_has(bare.skipped, {"Interior"}));
   s.device.clutch_button = 0;
   s.effects = {oil("oil", false)};
   const Plan p = make_plan(s, counts());
   for (const char* what : {"velocity", "viscosity", "Clutch"})
-    EXPECT_FALSE(any_has(p.left_out, {what})) << what;
-  EXPECT_TRUE(any_has(p.left_out, {"Distances outside"}));
+    EXPECT_FALSE(any_has(p.skipped, {what})) << what;
+  EXPECT_TRUE(any_has(p.skipped, {"Distances outside"}));
   EXPECT_TRUE(any_has(p.built, {"'oil'", "viscosity", "velocity", "1.5 Ns/m", "off at"}));
 }
 
 TEST(Plan, TellsAnOpenMeshFromOneTooThinForAnInside) {
   BuildCounts hollow = counts();
   hollow.interior_voxels = 0, hollow.closed = false;
-  const std::string open = line_with(make_plan(cup(), hollow).left_out, {"Interior"});
+  const std::string open = line_with(make_plan(cup(), hollow).skipped, {"Interior"});
   hollow.closed = true;
-  const std::string thin = line_with(make_plan(cup(), hollow).left_out, {"Interior"});
+  const std::string thin = line_with(make_plan(cup(), hollow).skipped, {"Interior"});
   EXPECT_NE(open, "");
   EXPECT_NE(thin, "");
   EXPECT_NE(open, thin);

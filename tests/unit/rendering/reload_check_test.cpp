@@ -11,10 +11,10 @@ scene::Scene shipped() {
   return scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
 }
 
-std::string why_not(const std::function<void(scene::Scene&)>& change) {
+std::string reload_error(const std::function<void(scene::Scene&)>& change) {
   scene::Scene next = shipped();
   change(next);
-  return why_not_reloaded(shipped(), next);
+  return reload_refusal(shipped(), next);
 }
 
 effects::EffectSpec external(const std::string& topic) {
@@ -37,41 +37,45 @@ effects::EffectSpec oil(double damping, const std::string& name = "viscosity") {
 }
 
 TEST(ReloadCheck, TakesOtherMeshesVoxelsContactsEffectsAndMotions) {
-  EXPECT_EQ(why_not([](scene::Scene&) {}), "");
-  EXPECT_EQ(why_not([](scene::Scene& s) { s.voxel_size_m = 0.001; }), "");
-  EXPECT_EQ(why_not([](scene::Scene& s) { s.contact.stiffness_n_per_m = 7.0; }), "");
-  EXPECT_EQ(why_not([](scene::Scene& s) { s.static_meshes[0].scale = 2.0; }), "");
-  EXPECT_EQ(why_not([](scene::Scene& s) { s.motions.clear(); }), "");
-  EXPECT_EQ(why_not([](scene::Scene& s) { s.effects = {oil(1.0)}; }), "");
+  EXPECT_EQ(reload_error([](scene::Scene&) {}), "");
+  EXPECT_EQ(reload_error([](scene::Scene& s) { s.voxel_size_m = 0.001; }), "");
+  EXPECT_EQ(reload_error([](scene::Scene& s) { s.contact.stiffness_n_per_m = 7.0; }), "");
+  EXPECT_EQ(reload_error([](scene::Scene& s) { s.static_meshes[0].scale = 2.0; }), "");
+  EXPECT_EQ(reload_error([](scene::Scene& s) { s.motions.clear(); }), "");
+  EXPECT_EQ(reload_error([](scene::Scene& s) { s.effects = {oil(1.0)}; }), "");
 }
 
 TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
   const auto names = [](const std::string& why, const char* section) {
     return why.find(section) != std::string::npos;
   };
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.force_scale = 2.0; }), "'device'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.device.clutch_button = 1; }), "'device'"));
+  EXPECT_TRUE(names(reload_error([](scene::Scene& s) { s.device.force_scale = 2.0; }), "'device'"));
+  EXPECT_TRUE(names(reload_error([](scene::Scene& s) { s.device.clutch_button = 1; }), "'device'"));
+  EXPECT_TRUE(names(reload_error([](scene::Scene& s) { s.device.pose_PT.position.z() = 0.1; }),
+                    "'device'"));
   EXPECT_TRUE(
-      names(why_not([](scene::Scene& s) { s.device.pose_PT.position.z() = 0.1; }), "'device'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design->gain_margin = 3.0; }), "'coupling'"));
-  EXPECT_TRUE(names(
-      why_not([](scene::Scene& s) { s.design->given_rotation = coupling::design::HandRange{}; }),
-      "'coupling'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.design.reset(); }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.coupling.cutoff_hz = 3.0; }), "'coupling'"));
-  EXPECT_TRUE(names(why_not([](scene::Scene& s) { s.effects = {external("")}; }), "'external'"))
-      << "nobody reads its topic";
+      names(reload_error([](scene::Scene& s) { s.design->gain_margin = 3.0; }), "'coupling'"));
+  EXPECT_TRUE(names(reload_error([](scene::Scene& s) {
+                      s.design->given_rotation = coupling::design::HandRange{};
+                    }),
+                    "'coupling'"));
+  EXPECT_TRUE(names(reload_error([](scene::Scene& s) { s.design.reset(); }), "'coupling'"));
+  EXPECT_TRUE(
+      names(reload_error([](scene::Scene& s) { s.coupling.cutoff_hz = 3.0; }), "'coupling'"));
+  EXPECT_TRUE(
+      names(reload_error([](scene::Scene& s) { s.effects = {external("")}; }), "'external'"))
+      << "none reads its topic";
 }
 
 TEST(ReloadCheck, RefusesAnotherTopicOfAnOutsideWrenchAndTakesOtherValuesOfIt) {
   scene::Scene now = shipped(), next = now;
   now.effects = {external("/sim/wrench")}, next.effects = {external("/sim/wrench")};
   next.effects[0].values.at(1)[0] = 0.5;
-  EXPECT_EQ(why_not_reloaded(now, next), "");
+  EXPECT_EQ(reload_refusal(now, next), "");
   next.effects[0].text = "/sim/other";
-  EXPECT_NE(why_not_reloaded(now, next), "");
+  EXPECT_NE(reload_refusal(now, next), "");
   next.effects.clear();
-  EXPECT_NE(why_not_reloaded(now, next), "");
+  EXPECT_NE(reload_refusal(now, next), "");
   const std::vector<effects::EffectSpec> before = {external("/a")}, elsewhere = {external("/b")};
   std::vector<effects::EffectSpec> changed = before;
   changed[0].gain = 0.5;

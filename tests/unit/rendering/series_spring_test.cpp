@@ -47,7 +47,7 @@ ContactAt contact_of(const std::vector<Wall>& walls, const Pose& tool) {
 
 struct Hand {
   explicit Hand(std::vector<Wall> of, double cap = kCap) : walls(std::move(of)) {
-    spring.aim_for({1.0 / cap, 0.0});
+    spring.set_target({1.0 / cap, 0.0});
   }
   Vec3 at(const Vec3& position) {
     spring.begin({position, Quat::Identity()}, kT);
@@ -66,8 +66,8 @@ TEST(SeriesSpring, ShowsTwoSpringsInARow) {
   for (const double times : {0.1, 1.0, 10.0, 1000.0}) {
     Hand hand({{Vec3::UnitZ(), 0.0, times * kCap}});
     for (int n = 0; n <= 1000; ++n) {
-      const double depth = 1e-5 * (n - 500), shown = kCap * times / (1.0 + times);
-      ASSERT_NEAR(hand.at({0, 0, -depth}).z(), shown * std::max(0.0, depth), 1e-9) << n;
+      const double depth = 1e-5 * (n - 500), displayed = kCap * times / (1.0 + times);
+      ASSERT_NEAR(hand.at({0, 0, -depth}).z(), displayed * std::max(0.0, depth), 1e-9) << n;
     }
     EXPECT_LE(hand.lookups, hand.samples + 3);
   }
@@ -94,7 +94,7 @@ TEST(SeriesSpring, IsNeverSteeperThanTheSpringAndGivesNoEnergy) {
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     Hand hand(scenes[s]);
     Vec3 last = Vec3::Zero(), from(0, 0, 0);
-    double given_j = 0.0, path_nm = 0.0, steepest = 0.0;
+    double energy_generated_j = 0.0, path_nm = 0.0, steepest = 0.0;
     for (int cycle = 0; cycle < 20; ++cycle) {
       std::vector<Vec3> corners;
       for (int n = 0; n < 4; ++n)
@@ -105,9 +105,9 @@ TEST(SeriesSpring, IsNeverSteeperThanTheSpringAndGivesNoEnergy) {
           const Vec3 now = from + (to - from) * n / 400.0,
                      before = n == 1 ? from : Vec3(from + (to - from) * (n - 1) / 400.0);
           const Vec3 force = hand.at(now);
-          // The mean of both ends: what a held force gives beside it is the hold's, not the
+          // The mean of both ends: what a held force gives next to it is the hold's, not the
           // spring's.
-          given_j += 0.5 * (force + last).dot(now - before),
+          energy_generated_j += 0.5 * (force + last).dot(now - before),
               path_nm += force.norm() * (now - before).norm();
           if (cycle > 0 && !now.isApprox(before))
             steepest = std::max(steepest, (force - last).norm() / (now - before).norm());
@@ -118,9 +118,10 @@ TEST(SeriesSpring, IsNeverSteeperThanTheSpringAndGivesNoEnergy) {
     }
     std::printf(
         "scene %zu: steepest %.3f of the spring, %+.2e J of %.2e J, %.3f look-ups a sample\n", s,
-        steepest / kCap, given_j, path_nm, static_cast<double>(hand.lookups) / hand.samples);
+        steepest / kCap, energy_generated_j, path_nm,
+        static_cast<double>(hand.lookups) / hand.samples);
     EXPECT_LE(steepest, 1.05 * kCap) << s;
-    EXPECT_LE(given_j, 0.01 * path_nm) << s;
+    EXPECT_LE(energy_generated_j, 0.01 * path_nm) << s;
   }
 }
 
@@ -151,9 +152,9 @@ TEST(SeriesSpring, OfMatricesShowsNoMoreThanTheSpringInAnyDirection) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> u(-1, 1);
   const Compliance spring{1.0 / 800.0, 1.0 / 0.5};
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
     Mat6 k = Mat6::Zero();
-    for (int p = 0; p < 1 + trial % 9; ++p) {
+    for (int p = 0; p < 1 + attempt % 9; ++p) {
       const Vec3 dir = Vec3(u(random), u(random), u(random)).normalized(),
                  arm = 0.05 * Vec3(u(random), u(random), u(random));
       Vec6 j;
@@ -176,7 +177,7 @@ TEST(SeriesSpring, ChangesItsStiffnessWithoutAStep) {
   double last = 0.0;
   for (int n = 0; n < 200; ++n)
     last = hand.at({0, 0, -1e-5 * n}).z();
-  hand.spring.aim_for({0.5 / kCap, 0.0});
+  hand.spring.set_target({0.5 / kCap, 0.0});
   double step = 0.0;
   for (int n = 0; n < 400; ++n) {
     const double now = hand.at({0, 0, -1.99e-3}).z();

@@ -12,7 +12,7 @@ scene::Scene shipped(const std::string& name) {
 }
 
 struct Slide {
-  double given_j = 0.0, largest_step_n = 0.0, most_n = 0.0;  ///< by the effects alone
+  double energy_generated_j = 0.0, largest_step_n = 0.0, most_n = 0.0;  ///< by the effects alone
   int touched = 0;
 };
 
@@ -26,9 +26,9 @@ Slide slide(const scene::Scene& scene) {
   double time = 0.0;
   const std::vector<Vec3>& path = scene.motions.at("slide").path;
   for (std::size_t leg = 0; leg + 1 < path.size(); ++leg) {
-    const Vec3 way = path[leg + 1] - path[leg];
-    const int steps = static_cast<int>(way.norm() / kStep);
-    const Vec3 step = way / steps;
+    const Vec3 displacement = path[leg + 1] - path[leg];
+    const int steps = static_cast<int>(displacement.norm() / kStep);
+    const Vec3 step = displacement / steps;
     for (int n = 0; n < steps; ++n) {
       ToolState tool;
       tool.pose.position = path[leg] + n * step;
@@ -39,7 +39,7 @@ Slide slide(const scene::Scene& scene) {
       EXPECT_TRUE(touching || frame.effects.wrench.zero());
       const Vec3& force = frame.effects.wrench.force;
       if (n > 0)
-        out.given_j += 0.5 * (last + force).dot(step),
+        out.energy_generated_j += 0.5 * (last + force).dot(step),
             out.largest_step_n = std::max(out.largest_step_n, (force - last).norm());
       out.most_n = std::max(out.most_n, force.norm()), out.touched += touching ? 1 : 0;
       last = force;
@@ -53,16 +53,16 @@ TEST(CupScenes, RubDampAndHaveARelief) {
     const scene::Scene scene = shipped(name);
     ASSERT_FALSE(scene.effects.empty()) << name;
     const Slide result = slide(scene);
-    RecordProperty(std::string(name) + "_given_j", std::to_string(result.given_j));
+    RecordProperty(std::string(name) + "_given_j", std::to_string(result.energy_generated_j));
     RecordProperty(std::string(name) + "_largest_step_n", std::to_string(result.largest_step_n));
     RecordProperty(std::string(name) + "_most_n", std::to_string(result.most_n));
     std::printf("%s: %d samples in contact, %.4f J, at most %.3f N, largest step %.4f N\n", name,
-                result.touched, result.given_j, result.most_n, result.largest_step_n);
+                result.touched, result.energy_generated_j, result.most_n, result.largest_step_n);
     EXPECT_GT(result.touched, 300) << name;
     EXPECT_GT(result.most_n, 0.02) << name;
     EXPECT_LT(result.largest_step_n, 0.05) << name;
     if (scene.effects[0].kind->energy == effects::EnergyBehaviour::kDissipative) {
-      EXPECT_LT(result.given_j, -1e-4) << name;
+      EXPECT_LT(result.energy_generated_j, -1e-4) << name;
     }
   }
 }

@@ -44,7 +44,7 @@ struct Rig {
   Rig(const scene::Scene& scene, ToolMeets meets)
       : built(build_scene(scene, serial_for(), {.tool_meets = meets})),
         live(*built) {
-    live.aim_for_spring(kSpring);
+    live.set_spring_target(kSpring);
   }
   SceneFrame operator()(const ToolState& tool) { return live.render(tool, 1e-3 * n++); }
   SceneFrame hold(const ToolState& tool, int frames) {
@@ -72,7 +72,7 @@ TEST_P(VirtualToolScene, IsTheHandToTheBitWhereNothingIsTouched) {
     const SceneFrame frame = rig(hand);
     ASSERT_EQ(frame.object.position, hand.pose.position);
     ASSERT_TRUE(frame.wrench.zero());
-    ASSERT_FALSE(frame.tool.constrained || frame.tool.unplaced || frame.tool.lag);
+    ASSERT_FALSE(frame.tool.constrained || frame.tool.not_initialised || frame.tool.not_converged);
     ASSERT_EQ(frame.stiffness_bound_n_per_m, 0.0);
   }
 }
@@ -101,27 +101,27 @@ TEST_P(VirtualToolScene, GivesTheSpringTimesTheHandsWayAtEveryDepthAndRisesAllTh
   }
 }
 
-/// While the coupling is still being designed: it is told, so that no force where the hand is deep
-/// in is not taken for a wrong one.
+/// While the coupling is still being designed: it is reported, so that no force where the hand is
+/// deep in is not taken for a wrong one.
 TEST_P(VirtualToolScene, TellsThatNothingPullsItUntilItsSpringIsKnown) {
   Rig rig(scene_of(), GetParam());
-  rig.live.aim_for_spring(0.0);
+  rig.live.set_spring_target(0.0);
   rig(at(0.012));
   SceneFrame frame = rig.press(0.008);
-  EXPECT_TRUE(frame.tool.constrained && frame.tool.unplaced);
+  EXPECT_TRUE(frame.tool.constrained && frame.tool.not_initialised);
   EXPECT_TRUE(frame.wrench.zero());
-  rig.live.aim_for_spring(kSpring);
+  rig.live.set_spring_target(kSpring);
   const double at_once = rig(at(0.008)).wrench.force.norm();
   EXPECT_LT(at_once, 0.01);
   frame = rig.hold(at(0.008), 500);
-  EXPECT_FALSE(frame.tool.unplaced);
+  EXPECT_FALSE(frame.tool.not_initialised);
   EXPECT_NEAR(frame.wrench.force.z(), kSpring * 0.002, 0.07);
 }
 
 TEST_P(VirtualToolScene, GivesNoForceBeforeTheHandHasBeenOutsideAndThenFadesIn) {
   Rig rig(scene_of(), GetParam());
   const SceneFrame inside = rig.hold(at(-0.01), 50);
-  EXPECT_TRUE(inside.tool.unplaced);
+  EXPECT_TRUE(inside.tool.not_initialised);
   EXPECT_TRUE(inside.wrench.zero());
   EXPECT_EQ(inside.stiffness_bound_n_per_m, 0.0);
   double largest_step = 0.0, last = 0.0;
@@ -145,7 +145,7 @@ TEST_P(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
   loss.live.lose_tool();
   EXPECT_LT(loss(at(0.0)).wrench.force.z(), 0.05) << "it fades in";
   const SceneFrame after = loss.hold(at(0.0), 250);
-  EXPECT_FALSE(after.tool.unplaced);
+  EXPECT_FALSE(after.tool.not_initialised);
   EXPECT_GT(after.wrench.force.z(), 2.8);
   EXPECT_LT(jump(at(-0.005, 0.05)).wrench.force.norm(), 0.1) << "50 m/s";
   EXPECT_GT(jump.hold(at(-0.005, 0.05), 250).object.position.z(), 0.0095);
@@ -158,7 +158,7 @@ TEST_P(VirtualToolScene, IsPlacedAnewWhereTheHandIsFreeAfterALossAndWithASession
   loss.live.lose_tool();
   EXPECT_EQ(loss(at(-0.05)).object.position, at(-0.05).pose.position) << "below the block";
   session.live.reset();
-  EXPECT_TRUE(session(at(0.0)).tool.unplaced);
+  EXPECT_TRUE(session(at(0.0)).tool.not_initialised);
 }
 
 TEST_P(VirtualToolScene, LeavesTheToolWhereItIsForAPoseThatIsNone) {
@@ -169,7 +169,7 @@ TEST_P(VirtualToolScene, LeavesTheToolWhereItIsForAPoseThatIsNone) {
   const SceneFrame frame = rig(none);
   EXPECT_TRUE(frame.wrench.zero());
   EXPECT_TRUE(frame.wrench.finite() && frame.stiffness.allFinite());
-  EXPECT_TRUE(frame.tool.unplaced);
+  EXPECT_TRUE(frame.tool.not_initialised);
   EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 1e-6);
 }
 
@@ -177,7 +177,7 @@ TEST_P(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
   Rig rig(scene_of(), GetParam());
   SceneFrame frame = rig.press(0.0);
   const double supplied = frame.supplied_energy_j;
-  rig.live.aim_for_spring(2.0 * kSpring);
+  rig.live.set_spring_target(2.0 * kSpring);
   double last = frame.wrench.force.z(), largest_step = 0.0;
   for (int i = 0; i < 250; ++i) {
     frame = rig(at(0.0));
@@ -187,9 +187,9 @@ TEST_P(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
   EXPECT_NEAR(last, 2.0 * kSpring * 0.01, 0.1);
   EXPECT_LT(largest_step, 0.02);
   EXPECT_NEAR(frame.supplied_energy_j - supplied, 0.5 * kSpring * 1e-4, 1e-3);
-  rig.live.aim_for_spring(std::nan(""));
+  rig.live.set_spring_target(std::nan(""));
   EXPECT_LT(rig.hold(at(0.0), 250).wrench.force.z(), 1e-9) << "no number is no spring";
-  rig.live.aim_for_spring(kSpring);
+  rig.live.set_spring_target(kSpring);
   EXPECT_GT(rig.hold(at(0.0), 250).wrench.force.z(), 2.9) << "and not for ever";
 }
 
@@ -213,7 +213,7 @@ TEST_P(VirtualToolScene, DropsTheToolWhereTheNewSceneHasAWallThere) {
   rig.live.swap_to(*next);
   const SceneFrame frame = rig.hold(at(0.0), 300);
   EXPECT_TRUE(frame.wrench.zero());
-  EXPECT_TRUE(frame.tool.unplaced);
+  EXPECT_TRUE(frame.tool.not_initialised);
 }
 
 TEST_P(VirtualToolScene, IsPushedByWhatMovesWhichTellsItsWork) {
@@ -276,7 +276,7 @@ TEST_P(VirtualToolScene, AsksNoMemoryInAFrame) {
               for (int i = 0; i < 200; ++i)
                 rig(at(0.0, 0.003 + 5e-5 * i));
               rig.live.lose_tool();
-              rig.live.aim_for_spring(100.0);
+              rig.live.set_spring_target(100.0);
               rig(at(0.0));
               rig(at(0.03));
             }),
@@ -325,9 +325,9 @@ TEST_P(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
     ToolState hand;
     const Vec3 slant = Vec3(1, 0, 1).normalized();
     SceneFrame frame;
-    const auto hand_at = [&](double way) {
+    const auto hand_at = [&](double displacement) {
       hand.pose.position =
-          Vec3(0.03, 0.0007, moves ? 0.004 + 1e-7 * rig.n : 0.0) + (0.01 + way) * slant;
+          Vec3(0.03, 0.0007, moves ? 0.004 + 1e-7 * rig.n : 0.0) + (0.01 + displacement) * slant;
     };
     for (int n = 0; n < 250; ++n)
       hand_at(0.002), frame = rig(hand);
@@ -363,7 +363,7 @@ TEST(ToolOnVoxels, TellsOfItsEdgesAndWhyThereAreNone) {
       std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
   const auto without = build_scene(scene, serial_for());
   EXPECT_EQ(without->contacts().object(0).edges, nullptr);
-  EXPECT_TRUE(has(without->plan().left_out, "Sharp edges", "not closed"));
+  EXPECT_TRUE(has(without->plan().skipped, "Sharp edges", "not closed"));
 }
 
 /// Into the cup from above, over its rim and out again: never through, and the hand's own pose when
@@ -380,7 +380,7 @@ TEST_P(VirtualToolScene, GoesIntoACupAndOutOfIt) {
         Vec3(0.06 * deep * std::cos(turn), 0.06 * deep * std::sin(turn), 0.13 - 0.12 * deep);
     frame = rig(hand);
     ASSERT_TRUE(frame.wrench.finite());
-    ASSERT_FALSE(frame.tool.unplaced);
+    ASSERT_FALSE(frame.tool.not_initialised);
     ASSERT_LT(frame.object.position.head<2>().norm(), 0.045) << n << ": through the wall";
   }
   EXPECT_EQ(rig(hand).object.position, hand.pose.position);
@@ -418,7 +418,7 @@ TEST_P(VirtualToolScene, RestsInTheCornerOfTwoObjects) {
   EXPECT_NEAR(frame.wrench.force.x(), -kSpring * (0.024 - 0.0205), 0.1);
 }
 
-/// The same frames give the same bits, in a scene of its own.
+/// The same frames give bit-identical results, in a scene of its own.
 TEST_P(VirtualToolScene, GivesTheSameBitsForTheSameFrames) {
   const scene::Scene scene = scene_of("[{friction: {coulomb: 0.3}}]", "[{mesh: cup.obj}]");
   Rig one(scene, GetParam()), other(scene, GetParam());

@@ -17,9 +17,9 @@ Mat6 labelled() {
 TEST(Convert, AStiffnessMatrixIsItsUpperTriangleByRows) {
   msg::ContactState state{};
   to_msg(labelled(), state.stiffness);
-  const std::vector<double> wanted = {11, 12, 13, 14, 15, 16, 22, 23, 24, 25, 26,
-                                      33, 34, 35, 36, 44, 45, 46, 55, 56, 66};
-  EXPECT_EQ(std::vector<double>(std::begin(state.stiffness), std::end(state.stiffness)), wanted);
+  const std::vector<double> expected = {11, 12, 13, 14, 15, 16, 22, 23, 24, 25, 26,
+                                        33, 34, 35, 36, 44, 45, 46, 55, 56, 66};
+  EXPECT_EQ(std::vector<double>(std::begin(state.stiffness), std::end(state.stiffness)), expected);
 }
 
 TEST(Convert, AStiffnessMatrixComesBackWholeAndSymmetric) {

@@ -391,7 +391,7 @@ TEST_F(BadScene, AMeshOfGigabytesIsRefusedBeforeItIsRead) {
   }
 }
 
-/// The bytes that are built from are those that the scene's hash tells of.
+/// The bytes that are built from are those that the scene's hash reports of.
 TEST_F(BadScene, AMeshThatChangesBetweenReadingAndBuildingIsNotTheScenes) {
   const Scene scene = parse(kSmall);
   EXPECT_EQ(scene.mesh_hashes.size(), 2U);

@@ -13,6 +13,16 @@ class CouplingSection : public SceneFolder {
   }
 };
 
+TEST_F(CouplingSection, RefusesAnEarlierKeyAndStatesItsName) {
+  try {
+    with("design: auto, damper_share: 0.35");
+    FAIL() << "an earlier key was read";
+  } catch (const SceneError& error) {
+    EXPECT_NE(std::string(error.what()).find("'damping_force_ratio'"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
   const Scene s = with(
       "kind: direct, stiffness_cap_n_per_m: 800, stiffness_cap_nm_per_rad: 2.5, "
@@ -80,12 +90,14 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_NE(with("design: auto").hash, with("design: auto, gain_margin: 2").hash);
 }
 
-TEST_F(CouplingSection, ADampersShareIsTheDesignersAndByHandTheStandardUnlessTheSceneSaysAnother) {
-  EXPECT_EQ(with("design: auto").design->damper_share, std::nullopt);
-  EXPECT_EQ(with("design: auto, damper_share: 0.35").design->damper_share, 0.35);
-  EXPECT_EQ(with("design: auto, damper_share: 0").design->damper_share, 0.0);
-  EXPECT_EQ(with("injected_damping_ns_per_m: 3").coupling.damper_share, 0.35);
-  EXPECT_EQ(with("injected_damping_ns_per_m: 3, damper_share: 0.2").coupling.damper_share, 0.2);
+TEST_F(CouplingSection, DampingForceRatioComesFromDesignerOrStandardOrScene) {
+  EXPECT_EQ(with("design: auto").design->damping_force_ratio, std::nullopt);
+  EXPECT_EQ(with("design: auto, damping_force_ratio: 0.35").design->damping_force_ratio, 0.35);
+  EXPECT_EQ(with("design: auto, damping_force_ratio: 0").design->damping_force_ratio, 0.0);
+  EXPECT_EQ(with("injected_damping_ns_per_m: 3").coupling.damping_force_ratio, 0.35);
+  EXPECT_EQ(
+      with("injected_damping_ns_per_m: 3, damping_force_ratio: 0.2").coupling.damping_force_ratio,
+      0.2);
 }
 
 TEST_F(CouplingSection, AHandMayBeGivenInRanges) {

@@ -43,7 +43,7 @@ std::string changed(const std::string& from, const std::string& to) {
 
 TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
   const DeviceFile file = parse_device_file(kArm, "arm.yaml");
-  EXPECT_EQ(what_is_wrong(file.description), "");
+  EXPECT_EQ(validate(file.description), "");
   const coupling::design::DeviceModel m = coupling::design::model_of(file.description);
   EXPECT_EQ(m.name, "third");
   EXPECT_EQ(m.grip, coupling::design::Grip::kArm);
@@ -82,7 +82,7 @@ TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
     if (entry.path().extension() != ".yaml")
       continue;  // the folder also holds pages and rules for a lab
     const DeviceFile file = load_device_file(entry.path());
-    EXPECT_EQ(what_is_wrong(file.description), "") << entry.path();
+    EXPECT_EQ(validate(file.description), "") << entry.path();
     EXPECT_TRUE(file.workspace_m) << entry.path();
     ++read;
   }
@@ -228,7 +228,7 @@ TEST(DeviceFile, TakesWhatDataSheetsLeaveOutFromTheClassAndSaysSo) {
   EXPECT_EQ(arm.assumed.size(), 9U);
   EXPECT_EQ(assumed_sentence(parse_device_file(kArm, "a.yaml")), "");
   for (const DeviceFile* file : {&pen, &arm})
-    EXPECT_EQ(what_is_wrong(file->description), "");
+    EXPECT_EQ(validate(file->description), "");
 }
 
 TEST(DeviceFile, ReadsEveryKeyOfItsOwnDocumentation) {

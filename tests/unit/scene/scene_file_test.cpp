@@ -127,12 +127,12 @@ TEST_F(SceneFile, FieldWithoutAStiffnessIsAVirtualToolAndWithOneForcesOfDepth) {
   EXPECT_FALSE(with_contact("model: adapted, stiffness_n_per_m: 10").virtual_tool());
   EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10").contact.rendering,
             RenderingKind::kPenalty);
-  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10, rendering: model_alone")
+  EXPECT_EQ(with_contact("model: adapted, stiffness_n_per_m: 10, rendering: memoryless")
                 .contact.rendering,
-            RenderingKind::kModelAlone);
-  EXPECT_EQ(with_contact("model: field, stiffness_n_per_m3: 1e6, rendering: model_alone")
+            RenderingKind::kMemoryless);
+  EXPECT_EQ(with_contact("model: field, stiffness_n_per_m3: 1e6, rendering: memoryless")
                 .contact.rendering,
-            RenderingKind::kModelAlone);
+            RenderingKind::kMemoryless);
 }
 
 /// The table prints the initialiser of the member that the key is read into, and of no other.
@@ -292,7 +292,7 @@ TEST_F(SceneFile, MangledScenesNeverDoWorseThanAnError) {
   std::mt19937_64 random(31);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   const std::string spice = "{}[]:,-&*!|>'\"%@`?# \t\n\0\x7f\xff.eE+0123456789";
-  for (int trial = 0; trial < 4000; ++trial) {
+  for (int attempt = 0; attempt < 4000; ++attempt) {
     std::string text = kFull;
     for (std::size_t k = 0; k <= below(4); ++k) {
       const std::size_t at = below(text.size());

@@ -21,7 +21,7 @@ TEST(BuildProgress, SaysTheShareAndWhatTheRestMayTake) {
       in_words(
           {.name = "voxmap", .for_s = 9.0, .loop = 1, .loop_s = 8.0, .done = 1000, .count = 1000}),
       "voxmap: 9 s so far")
-      << "what follows the loop has no share";
+      << "what follows the loop has no fraction";
   EXPECT_EQ(in_words({.name = "meshes", .for_s = 3.1}), "meshes: 3 s so far");
   EXPECT_EQ(
       in_words({.name = "voxmap", .for_s = 2.0, .loop = 1, .loop_s = 1.0, .done = 0, .count = 10}),

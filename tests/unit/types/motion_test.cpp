@@ -165,8 +165,8 @@ TEST(Motion, ADeviceThatFollowsItsOwnMotionMovesTheToolAsTheWorldAsks) {
   std::uniform_real_distribution<double> u(-1, 1);
   const auto quat = [&] { return Quat(u(random), u(random), u(random), u(random)).normalized(); };
   const auto vec = [&] { return Vec3(u(random), u(random), u(random)); };
-  for (int trial = 0; trial < 20; ++trial) {
-    Motion w = trial % 2 ? round_trip() : zigzag();
+  for (int attempt = 0; attempt < 20; ++attempt) {
+    Motion w = attempt % 2 ? round_trip() : zigzag();
     w.orientation = quat();
     w.circle_axis = vec().normalized();
     w.turn = {vec().normalized(), 2.0 * u(random), 1.0, 9.0};

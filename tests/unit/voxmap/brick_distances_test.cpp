@@ -1,5 +1,5 @@
-// A brick's distances, many nodes at once, are what each node would get from the tree alone, to the
-// bit.
+// A brick's distances, many nodes at once, are what each node would get from the tree alone,
+// bit-identically.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -109,7 +109,7 @@ TEST(BrickDistances, AreTheLimitsWhereNothingIsNear) {
 TEST(BrickDistances, TheRangeOfABrickHoldsItsNodesAndTheGradientsInside) {
   std::mt19937_64 random(voxtouch::testing::seed(3));
   std::uniform_real_distribution<double> place(0.0, 1.0);
-  for (int trial = 0; trial < 20; ++trial) {
+  for (int attempt = 0; attempt < 20; ++attempt) {
     // Two planes that meet in an edge, from inside or outside, at any angle.
     const Vec3 a = Vec3(place(random) - 0.5, place(random) - 0.5, place(random) - 0.5).normalized(),
                b = Vec3(place(random) - 0.5, place(random) - 0.5, place(random) - 0.5).normalized();
@@ -118,7 +118,7 @@ TEST(BrickDistances, TheRangeOfABrickHoldsItsNodesAndTheGradientsInside) {
       const Vec3 at = Vec3(n % 9, n / 9 % 9, n / 81) - Vec3::Constant(4.0);
       const double one = a.dot(at) - 0.3, other = b.dot(at) - 0.4;
       brick[static_cast<std::size_t>(n)] =
-          static_cast<float>(trial % 2 == 0 ? std::min(one, other) : std::max(one, other));
+          static_cast<float>(attempt % 2 == 0 ? std::min(one, other) : std::max(one, other));
     }
     const voxmap::BrickRange range = voxmap::range_of(brick);
     EXPECT_EQ(range.least, *std::min_element(brick.begin(), brick.end()));

@@ -84,9 +84,9 @@ TEST(DistanceField, SmoothGradientPointsAwayFromABallsCentreAndDoesNotJumpAtVoxe
   std::mt19937_64 random(3);
   double off = 0.0, jump = 0.0, plain_off = 0.0, plain_jump = 0.0;
   for (int n = 0; n < 2000; ++n) {
-    const Vec3 way =
+    const Vec3 displacement =
         Vec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)).normalized();
-    Vec3 u = field.grid().to_grid(kRadius * way);
+    Vec3 u = field.grid().to_grid(kRadius * displacement);
     const Vec3 radial = (field.grid().origin + kEdge * u).normalized();
     off =
         std::max(off, std::acos(std::min(1.0, field.smooth_gradient(u).normalized().dot(radial))));
@@ -94,10 +94,10 @@ TEST(DistanceField, SmoothGradientPointsAwayFromABallsCentreAndDoesNotJumpAtVoxe
                          std::acos(std::min(1.0, field.at(u).gradient.normalized().dot(radial))));
     const int axis = n % 3;
     const double border = std::round(u[axis]);
-    Vec3 beside = u;
-    u[axis] = border - 1e-9, beside[axis] = border + 1e-9;
-    jump = std::max(jump, (field.smooth_gradient(u) - field.smooth_gradient(beside)).norm());
-    plain_jump = std::max(plain_jump, (field.at(u).gradient - field.at(beside).gradient).norm());
+    Vec3 neighbour = u;
+    u[axis] = border - 1e-9, neighbour[axis] = border + 1e-9;
+    jump = std::max(jump, (field.smooth_gradient(u) - field.smooth_gradient(neighbour)).norm());
+    plain_jump = std::max(plain_jump, (field.at(u).gradient - field.at(neighbour).gradient).norm());
   }
   std::printf("off %g and %g, jump %g and %g\n", off, plain_off, jump, plain_jump);
   EXPECT_LT(off, 0.01);  // half a degree

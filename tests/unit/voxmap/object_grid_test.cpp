@@ -51,13 +51,13 @@ mesh::TriangleMesh box(const Vec3& low, const Vec3& high, const Quat& turn = Qua
 }
 
 /// How far a face at `offset_voxels` is from the nearest border [voxels].
-double clearance(double offset_voxels, double share) {
-  const double u = offset_voxels - share;
+double clearance(double offset_voxels, double fraction) {
+  const double u = offset_voxels - fraction;
   return std::abs(u - std::round(u));
 }
 
 TEST(ObjectGrid, PutsTheFacesOfABlockOfWholeVoxelsIntoTheirMiddles) {
-  EXPECT_EQ(share_clear_of_faces(box({-0.12, -0.12, -0.02}, {0.12, 0.12, 0.0}), kEdge),
+  EXPECT_EQ(clearance_of_faces(box({-0.12, -0.12, -0.02}, {0.12, 0.12, 0.0}), kEdge),
             Vec3::Constant(0.5));
   const Grid grid = object_grid(box({-0.12, -0.12, -0.02}, {0.12, 0.12, 0.0}), kEdge);
   EXPECT_EQ(grid.edge, kEdge);
@@ -70,56 +70,56 @@ TEST(ObjectGrid, PutsAFaceAtAnyOffsetIntoTheMiddleOfItsVoxel) {
     for (const double offset :
          {0.0, 1e-12, -1e-12, 0.125, 0.3, 0.5, 0.77, 0.999999, 1234.25, -17.6}) {
       SCOPED_TRACE(testing::Message() << "axis " << axis << ", offset " << offset);
-      const Vec3 share = share_clear_of_faces(faces({{offset, 0.1}}, axis), kEdge);
+      const Vec3 fraction = clearance_of_faces(faces({{offset, 0.1}}, axis), kEdge);
       for (int other = 0; other < 3; ++other)
-        EXPECT_TRUE(other == axis || share[other] == 0.0);
-      EXPECT_NEAR(clearance(offset, share[axis]), 0.5, 0.5 / 1024 + 1e-9);
-      EXPECT_EQ(share[axis] * 1024, std::round(share[axis] * 1024));
-      EXPECT_TRUE(share[axis] >= 0.0 && share[axis] < 1.0);
+        EXPECT_TRUE(other == axis || fraction[other] == 0.0);
+      EXPECT_NEAR(clearance(offset, fraction[axis]), 0.5, 0.5 / 1024 + 1e-9);
+      EXPECT_EQ(fraction[axis] * 1024, std::round(fraction[axis] * 1024));
+      EXPECT_TRUE(fraction[axis] >= 0.0 && fraction[axis] < 1.0);
     }
 }
 
 TEST(ObjectGrid, KeepsTheOldOriginWhereNoFaceLiesAlongTheGrid) {
   const mesh::TriangleMesh tilted = box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0},
                                         Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized())));
-  EXPECT_EQ(share_clear_of_faces(tilted, kEdge), Vec3::Zero());
+  EXPECT_EQ(clearance_of_faces(tilted, kEdge), Vec3::Zero());
   EXPECT_EQ(object_grid(tilted, kEdge).origin, default_grid(tilted, kEdge).origin);
   const mesh::TriangleMesh leaning =
       box({0, 0, 0}, {0.1, 0.1, 0.1}, Quat(Eigen::AngleAxisd(0.002, Vec3(1, 1, 1).normalized())));
-  EXPECT_EQ(share_clear_of_faces(leaning, kEdge), Vec3::Zero());
+  EXPECT_EQ(clearance_of_faces(leaning, kEdge), Vec3::Zero());
 }
 
 TEST(ObjectGrid, TakesAFaceThatLeansByRoundingForOneAlongTheGrid) {
   const mesh::TriangleMesh leaning =
       box({0, 0, 0}, {0.1, 0.1, 0.1}, Quat(Eigen::AngleAxisd(1e-7, Vec3(1, 1, 1).normalized())));
-  EXPECT_EQ(share_clear_of_faces(leaning, kEdge), Vec3::Constant(0.5));
+  EXPECT_EQ(clearance_of_faces(leaning, kEdge), Vec3::Constant(0.5));
 }
 
 TEST(ObjectGrid, LetsAreasDecideBetweenFacesThatConflict) {
-  EXPECT_EQ(share_clear_of_faces(faces({{0.0, 1.0}, {0.25, 1.0}}), kEdge).z(), 0.625);
-  EXPECT_EQ(share_clear_of_faces(faces({{0.0, std::sqrt(3.0)}, {0.25, 1.0}}), kEdge).z(), 0.5625);
-  EXPECT_EQ(share_clear_of_faces(faces({{0.0, 1.0}, {0.25, std::sqrt(3.0)}}), kEdge).z(), 0.6875);
-  EXPECT_EQ(share_clear_of_faces(faces({{0.0, std::sqrt(3.0)}, {0.5, 1.0}}), kEdge).z(), 0.375)
+  EXPECT_EQ(clearance_of_faces(faces({{0.0, 1.0}, {0.25, 1.0}}), kEdge).z(), 0.625);
+  EXPECT_EQ(clearance_of_faces(faces({{0.0, std::sqrt(3.0)}, {0.25, 1.0}}), kEdge).z(), 0.5625);
+  EXPECT_EQ(clearance_of_faces(faces({{0.0, 1.0}, {0.25, std::sqrt(3.0)}}), kEdge).z(), 0.6875);
+  EXPECT_EQ(clearance_of_faces(faces({{0.0, std::sqrt(3.0)}, {0.5, 1.0}}), kEdge).z(), 0.375)
       << "nor is the lesser one on a border";
   // Across the voxel's border the short way round counts.
-  EXPECT_EQ(share_clear_of_faces(faces({{0.9375, 1.0}, {7.0625, 1.0}}), kEdge).z(), 0.5);
+  EXPECT_EQ(clearance_of_faces(faces({{0.9375, 1.0}, {7.0625, 1.0}}), kEdge).z(), 0.5);
 }
 
 TEST(ObjectGrid, TakesTheSmallerShareWhereTwoAreAsGood) {
-  EXPECT_EQ(share_clear_of_faces(faces({{0.0, 1.0}, {0.5, 1.0}}), kEdge).z(), 0.25);
-  EXPECT_EQ(share_clear_of_faces(faces({{0.5, 1.0}, {3.0, 1.0}}), kEdge).z(), 0.25);
+  EXPECT_EQ(clearance_of_faces(faces({{0.0, 1.0}, {0.5, 1.0}}), kEdge).z(), 0.25);
+  EXPECT_EQ(clearance_of_faces(faces({{0.5, 1.0}, {3.0, 1.0}}), kEdge).z(), 0.25);
 }
 
 TEST(ObjectGrid, HasABorderInAWallOfHalfAVoxelWhereverItLies) {
   for (int n = 0; n < 64; ++n) {
     const double low = n / 64.0;
-    const double share =
-        share_clear_of_faces(box(kEdge * Vec3(0, 0, low), kEdge * Vec3(20, 20, low + 0.5)), kEdge)
+    const double fraction =
+        clearance_of_faces(box(kEdge * Vec3(0, 0, low), kEdge * Vec3(20, 20, low + 0.5)), kEdge)
             .z();
-    EXPECT_EQ(std::ceil(low - share), low + 0.25 - share) << low;
+    EXPECT_EQ(std::ceil(low - fraction), low + 0.25 - fraction) << low;
     // One and a half: the border layers are a quarter full, and a voxel lies wholly in the wall.
     const double thick =
-        share_clear_of_faces(box(kEdge * Vec3(0, 0, low), kEdge * Vec3(20, 20, low + 1.5)), kEdge)
+        clearance_of_faces(box(kEdge * Vec3(0, 0, low), kEdge * Vec3(20, 20, low + 1.5)), kEdge)
             .z();
     EXPECT_EQ(std::ceil(low - thick), low + 0.25 - thick) << low;
   }
@@ -133,10 +133,10 @@ TEST(ObjectGrid, FindsTheShareThatNoOtherBeats) {
     const int count = 1 + static_cast<int>(random() % 6);
     for (int k = 0; k < count; ++k)
       some.emplace_back(std::floor(1024 * 5 * any(random)) / 1024, 0.2 + any(random));
-    const auto cost = [&](double share) {
+    const auto cost = [&](double fraction) {
       double sum = 0.0;
       for (const auto& [offset, side] : some)
-        sum += side * side * std::pow(0.5 - clearance(offset, share), 2);
+        sum += side * side * std::pow(0.5 - clearance(offset, fraction), 2);
       return sum;
     };
     double least = 1e300, all = 0.0;
@@ -144,7 +144,7 @@ TEST(ObjectGrid, FindsTheShareThatNoOtherBeats) {
       least = std::min(least, cost(step / 1024.0));
     for (const auto& [offset, side] : some)
       all += side * side;
-    EXPECT_LE(cost(share_clear_of_faces(faces(some), kEdge).z()), least + 1e-6 * all) << n;
+    EXPECT_LE(cost(clearance_of_faces(faces(some), kEdge).z()), least + 1e-6 * all) << n;
   }
 }
 
@@ -154,10 +154,10 @@ TEST(ObjectGrid, HangsOnNeitherOrderNorCutOfTheTriangles) {
   for (int n = 0; n < 60; ++n)
     add_face(mesh, static_cast<int>(random() % 3), static_cast<double>(random() % 4096) / 128,
              0.01 + 1e-4 * static_cast<double>(random() % 100));
-  const Vec3 share = share_clear_of_faces(mesh, kEdge);
+  const Vec3 fraction = clearance_of_faces(mesh, kEdge);
   for (int n = 0; n < 20; ++n) {
     std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), random);
-    EXPECT_EQ(share_clear_of_faces(mesh, kEdge), share);
+    EXPECT_EQ(clearance_of_faces(mesh, kEdge), fraction);
   }
   mesh::TriangleMesh cut = mesh;
   cut.triangles.clear();
@@ -166,14 +166,14 @@ TEST(ObjectGrid, HangsOnNeitherOrderNorCutOfTheTriangles) {
     cut.vertices.push_back((mesh.vertices[a] + mesh.vertices[b] + mesh.vertices[c]) / 3.0);
     cut.triangles.insert(cut.triangles.end(), {{a, b, middle}, {b, c, middle}, {c, a, middle}});
   }
-  EXPECT_EQ(share_clear_of_faces(cut, kEdge), share);
+  EXPECT_EQ(clearance_of_faces(cut, kEdge), fraction);
 }
 
 TEST(ObjectGrid, ScalesAndMovesWithTheMesh) {
   const double e = 0x1p-9;
   mesh::TriangleMesh mesh = box({0.25 * e, 0.0, -3.0 * e}, {20.25 * e, 10.5 * e, 4.0 * e});
   const Grid here = object_grid(mesh, e);
-  EXPECT_EQ(share_clear_of_faces(mesh, e), Vec3(0.75, 0.25, 0.5));
+  EXPECT_EQ(clearance_of_faces(mesh, e), Vec3(0.75, 0.25, 0.5));
   mesh::TriangleMesh large = mesh, far = mesh;
   for (Vec3& v : large.vertices)
     v *= 0x1p20;
@@ -205,9 +205,9 @@ TEST(ObjectGrid, RefusesWhatTheDefaultGridRefusesAndBearsHugeNumbers) {
   EXPECT_THROW(object_grid(mesh, kEdge), std::runtime_error);
   for (const double poison : {1e200, 1e307, -1e307, 5e-324}) {
     const mesh::TriangleMesh huge = box({0, 0, 0}, {1.0, poison, 0.1});
-    const Vec3 share = share_clear_of_faces(huge, kEdge);
-    EXPECT_TRUE(share.allFinite()) << poison;
-    EXPECT_TRUE(share.minCoeff() >= 0.0 && share.maxCoeff() < 1.0) << poison;
+    const Vec3 fraction = clearance_of_faces(huge, kEdge);
+    EXPECT_TRUE(fraction.allFinite()) << poison;
+    EXPECT_TRUE(fraction.minCoeff() >= 0.0 && fraction.maxCoeff() < 1.0) << poison;
   }
 }
 
@@ -226,7 +226,7 @@ TEST(ObjectGrid, LooksThroughAMillionTrianglesInSomeMilliseconds) {
   double best_ms = 1e9;
   for (int n = 0; n < 5; ++n) {
     const auto begin = std::chrono::steady_clock::now();
-    ASSERT_EQ(share_clear_of_faces(mesh, kEdge).z(), 0.5);
+    ASSERT_EQ(clearance_of_faces(mesh, kEdge).z(), 0.5);
     best_ms = std::min(
         best_ms, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin)
                      .count());

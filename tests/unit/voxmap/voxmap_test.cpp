@@ -101,7 +101,7 @@ TEST(Voxmap, PagesAndTableNameTheSameBricks) {
     Voxmap map({}, {-70, -70, -70}, {70, 70, 70});
     const Voxmap::Arrays before = map.arrays();
     EXPECT_EQ(before.table, nullptr);
-    std::vector<VoxelIndex> wanted;
+    std::vector<VoxelIndex> listed;
     map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
       const VoxelIndex v = first_of_cell(map, x, y, z);
       if (v.i < -70 || v.j < -70 || v.k < -70 || v.i > 62 || v.j > 62 || v.k > 62)
@@ -109,16 +109,16 @@ TEST(Voxmap, PagesAndTableNameTheSameBricks) {
       if (x > 11 && y > 11 && z > 11)
         map.fill_cell(v, VoxelKind::kInterior);  // whole blocks among them
       else if (random() % 5 == 0)
-        wanted.push_back(v);
+        listed.push_back(v);
     });
     if (!in_order)
-      std::ranges::shuffle(wanted, random);
-    for (const VoxelIndex& v : wanted)
+      std::ranges::shuffle(listed, random);
+    for (const VoxelIndex& v : listed)
       map.set(v, VoxelKind::kSurface);
     map.finish();
     const Voxmap::Arrays a = map.arrays();
     ASSERT_NE(a.table, nullptr);
-    ASSERT_EQ(a.brick_count, wanted.size() + 2);
+    ASSERT_EQ(a.brick_count, listed.size() + 2);
     std::int32_t last = 1;
     map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
       const Voxmap::Block block =
@@ -132,9 +132,9 @@ TEST(Voxmap, PagesAndTableNameTheSameBricks) {
       last = std::max(last, brick);
     });
     EXPECT_EQ(last + 1, static_cast<std::int32_t>(a.brick_count));
-    for (const VoxelIndex& v : wanted)
+    for (const VoxelIndex& v : listed)
       ASSERT_EQ(map.at(v), VoxelKind::kSurface);
-    EXPECT_EQ(map.surface_count(), wanted.size());
+    EXPECT_EQ(map.surface_count(), listed.size());
   }
 }
 
@@ -215,7 +215,7 @@ TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
       nearest = std::min(nearest, distance_to(v, u));
     const double bound = map.free_distance_voxels(u);
     ASSERT_LE(bound, nearest) << u.transpose();
-    // Within the exact reach: the way to a cell's centre and back, what lies beside a voxel in its
+    // Within the exact reach: the way to a cell's centre and back, what lies next to a voxel in its
     // half of a cell, the byte's own steps.
     if (nearest < 50.0 * step && (u.array() > 0.0).all() && (u.array() < 1100.0).all()) {
       ASSERT_GE(bound, nearest - step * (4.0 * std::sqrt(3.0) + 2.0 * std::sqrt(3.0) + 0.5))
@@ -229,7 +229,7 @@ TEST(Voxmap, FreeDistanceFallsShortOfTheTruthByLittle) {
   map.set({32, 0, 0}, VoxelKind::kSurface);
   map.finish();
   const double bound = map.free_distance_voxels(Vec3(8.1, 0, 0));
-  // By the way to the cell's centre and back, at most, and by what lies beside a voxel in its
+  // By the way to the cell's centre and back, at most, and by what lies next to a voxel in its
   // 2x2x2-cell.
   EXPECT_LE(bound, 32.0 - 8.1);
   EXPECT_GE(bound, 32.0 - 8.1 - 2.0 * 2.0 * std::sqrt(3.0) - 0.25);

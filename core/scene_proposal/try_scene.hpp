@@ -1,0 +1,14 @@
+#pragma once
+/// Whether a scene's motions begin outside and touch: rendered along the path that the hand
+/// requests, without a device.
+#include <string>
+
+#include "core/rendering/build.hpp"
+
+namespace voxtouch::scene_proposal {
+
+/// A sentence for the first motion that begins in contact or never touches within a minute; empty
+/// where all are well. Some tenths of a second.
+std::string validate(const scene::Scene& scene, rendering::BuiltScene& built);
+
+}  // namespace voxtouch::scene_proposal

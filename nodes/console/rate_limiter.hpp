@@ -1,0 +1,43 @@
+#pragma once
+/// Of an unbounded stream of texts, so many that a person can read.
+#include <cstdint>
+#include <mutex>
+
+namespace voxtouch::console {
+
+/// The first few of each second are said, the others counted; the count is printed with the first
+/// text of a later second. Any thread.
+class RateLimiter {
+ public:
+  struct Verdict {
+    bool say = false;
+    std::uint64_t skipped = 0;  ///< before this one, and not reported yet
+  };
+  explicit RateLimiter(int most) noexcept : most_(most) {}
+
+  /// `now_ns`: of a clock that never steps back.
+  Verdict take(std::int64_t now_ns) noexcept {
+    const std::lock_guard lock(mutex_);
+    Verdict verdict;
+    if (!begun_ || now_ns - begin_ns_ >= 1'000'000'000) {
+      begun_ = true, begin_ns_ = now_ns, said_ = 0;
+      verdict.skipped = left_out_, left_out_ = 0;
+    }
+    verdict.say = said_ < most_;
+    if (verdict.say)
+      ++said_;
+    else
+      ++left_out_;
+    return verdict;
+  }
+
+ private:
+  const int most_;
+  std::mutex mutex_;
+  bool begun_ = false;
+  std::int64_t begin_ns_ = 0;
+  int said_ = 0;
+  std::uint64_t left_out_ = 0;
+};
+
+}  // namespace voxtouch::console

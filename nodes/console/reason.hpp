@@ -1,0 +1,12 @@
+#pragma once
+/// The sentence for an exception that ends a program or a request.
+#include <exception>
+#include <string>
+
+namespace voxtouch::console {
+
+/// For faults of the file system: the path, shortened, and the reason. For a thread that the system
+/// refuses: the limits to check. For all others: what() itself.
+std::string reason_of(const std::exception& error);
+
+}  // namespace voxtouch::console

@@ -1,0 +1,58 @@
+#pragma once
+/// The fit of the coupling to device, scene and contact, when a session begins and when device or
+/// contact change.
+#include <cstdint>
+#include <future>
+#include <optional>
+#include <utility>
+
+#include "core/device_fit/fit_coupling.hpp"
+#include "core/device_fit/force_preview.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::coupling_node {
+
+/// Collects what a fit needs from the latched messages, and makes it. One thread.
+/// The rendering fits too, see device_fit::DeviceCompatibility for why.
+class Fitting {
+ public:
+  explicit Fitting(const scene::Scene& scene) : scene_(scene) {}
+
+  void set_device(const DeviceDescription& device, std::uint64_t session);
+  void set_plan(const msg::ScenePlan& plan);
+  /// Of both messages, where they name the same.
+  std::optional<std::uint64_t> session() const noexcept;
+  /// True once after either message came.
+  bool changed() noexcept { return std::exchange(changed_, false); }
+  /// Device or contact are not those of the last fit.
+  bool outdated() const noexcept { return outdated_; }
+
+  /// Some tenths of a second at most.
+  device_fit::FittedCoupling fit();
+  /// The same in another thread. A request during a fit is made after it.
+  void begin();
+  /// The result of `begin`, once, judged for what has come since; never waits.
+  std::optional<device_fit::FittedCoupling> poll();
+  /// Why `fitted` must not run on this device with these effects; empty: it may.
+  std::string judge(const device_fit::FittedCoupling& fitted) const;
+  std::optional<device_fit::ForcePreview> preview(const device_fit::FittedCoupling& fitted) const {
+    return device_fit::force_preview(fitted, scene_, device_, bounds_);
+  }
+
+  const coupling::design::DeviceModel& device() const noexcept { return device_; }
+  double voxel_size_m() const noexcept { return voxel_size_m_; }  ///< of the plan
+  /// Name of the effect that no certificate covers; empty: there is none.
+  const std::string& external() const noexcept { return demand_.external.name; }
+
+ private:
+  const scene::Scene& scene_;
+  coupling::design::DeviceModel device_;
+  rendering::StiffnessBounds bounds_;  ///< in W
+  device_fit::SceneRequirements demand_;
+  double voxel_size_m_ = 0.0;
+  std::optional<std::uint64_t> device_session_, plan_session_;
+  bool changed_ = false, outdated_ = false, again_ = false;
+  std::future<device_fit::FittedCoupling> pending_;
+};
+
+}  // namespace voxtouch::coupling_node

@@ -1,0 +1,17 @@
+#pragma once
+/// How much a judge could decide.
+#include "core/reference/judgement.hpp"
+
+namespace voxtouch::test {
+
+/// At least this fraction of the checked samples should be decided, or a run says little.
+inline constexpr double kMinDecidedRatio = 0.2;
+
+/// 0 before the first sample.
+inline double decided_ratio(const reference::JudgeCounts& counts) noexcept {
+  return counts.checked > 0
+             ? static_cast<double>(counts.decided) / static_cast<double>(counts.checked)
+             : 0.0;
+}
+
+}  // namespace voxtouch::test
