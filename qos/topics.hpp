@@ -43,27 +43,28 @@ struct Topic {
   bool with_led_hand = false;  ///< its device's end is there only where a page leads the hand
 };
 
-inline constexpr Topic kDeviceState{"device/state",
-                                    "voxtouch_msgs/msg/DeviceState",
-                                    ProfileId::kStream,
-                                    1000,
-                                    kDevice,
-                                    kRendering | kLogger,
-                                    "The rendering answers each with a contact."};
+inline constexpr Topic kDeviceState{
+    "device/state",
+    "voxtouch_msgs/msg/DeviceState",
+    ProfileId::kStream,
+    1000,
+    kDevice,
+    kRendering | kLogger,
+    "One per sample of the device. The rendering computes its contact."};
 inline constexpr Topic kContactState{"rendering/contact",
                                      "voxtouch_msgs/msg/ContactState",
                                      ProfileId::kStream,
                                      1000,
                                      kRendering,
                                      kCoupling | kValidator | kLogger,
-                                     "The coupling turns each into a command."};
+                                     "One per sample. The coupling computes a command from it."};
 inline constexpr Topic kForceCommand{"coupling/command",
                                      "voxtouch_msgs/msg/ForceCommand",
                                      ProfileId::kStream,
                                      1000,
                                      kCoupling,
                                      kDevice | kLogger,
-                                     "The device applies each; this closes the ring."};
+                                     "One per sample. The device applies it."};
 inline constexpr Topic kDeviceDescription{
     "device/description",
     "voxtouch_msgs/msg/DeviceDescription",
@@ -71,7 +72,7 @@ inline constexpr Topic kDeviceDescription{
     0,
     kDevice,
     kRendering | kCoupling | kLogger,
-    "It begins a session, and the coupling is designed for it. Once a session."};
+    "Begins a session; the coupling is designed for it. Once per session."};
 inline constexpr Topic kScenePlan{
     "rendering/plan",
     "voxtouch_msgs/msg/ScenePlan",
@@ -79,7 +80,7 @@ inline constexpr Topic kScenePlan{
     0,
     kRendering,
     kCoupling | kValidator | kLogger,
-    "The coupling is designed for the contact that it reports. Once a session."};
+    "Contact stiffness that the coupling is designed for. Once per session."};
 inline constexpr Topic kCouplingDesign{
     "coupling/design",
     "voxtouch_msgs/msg/CouplingDesign",
@@ -87,7 +88,7 @@ inline constexpr Topic kCouplingDesign{
     0,
     kCoupling,
     kLogger,
-    "People and bags see from it what runs. Once a session and on a change."};
+    "The coupling that runs. Once per session and after each change."};
 inline constexpr Topic kValidation{
     "validation",
     "voxtouch_msgs/msg/ValidationReport",
@@ -95,7 +96,7 @@ inline constexpr Topic kValidation{
     0,
     kValidator,
     kLogger,
-    "Verdicts; made only while a validator runs and they have a reader."};
+    "Cross-checks of contacts. Only while a validator runs and the topic has a reader."};
 inline constexpr Topic kNodeStatus{
     "node_status",
     "voxtouch_msgs/msg/NodeStatus",
@@ -103,7 +104,7 @@ inline constexpr Topic kNodeStatus{
     10,
     kEveryNode,
     kEveryNode,
-    "Nodes find each other by it. Ten times a second and on a change."};
+    "Heartbeat and state of each node. Ten times a second and after each change."};
 inline constexpr Topic kEffectChange{
     "rendering/change",
     "voxtouch_msgs/msg/EffectChange",
@@ -111,42 +112,43 @@ inline constexpr Topic kEffectChange{
     0,
     kNone,
     kRendering | kLogger,
-    "Who changes the scene while it runs writes it: voxtouch change, or any ROS 2 tool."};
+    "Requests to change the scene: from voxtouch change or any ROS 2 tool."};
 inline constexpr Topic kEffectChanged{"rendering/changed",
                                       "voxtouch_msgs/msg/EffectChanged",
                                       ProfileId::kStatus,
                                       0,
                                       kRendering,
                                       kLogger,
-                                      "What became of each change."};
-inline constexpr Topic kEffectMade{"rendering/made",
-                                   "voxtouch_msgs/msg/EffectChange",
-                                   ProfileId::kRecord,
-                                   0,
-                                   kRendering,
-                                   kLogger,
-                                   "Each change that was made, with its session and first sample, "
-                                   "whoever asked: a replay goes by it."};
+                                      "Result of each request."};
+inline constexpr Topic kEffectMade{
+    "rendering/made",
+    "voxtouch_msgs/msg/EffectChange",
+    ProfileId::kRecord,
+    0,
+    kRendering,
+    kLogger,
+    "Each change that took effect, with session and first sample. Replay uses it."};
 inline constexpr Topic kRecover{"recover",
                                 "voxtouch_msgs/msg/Recover",
                                 ProfileId::kEvent,
                                 0,
                                 kNone,
                                 kDevice | kCoupling | kLogger,
-                                "A person lets a locked node give force again: voxtouch recover."};
-inline constexpr Topic kOperatorTarget{"operator/target",
-                                       "voxtouch_msgs/msg/OperatorTarget",
-                                       ProfileId::kTap,
-                                       0,
-                                       kNone,
-                                       kDevice | kLogger,
-                                       "The page that leads a simulated device's hand writes it.",
-                                       false,
-                                       false,
-                                       false,
-                                       false,
-                                       false,
-                                       true};
+                                "Resets a fault latch: voxtouch recover."};
+inline constexpr Topic kOperatorTarget{
+    "operator/target",
+    "voxtouch_msgs/msg/OperatorTarget",
+    ProfileId::kTap,
+    0,
+    kNone,
+    kDevice | kLogger,
+    "Requested position of a simulated device's hand, from the page.",
+    false,
+    false,
+    false,
+    false,
+    false,
+    true};
 inline constexpr Topic kRigClaim{
     "rig_claim",
     "voxtouch_msgs/msg/RigClaim",
@@ -154,7 +156,7 @@ inline constexpr Topic kRigClaim{
     0,
     kNone,
     kEveryNode,
-    "A rig is one `voxtouch up`'s; it names the participants that play its roles.",
+    "Names the rig's `voxtouch up` and the participants that may take its roles.",
     false,
     false,
     false,
@@ -166,30 +168,29 @@ inline constexpr Topic kExternalWrench{
     0,
     kNone,
     kRendering,
-    "A program outside the ring writes what the effect 'external' gives; one writer is followed.",
+    "Wrench that the effect 'external' displays, from one program outside the ring.",
     false,
     false,
     true};
-inline constexpr Topic kExternalSample{
-    "rendering/external",
-    "voxtouch_msgs/msg/ExternalSample",
-    ProfileId::kEvent,
-    0,
-    kRendering,
-    kLogger,
-    "Which sample saw which value of the outside wrench, for a replay.",
-    false,
-    false,
-    true};
+inline constexpr Topic kExternalSample{"rendering/external",
+                                       "voxtouch_msgs/msg/ExternalSample",
+                                       ProfileId::kEvent,
+                                       0,
+                                       kRendering,
+                                       kLogger,
+                                       "Value of the external wrench per sample, for replay.",
+                                       false,
+                                       false,
+                                       true};
 inline constexpr std::string_view kForRos =
-    "For ROS tools; made and written only while it has a reader, outside the loop.";
+    "For ROS tools. Written outside the loop, only while it has a reader.";
 inline constexpr Topic kDiagnostics{"diagnostics",
                                     "diagnostic_msgs/msg/DiagnosticArray",
                                     ProfileId::kState,
                                     1,
                                     kEveryNode,
                                     kNone,
-                                    "For ROS tools; made and written only while it has a reader.",
+                                    "For ROS tools. Written only while it has a reader.",
                                     true};
 inline constexpr Topic kParameterEvents{
     "parameter_events",
@@ -198,30 +199,29 @@ inline constexpr Topic kParameterEvents{
     0,
     kRendering,
     kNone,
-    "Changes of parameters, for ROS tools; made and written only while it has a reader.",
+    "Parameter changes, for ROS tools. Written only while it has a reader.",
     true};
-inline constexpr Topic kRosout{
-    "rosout",
-    "rcl_interfaces/msg/Log",
-    ProfileId::kLog,
-    0,
-    kEveryNode,
+inline constexpr Topic kRosout{"rosout",
+                               "rcl_interfaces/msg/Log",
+                               ProfileId::kLog,
+                               0,
+                               kEveryNode,
+                               kNone,
+                               "Log messages, for ROS tools. Written only while it has a reader.",
+                               true};
+inline constexpr Topic kJointStates{
+    "joint_states",
+    "sensor_msgs/msg/JointState",
+    ProfileId::kState,
+    100,
+    kDevice,
     kNone,
-    "What each node says, for ROS tools; made and written only while it has a reader.",
+    "Joints of an arm, for ROS tools. Written outside the loop, only while it has a reader.",
+    true,
+    false,
+    false,
+    false,
     true};
-inline constexpr Topic kJointStates{"joint_states",
-                                    "sensor_msgs/msg/JointState",
-                                    ProfileId::kState,
-                                    100,
-                                    kDevice,
-                                    kNone,
-                                    "Joints of an arm, for ROS tools; made and written only while "
-                                    "it has a reader, outside the loop.",
-                                    true,
-                                    false,
-                                    false,
-                                    false,
-                                    true};
 inline constexpr Topic kRobotDescription{
     "robot_description",
     "std_msgs/msg/String",
@@ -229,7 +229,7 @@ inline constexpr Topic kRobotDescription{
     0,
     kDevice,
     kNone,
-    "The arm itself, for ROS tools; written once, and only while it has a reader.",
+    "Model of the arm, for ROS tools. Written once, only while it has a reader.",
     true,
     false,
     false,
@@ -237,25 +237,25 @@ inline constexpr Topic kRobotDescription{
     true};
 inline constexpr Topic kTf{
     "tf", "tf2_msgs/msg/TFMessage", ProfileId::kState, 100, kRendering, kNone, kForRos, true};
-inline constexpr Topic kTfStatic{"tf_static",
-                                 "tf2_msgs/msg/TFMessage",
-                                 ProfileId::kLatched,
-                                 0,
-                                 kRendering,
-                                 kNone,
-                                 "Frames that do not move, for ROS tools; made and written once, "
-                                 "and only while it has a reader.",
-                                 true};
-inline constexpr Topic kClock{"clock",
-                              "rosgraph_msgs/msg/Clock",
-                              ProfileId::kState,
-                              100,
-                              kRendering,
-                              kNone,
-                              "Simulated time for ROS tools, in lockstep; made and written only "
-                              "while it has a reader, outside the loop.",
-                              true,
-                              true};
+inline constexpr Topic kTfStatic{
+    "tf_static",
+    "tf2_msgs/msg/TFMessage",
+    ProfileId::kLatched,
+    0,
+    kRendering,
+    kNone,
+    "Fixed frames, for ROS tools. Written once, only while it has a reader.",
+    true};
+inline constexpr Topic kClock{
+    "clock",
+    "rosgraph_msgs/msg/Clock",
+    ProfileId::kState,
+    100,
+    kRendering,
+    kNone,
+    "Simulated time in lockstep, for ROS tools. Written only while it has a reader.",
+    true,
+    true};
 inline constexpr Topic kPose{
     "pose", "geometry_msgs/msg/PoseStamped", ProfileId::kState, 100, kRendering, kNone, kForRos};
 inline constexpr Topic kWrench{

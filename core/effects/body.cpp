@@ -12,26 +12,22 @@ namespace {
 enum : std::size_t { kMass, kGravity, kGrip, kGripTurn, kGripDamping, kGrabButton, kGrabDistance };
 
 constexpr std::array kParameters = {
-    row::number("mass_kg", 0.001, 100.0, "Mass of the dynamic object [kg]."),
+    row::number("mass_kg", 0.001, 100.0, "Mass of the body [kg]."),
     EffectParameter{.name = "gravity_m_per_s2",
                     .shape = ParameterShape::kVector,
                     .high = 100.0,
                     .standard = {{0.0, 0.0, -9.81}},
-                    .meaning = "Acceleration that it falls with, in W [m/s^2]."},
+                    .meaning = "Gravity, in W [m/s^2]."},
     row::number("grip_n_per_m", 1.0, 1e4, 200.0,
-                "Spring between the tool and the body while it is held [N/m]: all that the hand "
-                "feels of it."),
+                "Spring between hand and body while it is gripped [N/m]."),
     row::number("grip_nm_per_rad", 0.0, 100.0, 0.3,
-                "The same for rotation [Nm/rad]; a device without torque rotates the body too."),
-    row::number(
-        "grip_damping_ratio", 0.1, 2.0, 1.0,
-        "Damping of each mode of that spring with the body; 1: it comes to rest without swinging."),
-    row::number(
-        "grab_button", -1.0, 31.0, -1.0,
-        "Button of the device that holds the body while pressed, counted from 0; -1: always held."),
-    row::number(
-        "grab_distance_m", 0.0, 10.0, 0.02,
-        "The button takes the body up where the tool is this near to the body's origin [m]."),
+                "Rotational spring [Nm/rad]. It also acts on devices without torque."),
+    row::number("grip_damping_ratio", 0.1, 2.0, 1.0,
+                "Damping ratio of each mode of spring and body [1]; 1: no overshoot."),
+    row::number("grab_button", -1.0, 31.0, -1.0,
+                "Button that grips the body while pressed, from 0; -1: always gripped."),
+    row::number("grab_distance_m", 0.0, 10.0, 0.02,
+                "Largest distance from tool to body at which the button grips it [m]."),
 };
 
 /// All of it is in the body's motion: nothing is added to what acts on it.
@@ -77,8 +73,8 @@ double grab_distance_m(const EffectValues& values) noexcept { return values.numb
 extern const EffectKind kBody = {
     .name = "body",
     .says =
-        "The dynamic object has weight and inertia: it is carried on a spring, falls when let go, "
-        "rests on what it meets.",
+        "The tool has weight and inertia. It is carried on a spring, falls when released, and "
+        "rests on contacts.",
     .equations =
         "(M + h D + h^2 K) v+ = M v + h (contact + effects + m g + grip), linearly implicit "
         "(Baraff and Witkin 1998), so "

@@ -25,23 +25,21 @@ enum : std::size_t {
 
 constexpr std::array kParameters = {
     row::text("topic", kRosTopicPattern,
-              "A geometry_msgs/WrenchStamped, absolute as ROS 2 names it (/sim/wrench), in the "
-              "frame world or <rig>/device, torque about the tool's "
-              "origin; left out: /<rig>/external."),
-    row::number("max_force_n", 0.0, 100.0, "Largest force [N]; what is more is cut to it."),
+              "Absolute topic of a geometry_msgs/WrenchStamped. Frame: world or <rig>/device; "
+              "torque about the tool's origin. Default: /<rig>/external."),
+    row::number("max_force_n", 0.0, 100.0, "Largest force [N]. A larger one is scaled down."),
     row::number("max_torque_nm", 0.0, 10.0, 0.0,
                 "Largest torque [Nm]; needs a device that gives torque."),
     row::number("timeout_s", 0.002, 1.0, 0.05,
-                "Without a new value for this long, by the device's samples, it fades [s]."),
-    row::number("fade_s", 0.02, 1.0, 0.05, "It has faded to zero after this long at most [s]."),
-    row::number("slew_n_per_s", 0.1, 10000.0, 50.0,
-                "It rises and changes no faster than this [N/s], also when it comes back."),
-    row::number("slew_nm_per_s", 0.01, 1000.0, 2.0, "The same of its torque [Nm/s]."),
+                "Time without a new value after which it fades, counted in samples [s]."),
+    row::number("fade_s", 0.02, 1.0, 0.05, "Duration of the fade to zero [s]."),
+    row::number("slew_n_per_s", 0.1, 10000.0, 50.0, "Largest rate of change of the force [N/s]."),
+    row::number("slew_nm_per_s", 0.01, 1000.0, 2.0, "Largest rate of change of the torque [Nm/s]."),
     row::number("energy_j", 0.001, 1.0, 0.05,
-                "Energy that it may give the hand at once [J]; gone, its force falls to zero."),
-    row::number(
-        "power_w", 0.0, 1.0, 0.05,
-        "Energy that it may give for longer, a second [W]; what the hand puts in comes on top."),
+                "Energy that it may give to the hand at once [J]. When it is used up the force "
+                "falls to zero."),
+    row::number("power_w", 0.0, 1.0, 0.05,
+                "Power that it may give for longer [W], plus the power that the hand puts in."),
 };
 
 /// `now` towards `goal` by `most` at most.
@@ -149,8 +147,8 @@ EffectBound bound(const EffectValues& values) {
 extern const EffectKind kExternal = {
     .name = "external",
     .says =
-        "Displays a wrench that a program outside the ring writes, bounded in force, slew and "
-        "energy; it fades when it is late.",
+        "Displays a wrench from a program outside the ring. Force, slew rate and energy are "
+        "bounded, and it fades when it is late.",
     .equations =
         "F goes to the newest value, cut to max_force_n, at slew_n_per_s; without one for "
         "timeout_s it goes to zero within fade_s. Then F is "

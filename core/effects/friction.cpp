@@ -10,15 +10,11 @@ namespace {
 enum : std::size_t { kCoulomb, kSticking, kStiffness, kMaxForce, kReach };
 
 constexpr std::array kParameters = {
-    row::number(
-        "coulomb", 0.0, 2.0,
-        "Friction while sliding as a fraction of the force that the surface pushes with [1]."),
-    row::number("sticking", 1.0, 2.0, 1.0,
-                "How many times the sliding friction holds before it lets go [1]."),
+    row::number("coulomb", 0.0, 2.0, "Sliding friction over normal force [1]."),
+    row::number("sticking", 1.0, 2.0, 1.0, "Sticking over sliding friction [1]."),
     row::number("stiffness_n_per_m", 10.0, 5000.0, 300.0,
-                "Of the bristles that hold the tool while it sticks [N/m]."),
-    row::number("most_n", 0.0, 200.0, 20.0,
-                "No object rubs with more than this, however hard the tool is pressed [N]."),
+                "Stiffness of the bristles while the tool sticks [N/m]."),
+    row::number("most_n", 0.0, 200.0, 20.0, "Largest friction force per object [N]."),
     kReachParameter,
 };
 
@@ -164,7 +160,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kFriction = {
     .name = "friction",
-    .says = "Surfaces hold the tool until it is pulled hard enough, and rub while it slides.",
+    .says = "Dry friction: surfaces hold the tool until it slides, and resist sliding.",
     .equations =
         "F = -k z at the touched point, z the bend of a bristle across the contact force N n: dz = "
         "displacement of the tool's point against the object's, while |z| <= mu N / k; beyond it "

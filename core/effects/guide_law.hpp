@@ -58,17 +58,15 @@ enum GuideParameter : std::size_t {
 /// The rows of a guide's table: those, and behind them its own.
 template <class... Own>
 constexpr std::array<EffectParameter, kGuideOwn + sizeof...(Own)> guide_rows(const Own&... own) {
-  return {
-      row::number("stiffness_n_per_m", 0.0, 10000.0, "Of the spring to the guide, near it [N/m]."),
-      row::number("limit_n", 0.0, 100.0,
-                  "Largest force of the guide [N]; the spring goes over to it smoothly."),
-      row::word("beyond", "hold release",
-                "Far from the guide: hold keeps pulling with limit_n, release lets go at range_m."),
-      row::number("range_m", 0.0, 10.0, 0.0,
-                  "Only for beyond: release: distance at which the guide has let go [m]; at least "
-                  "3 limit_n / "
-                  "stiffness_n_per_m."),
-      own...};
+  return {row::number("stiffness_n_per_m", 0.0, 10000.0,
+                      "Stiffness of the spring close to the guide [N/m]."),
+          row::number("limit_n", 0.0, 100.0, "Largest force of the guide [N], reached smoothly."),
+          row::word("beyond", "hold release",
+                    "Far from the guide: hold pulls with limit_n, release ends at range_m."),
+          row::number("range_m", 0.0, 10.0, 0.0,
+                      "With `beyond: release`: distance of zero force [m]. At least 3 limit_n / "
+                      "stiffness_n_per_m."),
+          own...};
 }
 
 /// The law of a guide with these values: stiffness [N/m], limit [N] and range [m]. Real-time safe.

@@ -10,13 +10,12 @@ enum : std::size_t { kPoint = kGuideOwn, kDirection, kEnds, kHalfLength };
 constexpr double kSegment = 1.0;  // place of the word
 
 constexpr auto kParameters =
-    guide_rows(row::place("point", "A point of the line, its middle if it ends, W [m]."),
-               row::direction("direction", "Along the line, W; either way round."),
+    guide_rows(row::place("point", "Point of the line, in W [m]; the centre of a segment."),
+               row::direction("direction", "Direction of the line, in W. The sign has no effect."),
                row::word("ends", "none segment",
-                         "Whether the line goes on for ever (none) or is a segment, at whose ends "
-                         "the tool is held as by a point."),
+                         "none: an infinite line. segment: at its ends the guide acts as a point."),
                row::number("half_length_m", 0.0, 100.0, 0.0,
-                           "Only for ends: segment: from its middle to an end [m]."));
+                           "With `ends: segment`: from its centre to an end [m]."));
 
 class GuideLine final : public Effect {
  public:
@@ -56,7 +55,7 @@ std::string check(const EffectValues& values) {
 extern const EffectKind kGuideLine = {
     .name = "guide_line",
     .says =
-        "The tool's origin slides freely along a line and is held across it with a limited force.",
+        "Pulls the tool's origin to a line with a limited force. It slides along the line freely.",
     .equations =
         "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The "
         "distance to a convex set is "

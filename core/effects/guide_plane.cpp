@@ -11,12 +11,11 @@ enum : std::size_t { kPoint = kGuideOwn, kNormal, kSides };
 constexpr double kOne = 1.0;  // place of the word
 
 constexpr auto kParameters = guide_rows(
-    row::place("point", "A point of the plane, W [m]."),
+    row::place("point", "Point of the plane, in W [m]."),
     row::direction("normal",
-                   "Of the plane, W; with sides: one it points to where the tool may be."),
-    row::word(
-        "sides", "both one",
-        "Whether the tool is held on the plane (both), or only kept from going behind it (one)."));
+                   "Normal of the plane, in W. With `sides: one` it points to the free side."),
+    row::word("sides", "both one",
+              "both: the plane pulls from either side. one: only from behind."));
 
 bool one_sided(const EffectValues& values) noexcept { return values.number(kSides) == kOne; }
 
@@ -43,8 +42,7 @@ class GuidePlane final : public Effect {
 
 extern const EffectKind kGuidePlane = {
     .name = "guide_plane",
-    .says =
-        "The tool's origin is held on a plane, or kept from going behind it, with a limited force.",
+    .says = "Pulls the tool's origin to a plane, or keeps it on one side, with a limited force.",
     .equations =
         "U = phi(|h|), h the height over the plane; with sides: one U = phi(max(0, -h)) (forbidden "
         "region); F = -grad "

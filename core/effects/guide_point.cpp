@@ -6,8 +6,7 @@ namespace {
 
 enum : std::size_t { kPoint = kGuideOwn };
 
-constexpr auto kParameters =
-    guide_rows(row::place("point", "Where the tool's origin is held, W [m]."));
+constexpr auto kParameters = guide_rows(row::place("point", "The point, in W [m]."));
 
 class GuidePoint final : public Effect {
  public:
@@ -22,7 +21,7 @@ class GuidePoint final : public Effect {
 
 extern const EffectKind kGuidePoint = {
     .name = "guide_point",
-    .says = "The tool's origin is drawn to a point and held there with a limited force.",
+    .says = "Pulls the tool's origin to a point with a limited force.",
     .equations =
         "U = phi(|x - p|), F = -grad U: a spring k that goes over smoothly to the force limit F "
         "(virtual fixture, "

@@ -11,9 +11,9 @@ namespace {
 enum : std::size_t { kPoint, kRadius, kForce };
 
 constexpr std::array kParameters = {
-    row::place("point", "What the tool's origin is drawn to, W [m]."),
-    row::number("radius_m", 0.0005, 10.0, "Distance beyond which the force is zero [m]."),
-    row::number("force_n", 0.0, 100.0, "Largest pull [N], at 0.447 of the radius."),
+    row::place("point", "The point, in W [m]."),
+    row::number("radius_m", 0.0005, 10.0, "Distance from which the force is zero [m]."),
+    row::number("force_n", 0.0, 100.0, "Largest force [N], at 0.447 of the radius."),
 };
 
 /// F = 6 U0 r / R^2 (1 - q)^2 with q = r^2 / R^2 is largest at q = 1/5.
@@ -56,9 +56,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kMagnet = {
     .name = "magnet",
-    .says =
-        "The tool's origin snaps to a point when it comes near, and comes off when it is pulled "
-        "away.",
+    .says = "Pulls the tool's origin to a point within a radius. Pulled hard enough, it comes off.",
     .equations =
         "U = -U0 (1 - r^2/R^2)^3 within R, else 0 (twice differentiable at the rim); F = -grad U = "
         "-6 U0 / R^2 (1 - "

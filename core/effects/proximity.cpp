@@ -13,17 +13,15 @@ enum : std::size_t { kLimit, kRange, kSmoothing, kLever };
 
 constexpr std::array kParameters = {
     row::number("limit_n", 0.0, 100.0,
-                "Push on a tool all of whose surface were at the object [N]; each part pushes by "
-                "its fraction of the area."),
-    row::number("range_m", 0.0005, 1.0, "Distance from the static surface at which it begins [m]."),
+                "Force if the tool's whole surface were at the object [N]. Each part contributes "
+                "by its fraction of the area."),
+    row::number("range_m", 0.0005, 1.0, "Distance from the surface at which the force begins [m]."),
     row::number("smoothing_m", 0.0005, 1.0, 0.002,
-                "Length over which edges of the field are rounded [m], brought up to whole voxels: "
-                "the longer the softer, "
-                "and the blurrier round walls thinner than that."),
+                "Length over which the field's edges are rounded [m], in whole voxels. Walls "
+                "thinner than this are blurred."),
     row::number("lever_m", 0.0, 10.0, 0.0,
-                "Above 0: gives torque too, for a tool that reaches no farther than this from its "
-                "origin [m]; needs a "
-                "device that gives torque."),
+                "Largest distance of the tool from its origin [m]; 0: no torque. Above 0 the "
+                "device must give torque."),
 };
 
 /// |gradient| and h |curvature| of a smoothed distance at most, see ProximitySample.
@@ -141,7 +139,8 @@ std::string check(const EffectValues& values) {
 extern const EffectKind kProximity = {
     .name = "proximity",
     .says =
-        "Static objects push the tool off before it touches them, the more the nearer it comes.",
+        "Pushes the tool away from static objects before contact. The force grows as the distance "
+        "falls.",
     .equations =
         "U = sum a_i p(d(x_i)) over points x_i that stand for fractions a_i of the tool's surface "
         "(sum 1), d the smoothed "

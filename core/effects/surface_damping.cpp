@@ -9,12 +9,12 @@ namespace {
 enum : std::size_t { kAlong, kAgainst, kFull, kReach };
 
 constexpr std::array kParameters = {
-    row::number("damping_ns_per_m", 0.0, 100.0,
-                "Force for each metre a second along the surface [Ns/m]."),
+    row::number("damping_ns_per_m", 0.0, 100.0, "Damping along the surface [Ns/m]."),
     row::number("normal_damping_ns_per_m", 0.0, 100.0, 0.0,
-                "Force for each metre a second into the surface and out of it [Ns/m]."),
-    row::number("full_force_n", 0.01, 100.0, 0.5,
-                "Damping grows from nothing to all with the surface's push up to this one [N]."),
+                "Damping along the surface's normal [Ns/m]."),
+    row::number(
+        "full_force_n", 0.01, 100.0, 0.5,
+        "Normal force at which the damping is complete [N]. Below it the damping grows from 0."),
     kReachParameter,
 };
 
@@ -86,9 +86,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kSurfaceDamping = {
     .name = "surface_damping",
-    .says =
-        "Sliding over a surface is slow going, as through a film of oil, and lifting off it too if "
-        "asked for.",
+    .says = "Viscous resistance to sliding along a surface and, if set, to leaving it.",
     .equations =
         "F = -s(N) (b v_t + b_n v_n) at the touched point (Stokes), v its velocity against the "
         "object's, s the "

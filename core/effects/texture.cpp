@@ -13,17 +13,18 @@ enum : int { kGrating, kNoise };
 constexpr std::array kParameters = {
     EffectParameter{.name = "pattern",
                     .shape = ParameterShape::kWord,
-                    .meaning = "Straight parallel ridges, or bumps without an order.",
+                    .meaning = "grating: straight parallel ridges. noise: irregular bumps.",
                     .words = "grating noise"},
     row::number("wavelength_m", 0.0005, 0.1,
-                "From ridge to ridge; for noise about from bump to bump [m]."),
-    row::number("force_n", 0.0, 20.0, "Push along the surface at the steepest place [N]."),
+                "Distance between ridges, for noise between bumps on average [m]."),
+    row::number("force_n", 0.0, 20.0, "Force along the surface at the steepest place [N]."),
     EffectParameter{.name = "direction",
                     .shape = ParameterShape::kDirection,
                     .standard = {{1.0, 0.0, 0.0}},
-                    .meaning = "Across the ridges of a grating, in W."},
-    row::number("full_force_n", 0.01, 100.0, 0.5,
-                "The relief grows from flat to full with the surface's push up to this one [N]."),
+                    .meaning = "Direction across the ridges of a grating, in W."},
+    row::number(
+        "full_force_n", 0.01, 100.0, 0.5,
+        "Normal force at which the relief is complete [N]. Below it the relief grows from 0."),
     kReachParameter,
 };
 
@@ -113,7 +114,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kTexture = {
     .name = "texture",
-    .says = "Surfaces have a relief, ridges or bumps, that pushes the tool along the surface.",
+    .says = "Relief of ridges or bumps that pushes the tool along the surface.",
     .equations =
         "F = -A s(N) grad h across the normal, at the foot of the contact force's axis, h read "
         "there in W with |grad "

@@ -46,9 +46,8 @@ inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, doub
 }
 
 /// The row of an effect that acts at touched points.
-inline constexpr EffectParameter kReachParameter =
-    row::number("reach_m", 0.0, 1.0, 0.1,
-                "Touched points farther from the tool's origin count as this far [m].");
+inline constexpr EffectParameter kReachParameter = row::number(
+    "reach_m", 0.0, 1.0, 0.1, "Largest lever of a contact about the tool's origin [m].");
 
 /// Where several objects touch, effects that grow with an object's push up to `full_n` [N], by a
 /// smoothstep, share: together they act as one at most. What each has of its own. Real-time safe.

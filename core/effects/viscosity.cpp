@@ -9,10 +9,9 @@ namespace {
 enum : std::size_t { kDamping, kRotation };
 
 constexpr std::array kParameters = {
-    row::number("damping_ns_per_m", 0.0, 100.0,
-                "Force for each metre a second of the tool's origin [Ns/m]."),
+    row::number("damping_ns_per_m", 0.0, 100.0, "Drag of the tool's origin [Ns/m]."),
     row::number("damping_nms_per_rad", 0.0, 10.0, 0.0,
-                "Torque for each radian a second [Nms/rad]; needs a device that gives torque."),
+                "Drag of rotation [Nms/rad]. It needs a device that gives torque."),
 };
 
 class Viscosity final : public Effect {
@@ -39,7 +38,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kViscosity = {
     .name = "viscosity",
-    .says = "The tool moves as through a thick liquid, everywhere alike.",
+    .says = "Viscous drag on the tool, the same everywhere.",
     .equations =
         "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. Sampled with a delay t_d and "
         "behind a filter of "

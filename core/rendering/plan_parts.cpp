@@ -27,8 +27,8 @@ PlanPart effect_part(const effects::EffectSpec& effect, const BuildCounts& n) {
       3 * effect.values.size() * sizeof(std::array<double, 3>);  // goal, now, rate
   return {.name = "effect " + effect.name,
           .node = kRendering,
-          .why = fmt::format("The scene's list of effects names '{}'{}.", effect.kind->name,
-                             effect.on ? "" : "; it is off at the start, ready to be switched on"),
+          .why = fmt::format("The scene lists the effect '{}'{}.", effect.kind->name,
+                             effect.on ? "" : ", switched off at the start"),
           .bytes = numbers,
           .expected_ns = expected_ns(effect, n.tool_points)};
 }
@@ -36,49 +36,45 @@ PlanPart effect_part(const effects::EffectSpec& effect, const BuildCounts& n) {
 PlanPart coupling_part(const scene::Scene& scene) {
   return {.name = "coupling",
           .node = "coupling",
-          .why = scene.design ? "The scene asks for a coupling that is designed for its device."
+          .why = scene.design ? "Designed for the device."
                  : scene.coupling.kind == "direct"
-                     ? "The contact goes straight to the device; limits and the energy observer "
-                       "are kept all the same."
-                     : fmt::format("The scene sets a {} by hand.",
-                                   scene.coupling.kind == "spring_damper" ? "spring-damper"
-                                                                          : "shaping filter"),
+                     ? "The contact force is the command; limits and energy observer stay active."
+                     : fmt::format("The scene sets a {}.", scene.coupling.kind == "spring_damper"
+                                                               ? "spring-damper"
+                                                               : "shaping filter"),
           .expected_ns = kNsPerCoupling};
 }
 
 /// The static objects: their voxels and distances.
 void add_static_objects(std::vector<PlanPart>& parts, const BuildCounts& n) {
-  parts.push_back({.name = "voxmap",
-                   .node = kRendering,
-                   .why = "Every contact model asks it where the static objects are; asking is "
-                          "counted with the pointshell.",
-                   .bytes = n.voxmap_bytes});
+  parts.push_back(
+      {.name = "voxmap",
+       .node = kRendering,
+       .why = "Position of the static scene. Its look-ups are counted with the pointshell.",
+       .bytes = n.voxmap_bytes});
   if (n.field_bytes > 0)
-    parts.push_back({.name = "distance field",
-                     .node = kRendering,
-                     .why = "The contact model 'field' reads depth and direction from it; reading "
-                            "is counted with the model.",
-                     .bytes = n.field_bytes});
+    parts.push_back(
+        {.name = "distance field",
+         .node = kRendering,
+         .why = "Depth and direction for the contact model 'field'; counted with the model.",
+         .bytes = n.field_bytes});
   if (n.proximity_bytes > 0)
     parts.push_back({.name = "distances round",
                      .node = kRendering,
-                     .why = "The effect 'proximity' looks them up for points of the tool; that is "
-                            "counted with the effect.",
+                     .why = "For the effect 'proximity'; counted with the effect.",
                      .bytes = n.proximity_bytes});
 }
 
 /// The tool: its points, of which a frame tests at most `points` with all objects together.
 void add_pointshell(std::vector<PlanPart>& parts, const BuildCounts& n, double points) {
-  parts.push_back(
-      {.name = "pointshell",
-       .node = kRendering,
-       .why = "The tool touches with its points; at most all of them are turned and looked up.",
-       .bytes = n.shell_bytes,
-       .expected_ns = kNsPerPoint * points});
+  parts.push_back({.name = "pointshell",
+                   .node = kRendering,
+                   .why = "Points of the tool; at most all are transformed and looked up.",
+                   .bytes = n.shell_bytes,
+                   .expected_ns = kNsPerPoint * points});
   parts.push_back({.name = "culling tree",
                    .node = kRendering,
-                   .why = "Leaves out the points that are far from everything; with it, the points "
-                          "in single precision, which decide most.",
+                   .why = "Skips points far from the scene; holds points in single precision.",
                    .bytes = contact::ContactQuery::lookup_bytes(n.shell_points)});
 }
 
@@ -98,18 +94,15 @@ void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const 
       {.name = "contact model " + scene.contact.model,
        .node = kRendering,
        .why = stage_bytes_per_point(scene.contact) > 0
-                  ? "The scene's contact section names it; with it goes the memory of points that "
-                    "have gone through."
-                  : "The scene's contact section names it; it remembers no points that have gone "
-                    "through.",
+                  ? "Set in the scene; includes the memory of points that crossed a wall."
+                  : "Set in the scene; without memory of points that crossed a wall.",
        .bytes = n.shell_points * (2 * sizeof(std::uint32_t) + stage_bytes_per_point(scene.contact)),
        .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
   if (n.virtual_tool_lever_m > 0.0)
     parts.push_back(
         {.name = "virtual tool",
          .node = kRendering,
-         .why = "The scene's contact section asks for it: the hand feels the spring to a tool that "
-                "stays outside.",
+         .why = "Set in the scene: the hand feels a spring to a tool that stays outside.",
          .bytes = 2 * (n.objects * n.shell_points + n.edge_points) * sizeof(contact::ConstraintRow),
          .expected_ns = contact::limits::kMaxQueries *
                         (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
@@ -118,8 +111,7 @@ void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const 
     parts.push_back(
         {.name = "sharp edges",
          .node = kRendering,
-         .why = "A virtual tool is asked for them: between its points it would go deeper over an "
-                "edge than the tool itself.",
+         .why = "For the virtual tool, whose points may straddle an edge.",
          .bytes = n.edge_bytes + edge_lookup_bytes(n.edge_points),
          .expected_ns = contact::limits::kMaxQueries * edge_ns(n.objects, n.edge_points)});
 }

@@ -24,7 +24,7 @@ coupling::design::OperatorRange hand_range(coupling::design::Grip grip) noexcept
 std::string_view name_of(HandOption hand) noexcept {
   switch (hand) {
     case HandOption::kAsDeviceIsHeld:
-      return "as the device is held";
+      return "default of the device";
     case HandOption::kPen:
       return "pen";
     case HandOption::kArm:

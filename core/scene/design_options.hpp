@@ -19,7 +19,7 @@ enum class HandOption : std::uint8_t {
   kAnyPassive,  ///< every hand that creates no energy
   kGiven,       ///< the ranges that the scene gives
 };
-/// "as the device is held", "pen", "arm", "any_passive", "given by the scene": for people.
+/// "default of the device", "pen", "arm", "any_passive", "given by the scene": for people.
 std::string_view name_of(HandOption hand) noexcept;
 
 /// Values as in the scene file; what they mean for the designer is in design_problem.hpp.

@@ -8,39 +8,42 @@ namespace {
 // Above the largest a number is in the wrong unit (milliseconds, millimetres, per cent), not the
 // property of a haptic device.
 constexpr auto kDeviceFile = std::to_array<Key>(
-    {{"device", kText, kRequired, none, "Its name."},
-     {"rate_hz", kNumber, kRequired, none, "Samples a second [Hz].", "", nullptr, 1, 1e5},
-     {"max_force_n", kPositive, kRequired, none, "[N]"},
-     {"max_torque_nm", kNotNegative, kRequired, none, "0: gives none [Nm]."},
+    {{"device", kText, kRequired, none, "Name of the device."},
+     {"rate_hz", kNumber, kRequired, none, "Sampling rate [Hz].", "", nullptr, 1, 1e5},
+     {"max_force_n", kPositive, kRequired, none, "Largest force [N]."},
+     {"max_torque_nm", kNotNegative, kRequired, none, "Largest torque [Nm]; 0: none."},
      {"max_stiffness_n_per_m", kPositive, kRequired, none,
-      "What it can show, not what its structure has [N/m]."},
+      "Largest stiffness that it can display, not its structural stiffness [N/m]."},
      {"mass_kg", kRange, kRequired, none,
-      "Apparent at the tool, least and most over workspace and axes [kg]."},
-     {"workspace_m", kSize, kOptional, none, "Edges of the box that the tool reaches [m]."},
-     {"damping_ns_per_m", kNotNegative, kOptional, none, "The least [Ns/m]."},
-     {"coulomb_friction_n", kNotNegative, kOptional, none, "[N]"},
-     {"position_resolution_m", kNumber, kRequired, none, "[m]", "", nullptr, 0, 0.01},
+      "Apparent mass at the tool: smallest and largest over workspace and axes [kg]."},
+     {"workspace_m", kSize, kOptional, none, "Edge lengths of the reachable box [m]."},
+     {"damping_ns_per_m", kNotNegative, kOptional, none, "Smallest viscous damping [Ns/m]."},
+     {"coulomb_friction_n", kNotNegative, kOptional, none, "Coulomb friction [N]."},
+     {"position_resolution_m", kNumber, kRequired, none, "Encoder step [m].", "", nullptr, 0, 0.01},
      {"delay_s", kNumber, kOptional, none,
-      "From the sample to the force, without the hold of a period [s].", "", nullptr, 0, 1},
-     {"force_bandwidth_hz", kPositive, kOptional, none, "Left out: no lag [Hz]."},
+      "Delay from sample to force, excluding the hold of one period [s].", "", nullptr, 0, 1},
+     {"force_bandwidth_hz", kPositive, kOptional, none,
+      "Bandwidth of the force [Hz]. Default: no lag."},
      {"rotation", kMap, kOptional, none, "", "", &device_rotation},
      {"jitter", kNumber, kOptional, none, "The longest period is (1 + jitter) / rate_hz.", "",
       nullptr, 0, 10},
-     {"lost_in_a_row", kCount, kOptional, none, "Samples that may be lost one after the other.", "",
+     {"lost_in_a_row", kCount, kOptional, none, "Largest number of consecutive samples lost.", "",
       nullptr, 0, 1000},
-     {"grip", kWord, kRequired, none, "How it is held.", "pen arm"}});
+     {"grip", kWord, kRequired, none, "How the hand grips it.", "pen arm"}});
 constexpr auto kDeviceRotation = std::to_array<Key>(
-    {{"inertia_kg_m2", kRange, kOptional, none, "[kg m^2]"},
-     {"damping_nms_per_rad", kNotNegative, kOptional, none, "[Nms/rad]"},
-     {"coulomb_friction_nm", kNotNegative, kOptional, none, "[Nm]"},
-     {"orientation_resolution_rad", kNumber, kOptional, none, "[rad]", "", nullptr, 0, 0.1},
-     {"max_stiffness_nm_per_rad", kPositive, kOptional, none, "[Nm/rad]"}});
+    {{"inertia_kg_m2", kRange, kOptional, none, "Apparent inertia: smallest and largest [kg m^2]."},
+     {"damping_nms_per_rad", kNotNegative, kOptional, none, "Smallest viscous damping [Nms/rad]."},
+     {"coulomb_friction_nm", kNotNegative, kOptional, none, "Coulomb friction [Nm]."},
+     {"orientation_resolution_rad", kNumber, kOptional, none, "Encoder step [rad].", "", nullptr, 0,
+      0.1},
+     {"max_stiffness_nm_per_rad", kPositive, kOptional, none,
+      "Largest displayed stiffness [Nm/rad]."}});
 
 }  // namespace
 
-constinit const KeyGroup device_file{"", "A device, as the coupling designer needs it.",
+constinit const KeyGroup device_file{"", "Properties of a device that the coupling designer uses.",
                                      kDeviceFile};
-constinit const KeyGroup device_rotation{"", "Only and always where max_torque_nm is above 0.",
-                                         kDeviceRotation};
+constinit const KeyGroup device_rotation{
+    "", "Required if max_torque_nm is above 0, otherwise refused.", kDeviceRotation};
 
 }  // namespace voxtouch::scene::keys

@@ -18,9 +18,9 @@ namespace keys {
 namespace {
 
 // A row a key: name, kind, rule, standard, meaning; then words, group and limits, if any.
-constexpr auto kPose = std::to_array<Key>(
-    {{"position", kVector, kOptional, initial<&Pose::position>, "Where it is [m]."},
-     {"orientation", kQuaternion, kOptional, initial<&Pose::orientation>}});
+constexpr auto kPose =
+    std::to_array<Key>({{"position", kVector, kOptional, initial<&Pose::position>, "Position [m]."},
+                        {"orientation", kQuaternion, kOptional, initial<&Pose::orientation>}});
 
 constexpr auto kSphere =
     std::to_array<Key>({{"centre", kVector, kOptional, initial<&SpherePrimitive::centre>, "[m]"},
@@ -29,12 +29,12 @@ constexpr auto kSphere =
 constexpr auto kRegionSphere = std::to_array<Key>(
     {{"centre", kVector, kRequired, none, "[m]"}, {"radius", kPositive, kRequired, none, "[m]"}});
 constexpr auto kBox = joined(
-    kPose,
-    std::to_array<Key>({{"size", kSize, kRequired, none, "Edges along the box's own axes [m]."}}));
+    kPose, std::to_array<Key>(
+               {{"size", kSize, kRequired, none, "Edge lengths along the box's axes [m]."}}));
 constexpr auto kCylinder =
-    joined(kPose, std::to_array<Key>(
-                      {{"radius", kPositive, kRequired, none, "[m]"},
-                       {"length", kPositive, kRequired, none, "Along the cylinder's own z [m]."}}));
+    joined(kPose, std::to_array<Key>({{"radius", kPositive, kRequired, none, "[m]"},
+                                      {"length", kPositive, kRequired, none,
+                                       "Length along the cylinder's z axis [m]."}}));
 constexpr auto kPart = std::to_array<Key>({{"sphere", kMap, kOneOf, none, "", "", &sphere},
                                            {"box", kMap, kOneOf, none, "", "", &box},
                                            {"cylinder", kMap, kOneOf, none, "", "", &cylinder}});
@@ -44,71 +44,69 @@ constexpr auto kMesh = joined(
                {{"mesh", kText, kRequired, none,
                  "OBJ, STL, PLY, glTF/GLB or COLLADA; paths start at the scene file's folder."},
                 {"scale", kPositive, kOptional, initial<&MeshSpec::scale>,
-                 "Metres for one unit of the file."}}),
+                 "Metres per unit of the file."}}),
            kPose),
     std::to_array<Key>(
         {{"parts", kMaps, kOptional, none,
-          "Closed forms that stand for the mesh in the validator, in its frame after scaling.", "",
+          "Closed forms of the mesh for the validator, in the frame of the scaled mesh.", "",
           &part}}));
 constexpr auto kStaticMesh = joined(
-    kMesh,
-    std::to_array<Key>({{"origin", kVector, kOptional, none,
-                         "Where the voxel grid of the object begins, or of the ground [m]; on one "
-                         "of its meshes at most. Left out: so that faces along the grid lie far "
-                         "from voxel borders. For the grid with borders at multiples of the voxel "
-                         "e, standard before: e (floor(min / e) - 1) for each axis, min the "
-                         "least coordinate of its meshes; `voxtouch plan` says both."},
-                        {"object", kMap, kOptional, none, "", "", &object}}));
+    kMesh, std::to_array<Key>(
+               {{"origin", kVector, kOptional, none,
+                 "Origin of the object's voxel grid [m], on at most one of its meshes. Default: "
+                 "faces along the grid lie far from voxel borders. For borders at multiples of the "
+                 "voxel edge e use e (floor(min / e) - 1) on each axis, with the smallest "
+                 "coordinate min of the object's meshes; `voxtouch plan` prints both."},
+                {"object", kMap, kOptional, none, "", "", &object}}));
 constexpr auto kObject =
-    std::to_array<Key>({{"name", kName, kRequired, none, "Of the object."},
+    std::to_array<Key>({{"name", kName, kRequired, none, "Name of the object."},
                         {"stiffness_n_per_m", kPositive, kNotTogether, none,
-                         "Of each shell point against it [N/m]; left out: the scene's."},
+                         "Stiffness per shell point against it [N/m]. Default: the scene's."},
                         {"stiffness_n_per_m3", kPositive, kNotTogether, none,
-                         "Per area against it [N/m^3]; left out: the scene's."},
+                         "Stiffness per area against it [N/m^3]. Default: the scene's."},
                         {"moves", kMap, kOptional, none, "", "", &object_motion}});
-constexpr auto kDynamicMesh =
-    joined(kMesh, std::to_array<Key>({{"shell", kWord, kOptional, initial<&Scene::shell>,
-                                       "Shell points on the surface, or in the voxels' centres.",
-                                       "exact naive"}}));
+constexpr auto kDynamicMesh = joined(
+    kMesh, std::to_array<Key>({{"shell", kWord, kOptional, initial<&Scene::shell>,
+                                "Shell points on the surface (exact) or at voxel centres (naive).",
+                                "exact naive"}}));
 
 constexpr auto kContact = std::to_array<Key>(
     {{"model", kWord, kOptional, initial<&ContactSpec::model>,
-      "Contact model, from the fastest to the most accurate: see `voxtouch accuracy`.",
+      "Contact model, from fastest to most accurate; see `voxtouch accuracy`.",
       "original adapted field"},
      {"rendering", kWord, kOptional, none,
-      "A virtual tool that stays outside what it touches, with `field` (then the standard model): "
-      "it displays the coupling's certified stiffness, and none is given here. "
-      "Or penalty, forces that grow with the depth. Or memoryless, these as the paper has them, "
-      "to compare with it: points that have gone through a wall's "
-      "voxels push no more, so it is soon passed. Left out: virtual_tool for `field` without a "
-      "stiffness, else penalty. With the effect `body` and no stiffness: penalty, and the "
-      "stiffness follows from the body's mass.",
+      "How a depth becomes a force. virtual_tool: a second tool stays outside the scene and "
+      "displays the coupling's certified stiffness; its model is `field`, and no stiffness is "
+      "given. penalty: the force grows with depth. memoryless: penalty as in the paper, where a "
+      "point that has crossed a wall gives no force. Default: virtual_tool for `field` without a "
+      "stiffness, otherwise penalty. With the effect `body` and no stiffness: penalty, with the "
+      "stiffness derived from the body's mass.",
       "virtual_tool penalty memoryless"},
      {"stiffness_n_per_m", kPositive, kOneOf, none,
-      "Of each shell point [N/m]; original and adapted."},
+      "Stiffness per shell point [N/m], for original and adapted."},
      {"stiffness_n_per_m3", kPositive, kOneOf, none,
-      "Per area of the tool's surface [N/m^3]; any model."}});
+      "Stiffness per area of the tool's surface [N/m^3], for any model."}});
 
 constexpr auto kTool =
     std::to_array<Key>({{"lever_m", kPositive, kOptional, none,
-                         "Lever by which a virtual tool weighs turns against shifts [m]; left out: "
-                         "as far as the tool reaches from its origin."}});
+                         "Length that weighs rotation against translation [m]. Default: the tool's "
+                         "largest distance from its origin."}});
 
 constexpr auto kRegion =
     std::to_array<Key>({{"sphere", kMap, kOneOf, none, "", "", &region_sphere},
                         {"box", kMap, kOneOf, none, "", "", &box},
                         {"blend_m", kPositive, kOptional, initial<&effects::Region::blend_m>,
-                         "The effect fades out over this length beyond the shape [m]."}});
+                         "Length over which the effect fades out beyond the shape [m]."}});
 constexpr auto kEffect = std::to_array<Key>(
     {{"name", kName, kOptional, none,
-      "Of this one, for the change while running; the kind's where it is left out."},
+      "Name for changes while the ring runs. Default: the effect's kind."},
      {"region", kMap, kOptional, none, "", "", &region},
      {"object", kName, kOptional, none,
-      "Feels the contact with this object alone; `ground` for the meshes of none."},
+      "Object whose contact the effect uses. `ground`: meshes without an object."},
      {"gain", kNumber, kOptional, initial<&effects::EffectSpec::gain>,
       "Fraction of its force that is displayed.", "", nullptr, 0, 1},
      {"on", kFlag, kOptional, initial<&effects::EffectSpec::on>,
-      "false: built and ready, switched off at the start."}});
+      "false: built, but switched off at the start."}});
 
 constexpr auto kHand =
     std::to_array<Key>({{"mass_kg", kRange, kRequired, none, "[low, high]"},
@@ -118,116 +116,120 @@ constexpr auto kHand =
                         {"damping_nms_per_rad", kRange, kAllOrNone, none, "[low, high]"},
                         {"stiffness_nm_per_rad", kRange, kAllOrNone, none, "[low, high]"}});
 constexpr auto kCoupling = std::to_array<Key>(
-    {{"design", kWord, kOptional, none, "The coupling is designed for device, hand and contact.",
+    {{"design", kWord, kOptional, none, "Design the coupling for device, hand and contact.",
       "auto"},
      {"kind", kWord, kOptional, none,
-      "Law; `auto` goes with design. Else the standard is shaping_filter.",
+      "Coupling law; `auto` needs `design`. Default without `design`: shaping_filter.",
       "auto shaping_filter spring_damper direct"},
      {"cutoff_hz", kPositive, kOptional, none,
-      "Of the shaping filter, w0/(2 pi); with design a lower bound, which the designer may raise."},
+      "Cut-off of the shaping filter, w0 / (2 pi) [Hz]. With `design`: its lower bound."},
      {"damping_ratio", kPositive, kWithoutFirst, initial<&coupling::CouplingSpec::damping_ratio>,
-      "Of the shaping filter."},
+      "Damping ratio of the shaping filter [1]."},
      {"gain", kPositive, kWithoutFirst, initial<&coupling::CouplingSpec::gain>,
-      "Of the shaping filter, force over force."},
+      "Gain of the shaping filter, force over force [1]."},
      {"stiffness_n_per_m", kPositive, kWithoutFirst,
-      initial<&coupling::CouplingSpec::stiffness_n_per_m>, "Of the spring-damper [N/m]."},
+      initial<&coupling::CouplingSpec::stiffness_n_per_m>, "Stiffness of the spring-damper [N/m]."},
      {"damping_ns_per_m", kNotNegative, kWithoutFirst,
-      initial<&coupling::CouplingSpec::damping_ns_per_m>, "Of the spring-damper [Ns/m]."},
+      initial<&coupling::CouplingSpec::damping_ns_per_m>, "Damping of the spring-damper [Ns/m]."},
      {"stiffness_cap_n_per_m", kPositive, kOptional, none,
-      "The contact shows no more than this, in W [N/m]."},
+      "Upper limit of the displayed contact stiffness, in W [N/m]."},
      {"stiffness_cap_nm_per_rad", kPositive, kOptional, none,
-      "The contact shows no more than this against rotation [Nm/rad]."},
+      "Upper limit of the displayed rotational contact stiffness [Nm/rad]."},
      {"injected_damping_ns_per_m", kNotNegative, kWithoutFirst,
-      initial<&coupling::CouplingSpec::injected_damping_ns_per_m>, "While in contact [Ns/m]."},
+      initial<&coupling::CouplingSpec::injected_damping_ns_per_m>,
+      "Damping injected during contact [Ns/m]."},
      {"injected_damping_nms_per_rad", kNotNegative, kWithoutFirst,
       initial<&coupling::CouplingSpec::injected_damping_nms_per_rad>,
-      "While in contact [Nms/rad]."},
+      "Rotational damping injected during contact [Nms/rad]."},
      {"velocity_filter_hz", kPositive, kWithoutFirst,
-      initial<&coupling::CouplingSpec::velocity_filter_hz>, "Of the velocity that is damped."},
+      initial<&coupling::CouplingSpec::velocity_filter_hz>,
+      "Cut-off of the velocity that injected damping uses [Hz]."},
      {"velocity_window", kCount, kWithoutFirst, initial<&coupling::CouplingSpec::velocity_window>,
-      "n, up to 5: damping acts on the velocity of a window of 3 n samples instead; 0: on the "
-      "filter's.",
+      "n: damping uses the velocity over a window of 3 n samples. 0: it uses the filtered "
+      "velocity.",
       "", nullptr, 0, coupling::kMaxVelocityWindow},
      {"slow_velocity_hz", kNotNegative, kWithoutFirst,
       initial<&coupling::CouplingSpec::slow_velocity_hz>,
-      "Of a slower velocity, which is damped where the encoder's steps may be all that the other "
-      "differs from it by; 0: none."},
+      "Cut-off of the slow velocity estimate [Hz]; 0 disables it. It replaces the fast one while "
+      "both differ only by encoder quantisation."},
      {"velocity_band_m_per_s", kNotNegative, kWithoutFirst,
       initial<&coupling::CouplingSpec::velocity_band_m_per_s>,
-      "How much that may be along each axis, in W [m/s]."},
+      "Largest difference that encoder quantisation explains, per axis in W [m/s]."},
      {"damping_force_ratio", kNotNegative, kOptional, none,
-      "Most that injected damping adds to what contact and effects give, as a ratio of it, plus a "
-      "small constant force: so a touch begins with the contact. 0: without that bound. Left out: "
-      "0.35, with design as long as it leaves two thirds of the stiffness, else the least of 0.7, "
-      "2, 6 and 24 that leaves nine tenths, else 0. One that is given and would take more than a "
-      "third is not kept."},
+      "Bound of the injected damping force, relative to contact and effects [1]; 0: unbounded. A "
+      "small constant force is added to the bound. Default: 0.35 if at least 2/3 of the unbounded "
+      "stiffness remains, otherwise the smallest of 0.7, 2, 6 and 24 that keeps 9/10, otherwise 0. "
+      "A given value that costs more than 1/3 of the stiffness is not used."},
      {"gain_margin", kNumber, kWithFirst, initial<&DesignOptions::gain_margin>,
-      "How much stiffer the worst case may get before it is unstable.", "", nullptr, 1},
+      "Factor between the limit of stability and the worst case [1].", "", nullptr, 1},
      {"damping_floor", kNumber, kWithFirst, initial<&DesignOptions::damping_floor>,
-      "Least damping ratio of the slowest swing along in contact, with a hand; a third of it with "
-      "the device released. Stiffness is given up for it; 0: it is not.",
+      "Minimum damping ratio of the dominant mode in contact, with a hand [1]. With the device "
+      "released a third of it is required. The designer reduces stiffness to reach it; 0: no "
+      "requirement.",
       "", nullptr, 0, 0.9},
      {"rotation_damping_floor", kNumber, kWithFirst,
       initial<&DesignOptions::rotation_damping_floor>,
-      "The same of rotation: the damping that it needs is displayed in torques.", "", nullptr, 0,
+      "Minimum damping ratio of rotation [1]. Its damping is displayed as torque.", "", nullptr, 0,
       0.9},
-     {"hand", kMap, kWithFirst, none, "Who may hold the device; left out: as the device is held.",
+     {"hand", kMap, kWithFirst, none, "Hand model: a name or ranges. Default: that of the device.",
       "pen arm any_passive", &hand},
      {"released", kFlag, kWithFirst, initial<&DesignOptions::released>,
-      "Must be stable when released too."},
+      "The loop must also be stable with the device released."},
      {"inject_damping", kFlag, kWithFirst, initial<&DesignOptions::inject_damping>,
       "The designer may inject damping."},
      {"velocity_windows", kFlag, kWithFirst, initial<&DesignOptions::velocity_windows>,
-      "Injected damping may act on the velocity of a window of samples too: up to 1.6 times the "
-      "stiffness for the same noise."},
+      "The designer may choose `velocity_window`. It gives up to 1.6 times the stiffness at the "
+      "same noise."},
      {"run_infeasible", kFlag, kWithFirst, initial<&DesignOptions::run_infeasible>,
-      "Run what was found even where the design says that it will not do."}});
+      "Run the best coupling found even if no design is feasible."}});
 
 constexpr auto kDevice = std::to_array<Key>(
     {{"position_scale", kPositive, kOptional, initial<&WorkspaceMapping::position_scale>,
-      "Metres of the tool for one metre of the device."},
+      "Metres of the tool per metre of the device."},
      {"force_scale", kPositive, kOptional, initial<&WorkspaceMapping::force_scale>,
-      "Newtons at the device for one newton of the scene."},
-     {"pose", kMap, kOptional, none, "The device's base in the scene.", "", &pose},
-     {"tool", kMap, kOptional, none, "The tool in the frame of the device's tip.", "", &pose},
+      "Newtons at the device per newton in the scene."},
+     {"pose", kMap, kOptional, none, "Pose of the device's base in the scene.", "", &pose},
+     {"tool", kMap, kOptional, none, "Pose of the tool in the frame of the device's tip.", "",
+      &pose},
      {"clutch_button", kButton, kOptional, none,
-      "While this button is pressed the tool stays and the device moves free."}});
+      "While this button is pressed the tool stays and the device moves freely."}});
 
 constexpr auto kScene = std::to_array<Key>(
     {{"scene", kName, kRequired, none, "The scene's name."},
      {"voxel_size", kPositive, kRequired, none, "Edge of a voxel [m]."},
-     {"static", kMaps, kRequired, none, "What can be touched.", "", &static_mesh, 1},
+     {"static", kMaps, kRequired, none, "Static meshes: what the tool can touch.", "", &static_mesh,
+      1},
      {"dynamic", kMap, kRequired, none, "", "", &dynamic_mesh},
      {"contact", kMap, kRequired, none, "", "", &contact},
      {"tool", kMap, kOptional, none, "", "", &tool},
      {"effects", kMaps, kOptional, none,
-      "Forces added to the contact; what is not here is not computed.", "", &effect},
+      "Forces added to the contact. An effect that is not listed is not computed.", "", &effect},
      {"coupling", kMap, kOptional, none, "", "", &coupling},
      {"device", kMap, kOptional, none, "", "", &device},
-     {"motions", kNamedMaps, kOptional, none, "What simulated hands can do, by name.", "",
+     {"motions", kNamedMaps, kOptional, none, "Motions of a simulated hand, by name.", "",
       &motion}});
 
 }  // namespace
 
 constinit const KeyGroup scene{"", "", kScene};
 constinit const KeyGroup static_mesh{"static_mesh", "", kStaticMesh};
-constinit const KeyGroup dynamic_mesh{"", "The tool: what the hand moves.", kDynamicMesh};
-constinit const KeyGroup object{"object", "Made here.", kObject};
-constinit const KeyGroup contact{"", "How the tool is pushed out of what it touches.", kContact};
-constinit const KeyGroup tool{"", "What a virtual tool must know of the tool.", kTool};
+constinit const KeyGroup dynamic_mesh{"", "The mesh of the tool, which the hand moves.",
+                                      kDynamicMesh};
+constinit const KeyGroup object{"object", "Definition of an object.", kObject};
+constinit const KeyGroup contact{"", "Contact model and its stiffness.", kContact};
+constinit const KeyGroup tool{"", "Properties of the tool that the virtual tool uses.", kTool};
 constinit const KeyGroup effect{"effect", "One effect.", kEffect};
-constinit const KeyGroup coupling{"", "Between contact and device.", kCoupling};
-constinit const KeyGroup device{"", "How the device moves the tool.", kDevice};
+constinit const KeyGroup coupling{"", "Coupling between contact and device.", kCoupling};
+constinit const KeyGroup device{"", "Mapping from the device's motion to the tool's.", kDevice};
 constinit const KeyGroup pose{"pose", "", kPose};
 constinit const KeyGroup part{
-    "part", "A closed form that stands for the mesh, or a convex part of it, in the validator.",
-    kPart};
+    "part", "Closed form of the mesh, or of a convex part of it, for the validator.", kPart};
 constinit const KeyGroup sphere{"", "", kSphere};
 constinit const KeyGroup box{"", "", kBox};
 constinit const KeyGroup cylinder{"", "", kCylinder};
-constinit const KeyGroup region{"region", "The effect works in here only.", kRegion};
+constinit const KeyGroup region{"region", "The effect acts only inside this shape.", kRegion};
 constinit const KeyGroup region_sphere{"", "", kRegionSphere};
-constinit const KeyGroup hand{"", "Ranges of a hand.", kHand};
+constinit const KeyGroup hand{"", "Ranges of the hand's mass, damping and stiffness.", kHand};
 
 }  // namespace keys
 }  // namespace voxtouch::scene

@@ -225,9 +225,11 @@ Json definitions() {
                                 &keys::region, &keys::effect, &keys::object_motion, &keys::motion})
     out[group->defined] = map_of(*group);
   out["object"] = {
-      {"oneOf", {described(name(), "Made by an entry above."), map_of(keys::object)}},
+      {"oneOf",
+       {described(name(), "Name of an object that an entry above defines."), map_of(keys::object)}},
       {"description",
-       "With a material of its own, and a motion if it has one; left out: the ground."}};
+       "Object that this mesh belongs to. It may have its own material and motion. Default: "
+       "`ground`."}};
   out["effect"] = effect();
   return out;
 }

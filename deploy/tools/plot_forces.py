@@ -78,13 +78,13 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         )
     body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
-    returned, deepest, last = (
+    largest, deepest, last = (
         max(returned["force"], default=0.0),
         max(contact["depth"]),
         contact["t"][-1] + 1e-3,
     )
     figure, axes = new_figure(
-        f"{f'At most {returned:.2g} N' if returned > 1e-9 else 'No force'} came back to the hand; "
+        f"{f'At most {largest:.2g} N' if largest > 1e-9 else 'No force'} came back to the hand; "
         + (
             f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep"
             if deepest > 0
@@ -180,7 +180,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         (
             f"shows {contact['t'][-1] - contact['t'][0]:.3f} s: {len(contact['t'])} samples,"
             f" {pushing} with contact, largest contact force {max(contact['contact']):.3f} N,"
-            f" largest returned force {returned:.3f} N"
+            f" largest returned force {largest:.3f} N"
         ),
     )
 

@@ -90,7 +90,7 @@ def as_svg(figure, name, alt):
     return re.sub(r"font: ([\d.]+)px '[^;\"]*", r"font: \1px var(--font)", text)
 
 
-def columns(runs, heights, ratio_x=True, legend_lines=1):
+def columns(runs, heights, shared_x=True, legend_lines=1):
     """A figure with a column for each run and a row for each height; over the first one's legend
     the name of each of two runs.
     """
@@ -99,7 +99,7 @@ def columns(runs, heights, ratio_x=True, legend_lines=1):
     )
     figure.get_layout_engine().set(w_pad=0.1, h_pad=0.06)
     axes = figure.subplots(
-        len(heights), len(runs), squeeze=False, sharex=ratio_x, sharey="row", height_ratios=heights
+        len(heights), len(runs), squeeze=False, sharex=shared_x, sharey="row", height_ratios=heights
     )
     if len(runs) > 1:
         for run, axis in zip(runs, axes[0]):
@@ -126,7 +126,7 @@ def legends(runs, axes):
         legend_above(axis, 5 if len(runs) == 1 else 3)
 
 
-def joint_axis(axis, run, named):
+def percent_axis(axis, run, named):
     """The same force as a fraction of what the device can give, on the right."""
     if math.isfinite(run.limit_n):
         right = axis.secondary_yaxis(
@@ -211,14 +211,14 @@ def force_picture(runs):
 def limits(runs, axes):
     """What the devices can give, as a second scale and, where it lies within, as a line."""
     for run, axis in zip(runs, axes):
-        joint_axis(axis, run, run is runs[-1])
+        percent_axis(axis, run, run is runs[-1])
         if axis.get_ylim()[1] > run.limit_n:
             axis.axhline(run.limit_n, color=RED, lw=1.6, ls=":", label="the device's limit")
 
 
 def peak_picture(runs):
     """A second before and after the largest force returned, every sample."""
-    figure, axes = columns(runs, (3.0,), ratio_x=False)
+    figure, axes = columns(runs, (3.0,), shared_x=False)
     values = [{"contact": norm(run.pushed), "returned": norm(run.returned)} for run in runs]
     limit = 1.08 * max(
         [

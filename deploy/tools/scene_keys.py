@@ -9,12 +9,13 @@ import json
 import pathlib
 import re
 import sys
+import textwrap
 
 SCENES = pathlib.Path(__file__).resolve().parents[1] / "scenes"
 HEAD = """# Scenes
 
 `deploy/tools/scene_keys.py` generates this file from `scene.schema.json` and from the first
-comments of the scenes. Edit those instead of this file.
+line of each scene's comment. Edit those instead of this file.
 
 A scene is a YAML file. The reader is strict: an unknown, missing, duplicate or non-finite key is an
 error that names file, line, column and the valid values. Lengths are m, forces N, quaternions
@@ -39,15 +40,13 @@ last column is the default; a dash means that there is none.
 
 
 def scenes():
-    """(file name, first comment, names of motions) of each scene."""
+    """(file name, first line of its comment, names of motions) of each scene."""
     for file in sorted(SCENES.glob("*.yaml")):
         text = file.read_text(encoding="utf-8")
         comment = re.match(r"# yaml-language-server.*\n((?:#.*\n)+)", text)
-        said = (
-            " ".join(line.lstrip("# ") for line in comment.group(1).splitlines()) if comment else ""
-        )
+        summary = comment.group(1).splitlines()[0].lstrip("# ") if comment else ""
         motions = text.split("\nmotions:", 1)[1] if "\nmotions:" in text else ""
-        yield file.name, said, re.findall(r"^  ([A-Za-z0-9_-]+):", motions, re.MULTILINE)
+        yield file.name, summary, re.findall(r"^  ([A-Za-z0-9_-]+):", motions, re.MULTILINE)
 
 
 def value(number):
@@ -120,10 +119,21 @@ def rules(schema):
 def row(key, schema, required):
     displayed = f"**`{key}`**" if key in required else f"`{key}`"
     standard = f"`{value(schema['default'])}`" if "default" in schema else "-"
-    return f"| {displayed} | {kind(schema)} | {schema.get('description', '')} | {standard} |"
+    meaning = first_sentence(schema)[0]
+    return f"| {displayed} | {kind(schema)} | {meaning} | {standard} |"
 
 
-TABLE = "| key | value | meaning | left out |\n|---|---|---|---|"
+def first_sentence(schema):
+    """(first sentence, the rest) of a description."""
+    first, _, rest = schema.get("description", "").partition(". ")
+    return (first + "." if rest else first, rest)
+
+
+def paragraph(text):
+    return "\n".join(textwrap.wrap(text, 100, break_long_words=False, break_on_hyphens=False))
+
+
+TABLE = "| key | value | meaning | default |\n|---|---|---|---|"
 
 
 def section(name, schema, level):
@@ -142,7 +152,11 @@ def section(name, schema, level):
     for key, inner in schema["properties"].items():
         yield row(key, inner, schema.get("required", []))
     for key, inner in schema["properties"].items():
-        for choice in [inner, inner.get("items", {})] + inner.get("oneOf", []):
+        if rest := first_sentence(inner)[1]:
+            yield "\n" + paragraph(f"`{key}`: {rest}")
+    for key, inner in schema["properties"].items():
+        described = [choice for choice in inner.get("oneOf", []) if "description" in choice]
+        for choice in [inner, inner.get("items", {})] + described:
             if "properties" in choice:
                 yield from section(
                     f"{name}.{key}" if name != TOP else key, choice, min(level + 1, 5)
@@ -176,8 +190,8 @@ def effects(schema):
 def manual():
     schema = json.loads((SCENES / "scene.schema.json").read_text(encoding="utf-8"))
     rows = "".join(
-        f"| [`{name}`]({name}) | {said} | {', '.join(f'`{m}`' for m in motions)} |\n"
-        for name, said, motions in scenes()
+        f"| [`{name}`]({name}) | {summary} | {', '.join(f'`{m}`' for m in motions)} |\n"
+        for name, summary, motions in scenes()
     )
     lines = list(section(TOP, schema, 3))
     for name, definition in schema["$defs"].items():

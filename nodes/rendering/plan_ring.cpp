@@ -39,18 +39,16 @@ std::vector<rendering::PlanPart> ring_parts(const scene::Scene& scene) {
       parts.push_back({.name = name_of(topic, external),
                        .node = writer_of(topic),
                        .why = std::string(topic.why)});
-  parts.push_back(node_part("device", "Reads the device and keeps its force within limits."));
+  parts.push_back(node_part("device", "Reads the device and limits its force."));
   parts.push_back(node_part("rendering", scene.effects.empty()
-                                             ? "Contact of each sample."
-                                             : "Contact and effects of each sample."));
+                                             ? "Computes the contact of each sample."
+                                             : "Computes contact and effects of each sample."));
   parts.push_back(node_part("coupling", scene.design ? "Designs the coupling and runs it."
                                                      : "Runs the scene's coupling."));
   parts.push_back(node_part("validator",
-                            "A process of its own next to the ring, started by `up`: judges every "
-                            "n-th contact while its verdicts have a reader. "
-                            "Where none runs, nothing is done for it."));
-  parts.push_back(node_part(
-      "logger", "Records the bag; with --no-record there is none, and nothing is done for it."));
+                            "Separate process, started by `up`. Checks every n-th contact while "
+                            "its topic has a reader."));
+  parts.push_back(node_part("logger", "Records the bag. Not started with --no-record."));
   return parts;
 }
 

@@ -227,8 +227,8 @@ class Replay(unittest.TestCase):
             r"sim-phantom",
             r"lockstep",
             r"2000 samples in 1\.999 s",
-            r"contact +2000 samples .* all equal",
-            r"command +2000 samples .* all equal",
+            r"contact +2000 samples .* all bit-identical",
+            r"command +2000 samples .* all bit-identical",
         ):
             self.assertRegex(text, fact)
 

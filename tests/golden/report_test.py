@@ -386,7 +386,7 @@ class Reports(unittest.TestCase):
         self.says(self.report_of(unsaid), "no flag")
         self.says(self.page, "no latency")
 
-    def test_whether_it_was_a_good_run_stands_first(self):
+    def test_whether_the_run_passed_stands_first(self):
         verdict = self.bag / "voxtouch_run.json"
         self.assertEqual(json.loads(verdict.read_text()), self.summary)
         self.says(self.page, f"PASSED: all {len(self.summary['limits'])} limits", "swing_s")
@@ -406,7 +406,7 @@ class Reports(unittest.TestCase):
         page = Page(bad / "report.html")
         self.assertEqual(page.problems, [])
         self.says(
-            page, "Not a good run", *json.loads(ended.stdout)["problems"], "at least 1.5", "not met"
+            page, "FAILED", *json.loads(ended.stdout)["problems"], "at least 1.5", "not met"
         )
         unjudged = self.copy("unjudged", "")
         (unjudged / verdict.name).unlink()

@@ -137,11 +137,11 @@ std::string to_text(const PlanReport& report) {
                     report.device->errors);
     text += section(fmt::format("On {}", report.device->device).c_str(), report.device->notes);
   }
-  text += "\nWhat a frame is made of\n" + frame_rows(report);
+  text += "\nCost of a frame\n" + frame_rows(report);
   text += fmt::format("  All parts: {}; at most about {:.1f} us a frame of the rendering.\n",
                       rendering::bytes_text(bytes), plan.expected_ns_per_frame / 1e3);
   text += times_text(report);
-  return text + section("Left out", plan.skipped) + "\nTopics and nodes\n" + ring_rows(report);
+  return text + section("Not built", plan.skipped) + "\nTopics and nodes\n" + ring_rows(report);
 }
 
 nlohmann::ordered_json to_json(const PlanReport& report) {
