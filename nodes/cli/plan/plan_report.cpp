@@ -138,7 +138,7 @@ std::string to_text(const PlanReport& report) {
     text += section(fmt::format("On {}", report.device->device).c_str(), report.device->notes);
   }
   text += "\nCost of a frame\n" + frame_rows(report);
-  text += fmt::format("  All parts: {}; at most about {:.1f} us a frame of the rendering.\n",
+  text += fmt::format("  All parts: {}; at most about {:.1f} us per frame.\n",
                       rendering::bytes_text(bytes), plan.expected_ns_per_frame / 1e3);
   text += times_text(report);
   return text + section("Not built", plan.skipped) + "\nTopics and nodes\n" + ring_rows(report);
