@@ -8,7 +8,8 @@ For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_:
 ROS 2 names it on DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and
 static_asserts on its layout; OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as
 Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. Of a service it writes
-OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp. """
+OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp.
+"""
 import pathlib
 import re
 import sys

@@ -2,7 +2,8 @@
 idl/msg, where they are written down.
 
 Reads rosbag2 folders (bag_files.py says which), also of a ring that was killed. Needs numpy, which
-comes with python3-matplotlib. """
+comes with python3-matplotlib.
+"""
 import functools
 import json
 import pathlib

@@ -1,6 +1,7 @@
 """The files of a rosbag2 bag as raw messages: sqlite3 and MCAP, split ones too, also of a logger
 that was killed. Standard library, and for compressed chunks of an MCAP a zstd: Debian's
-python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on. """
+python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on.
+"""
 import pathlib
 import sqlite3
 import struct

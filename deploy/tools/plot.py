@@ -28,7 +28,8 @@ Where the data come from (each command with --help says more):
   voxtouch up deploy/scenes/cup.yaml --motion slide --duration 10 --lockstep --record bag
 
 PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 where the picture is
-written; else 1 and a sentence on stderr. """
+written; else 1 and a sentence on stderr.
+"""
 import argparse
 import json
 import math

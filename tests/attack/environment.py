@@ -5,7 +5,8 @@ and never by a signal.
     tests/attack/environment.py --build build --domain 68
 
 Rows that need root (no /proc, an address that goes) are left out without it, and named. Exit status
-1 if something did not hold. """
+1 if something did not hold.
+"""
 import argparse
 import contextlib
 import os

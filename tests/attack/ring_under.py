@@ -7,7 +7,8 @@
 Starts `voxtouch up`, waits until the hand feels the contact, runs the program, lets the ring come
 to its end, and judges: `up` ends by itself, no process is lost, the device never gets more force
 than the contact gives, and exit status and named problems agree. The program has to end with 0.
-Exit status 1 if something did not hold. """
+Exit status 1 if something did not hold.
+"""
 import argparse
 import json
 import pathlib

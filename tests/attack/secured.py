@@ -7,7 +7,8 @@ them: nothing reaches the loop, and no start fails.
 For each attack: a ring runs in contact, the attack begins, the ring comes to its end; a second ring
 starts while the attack goes on. Counts foreign samples that any reader of a node had, starts that
 were refused, and runs that had a problem. The forger at last attacks a plain ring, which has to
-suffer: else it would prove nothing. Exit status 1 if something did not hold. """
+suffer: else it would prove nothing. Exit status 1 if something did not hold.
+"""
 import argparse
 import json
 import pathlib

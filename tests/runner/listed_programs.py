@@ -7,7 +7,8 @@ usage: listed_programs.py FOLDER [LIST]     links each of them into FOLDER (empt
 
 A test that starts a program of another package passes on a machine that has it by chance and fails
 on a bare one. With FOLDER as the only entry of PATH it fails everywhere. `run_tests.py` runs all
-tests so. """
+tests so.
+"""
 import pathlib
 import re
 import shutil

@@ -7,7 +7,8 @@ usage: quick_test.py [--since REV] [--minutes M] [--list]
 Touched are the test programs that Ninja would build anew; first come those of the folders that a
 change lies in, then those that take least to compile. What does not fit into the time is named and
 left out: `deploy/test` runs everything. Tests of the ring, of timing and long ones are not units
-and not run. Exit status 1 if a test fails or nothing could be built. """
+and not run. Exit status 1 if a test fails or nothing could be built.
+"""
 import argparse
 import json
 import os

@@ -12,7 +12,8 @@ outputs of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if
 failed.
 
 Tests find the programs of the packages in deploy/packages.txt and no others: PATH is
-BUILD/listed_programs (listed_programs.py). """
+BUILD/listed_programs (listed_programs.py).
+"""
 import concurrent.futures
 import json
 import os

@@ -6,7 +6,8 @@ usage: time_report.py BUILD [--tests JUNIT_XML] [--rows N] [--page FILE]
 
 What a target took is the sum over its steps in BUILD/.ninja_log, of the last time that each was
 made; steps run next to each other, so the sum is about twice the time on the clock of two cores.
-JUNIT_XML is what `ctest --output-junit` wrote. """
+JUNIT_XML is what `ctest --output-junit` wrote.
+"""
 import argparse
 import collections
 import datetime

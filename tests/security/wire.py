@@ -6,7 +6,8 @@ that are not enciphered.
 
 Captures loopback while a secured ring runs, and while a plain one does, which has to show plenty.
 Exit status 1: something passed in clear text, or the plain ring showed nothing; 77: this user may
-not capture. """
+not capture.
+"""
 import base64
 import pathlib
 import re

@@ -4,7 +4,8 @@ One ring runs; in turns of SECONDS (8) there is a page with a plain WebSocket cl
 it gets, and there is none. Latency is that of each sample, from the device's write to the
 coupling's write of its command, by DDS's times of writing, read by a tap of this process that runs
 throughout. Needs Python with cyclonedds 11 (build/python/bin/python), VOXTOUCH_BIN,
-VOXTOUCH_DEPLOY. """
+VOXTOUCH_DEPLOY.
+"""
 import json
 import statistics
 import subprocess

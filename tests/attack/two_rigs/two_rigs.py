@@ -16,7 +16,8 @@ takes the force away, as it should. So one witness on each CPU, at a higher real
 the rigs where that is allowed, wakes every millisecond and notes when it could not. Force is lost
 by one long stop or by several short ones, after each of which an answer comes too late. So force
 that was lost while one CPU had stood still for 20 of the last 80 ms, all in all, is counted apart,
-as the machine's. """
+as the machine's.
+"""
 import argparse
 import json
 import os

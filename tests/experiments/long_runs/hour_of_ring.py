@@ -18,7 +18,8 @@ threads fills a buffer of 1 MB, asks for another, and frees the first, which the
 (seen by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). So each process may
 grow by two buffers a thread and what lies between them, 5 MB as measured; where little is received
 it fills page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read
-the table, which reports memory after each tenth. """
+the table, which reports memory after each tenth.
+"""
 import argparse
 import json
 import os

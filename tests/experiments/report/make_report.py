@@ -7,7 +7,8 @@ Runs paper_experiments (figures 2, 3, 8, 9, 11), the real ring in lockstep (figu
 `voxtouch accuracy` on the cup; draws the figures, and writes DIR/index.html, which any browser
 opens without a network. About a minute on two cores; --quick: half of that, with fewer poses and
 shorter runs. Exit status 1 if a step failed; the page is written all the same and says which. Needs
-python3-matplotlib. """
+python3-matplotlib.
+"""
 import argparse
 import base64
 import html

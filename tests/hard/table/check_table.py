@@ -4,7 +4,8 @@ program or as a test of ctest.
 usage: check_table.py tests/hard/README.md BUILD_FOLDER [README.md ...]
 
 Every row of the first file's table must name a test; of the other files every name of a test in
-backticks is looked up. """
+backticks is looked up.
+"""
 import fnmatch
 import pathlib
 import re

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """An installation alone: what it holds names no folder it was built in, its programs run from any
-folder, a program of another program's is built against it, and its bag goes to the user's data
+folder, deploy/examples/contact is built against it, and its bag goes to the user's data
 folder.
 
 usage: installed_test.py BUILD CMAKE
@@ -115,14 +115,14 @@ class Installed(unittest.TestCase):
         run(
             CMAKE,
             "-S",
-            HERE / "consumer",
+            HERE.parents[2] / "deploy/examples/contact",
             "-B",
             self.at / "consumer",
             f"-DCMAKE_PREFIX_PATH={self.prefix}",
             "-DCMAKE_BUILD_TYPE=Debug",
         )
         run(CMAKE, "--build", self.at / "consumer")
-        output = run(self.at / "consumer/consumer", self.prefix / "share/voxtouch/scenes/cup.yaml")
+        output = run(self.at / "consumer/contact", self.prefix / "share/voxtouch/scenes/cup.yaml")
         force = float(re.fullmatch(r"([\d.]+) N at most\n", output).group(1))
         self.assertGreater(force, 0.1)  # the slide wants 3 mm of depth in the cup
         self.assertLess(force, 100.0)

@@ -7,7 +7,8 @@ of its 1 kHz topics and all standard ones, in turns.
 
 The wish is p99 with six readers of at most 1.05 times that without. Told, not judged: the machine
 decides, so let it be quiet. Each reader is a process of Debian's Cyclone DDS that looks 200 times a
-second. """
+second.
+"""
 import argparse
 import contextlib
 import pathlib

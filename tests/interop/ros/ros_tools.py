@@ -7,7 +7,8 @@ samples; another host finds and sends nothing. graph_iron, graph_humble: nodes, 
 hashes, read as rmw_dds_common writes them. doctor: what `voxtouch doctor` says of cards and of a
 Humble tool, and the environment that it prints. peers: nodes on two hosts without multicast meet by
 --discovery-peer, and with CYCLONEDDS_URI the rest of the settings holds. Exit status 77, with a
-sentence: this machine allows no network namespaces. """
+sentence: this machine allows no network namespaces.
+"""
 import json
 import os
 import pathlib

@@ -2,7 +2,8 @@
 transient local. Lease and buffers as Cyclone DDS has them.
 
 As a program (looker.py FOLDER_OF_TYPES DOMAIN RIG): reads everything and forgets it, until it is
-ended. """
+ended.
+"""
 import pathlib
 import sys
 import time

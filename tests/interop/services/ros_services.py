@@ -2,7 +2,8 @@
 taken from voxtouch.
 
 A request and its reply stand each behind 16 bytes of the same CDR: what the client calls itself,
-and the request's number. """
+and the request's number.
+"""
 import time
 from dataclasses import dataclass, field
 

@@ -4,7 +4,8 @@ written as geometry_msgs/WrenchStamped.
 
 A scene takes it where it names the topic as an external effect (deploy/scenes says how); the ring
 then bounds it in force and slew, and lets it fade when it is late. Put your own law into
-`wrench_at`. Needs voxtouch[dds]. Stops on Ctrl-C; what it wrote last fades then. """
+`wrench_at`. Needs voxtouch[dds]. Stops on Ctrl-C; what it wrote last fades then.
+"""
 import argparse
 import time
 

@@ -1,4 +1,4 @@
-/// The contact of a scene, rendered along the way of its motion `slide`. usage: consumer SCENE
+// Largest contact force along a scene's motion `slide`, without a ring. usage: contact SCENE
 #include <algorithm>
 #include <cstdio>
 
@@ -13,11 +13,12 @@ int main(int count, char** arguments) {
     return 2;
   const scene::Scene scene = scene::load_scene(arguments[1]);
   const auto built = rendering::build_scene(scene, serial_for());
-  double most_n = 0.0;
+  double largest_n = 0.0;
   for (double time_s = 0.0; time_s < 5.0; time_s += 0.001) {
     const rendering::ToolState tool{.pose = {motion_at(scene.motions.at("slide"), time_s).position},
                                     .twist = {}};
-    most_n = std::max(most_n, built->scene_renderer().render(tool, time_s).wrench.force.norm());
+    largest_n =
+        std::max(largest_n, built->scene_renderer().render(tool, time_s).wrench.force.norm());
   }
-  std::printf("%.3f N at most\n", most_n);
+  std::printf("%.3f N at most\n", largest_n);
 }
