@@ -75,8 +75,8 @@ cd::DesignProblem random_problem(std::uint64_t seed, std::uint64_t index) {
 
 /// Figures over all devices.
 struct Totals {
-  int devices = 0, infeasible = 0, passive = 0, monotone = 0, rotation = 0, cases = 0,
-      reached = 0, circle = 0, above = 0;
+  int devices = 0, infeasible = 0, passive = 0, monotone = 0, rotation = 0, cases = 0, reached = 0,
+      circle = 0, above = 0;
   std::vector<double> ratios, margins, ms;
 };
 
