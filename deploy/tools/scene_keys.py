@@ -143,9 +143,9 @@ def section(name, schema, level):
         schema = {**maps[0], "description": f"{kind(schema).capitalize()}. {schema['description']}"}
     yield f"\n{'#' * level} {name}\n"
     if "description" in schema:
-        yield schema["description"] + ("\n" if "properties" in schema else "")
+        yield paragraph(schema["description"]) + ("\n" if "properties" in schema else "")
     for sentence in rules(schema):
-        yield sentence + "\n"
+        yield paragraph(sentence) + "\n"
     if "properties" not in schema:
         return
     yield TABLE
@@ -168,9 +168,8 @@ def effects(schema):
     kinds = {choice["required"][0] for choice in schema["oneOf"]}
     keys = schema["properties"]
     yield "\n### effect\n"
-    yield "An entry of `effects` names one kind: " + ", ".join(
-        f"[{k}](#{k})" for k in keys if k in kinds
-    ) + ".\n"
+    links = ", ".join(f"[{k}](#{k})" for k in keys if k in kinds)
+    yield paragraph(f"An entry of `effects` names one kind: {links}.") + "\n"
     yield "In addition to its kind an effect may have:\n"
     yield TABLE
     for key, inner in keys.items():

@@ -405,9 +405,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(ended.returncode, 1)
         page = Page(bad / "report.html")
         self.assertEqual(page.problems, [])
-        self.says(
-            page, "FAILED", *json.loads(ended.stdout)["problems"], "at least 1.5", "not met"
-        )
+        self.says(page, "FAILED", *json.loads(ended.stdout)["problems"], "at least 1.5", "not met")
         unjudged = self.copy("unjudged", "")
         (unjudged / verdict.name).unlink()
         self.says(self.report_of(unjudged), "No verdict")

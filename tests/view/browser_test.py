@@ -83,17 +83,15 @@ class Browser:
         """
         return self.js(
             """(() => {
-          const faults = [], of = s => [...document.querySelectorAll(s)].filter(e => e.offsetParent
-          !== null && !e.hidden); const box = e => e.getBoundingClientRect();
-          const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <=
-          b.top + 1 || b.bottom <= a.top + 1; const say = e => e.id || e.className || e.tagName;
-          for (const group of ['main > section, #design', '#numbers, #cameras, #cut, #legend,
-          #player, #flags', '.chart', '.chart h2, .chart .plot', 'header > *']) {
+          const faults = [], of = s => [...document.querySelectorAll(s)].filter(e => e.offsetParent !== null && !e.hidden);
+          const box = e => e.getBoundingClientRect();
+          const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
+          const say = e => e.id || e.className || e.tagName;
+          for (const group of ['main > section, #design', '#numbers, #cameras, #cut, #legend, #player, #flags', '.chart', '.chart h2, .chart .plot', 'header > *']) {
             const all = of(group);
             all.forEach((a, i) => all.slice(i + 1).forEach(b => { if (!apart(box(a), box(b))) faults.push(say(a) + ' over ' + say(b)); }));
           }
-          for (const e of of('.chart h2 > *, #numbers *, header *')) if (box(e).right > innerWidth
-          || box(e).left < 0) faults.push(say(e) + ' beyond the edge');
+          for (const e of of('.chart h2 > *, #numbers *, header *')) if (box(e).right > innerWidth || box(e).left < 0) faults.push(say(e) + ' beyond the edge');
           return faults;
         })()"""
         )
@@ -109,10 +107,9 @@ class Browser:
           const ground = e => { for (; e; e = e.parentElement) { const c = parse(getComputedStyle(e).backgroundColor); if (c.length < 4 || c[3] > 0.5) return c; } return [255, 255, 255]; };
           const faults = [];
           for (const e of document.querySelectorAll('body *')) {
-            if (e.offsetParent === null || ![...e.childNodes].some(n => n.nodeType === 3 &&
-            n.textContent.trim())) continue; const a = light(parse(getComputedStyle(e).color)), b =
-            light(ground(e)), ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05); if (ratio < 4.5) faults.push((e.id || e.className || e.tagName) + ' "' +
-            e.textContent.trim().slice(0, 20) + '" ' + ratio.toFixed(2));
+            if (e.offsetParent === null || ![...e.childNodes].some(n => n.nodeType === 3 && n.textContent.trim())) continue;
+            const a = light(parse(getComputedStyle(e).color)), b = light(ground(e)), ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+            if (ratio < 4.5) faults.push((e.id || e.className || e.tagName) + ' "' + e.textContent.trim().slice(0, 20) + '" ' + ratio.toFixed(2));
           }
           return faults;
         })()"""
@@ -155,9 +152,8 @@ class InABrowser(unittest.TestCase):
             self.assertIn("waiting", browser.find("#pill").text)
             browser.driver.execute_script(
                 """window.seen = {}; setInterval(() => {
-              if (voxtouch.frame && voxtouch.frame.hits > 0 && !('contact' in seen)) seen.contact =
-              performance.now(); if ('contact' in seen && !('shown' in seen) &&
-              Number(document.getElementById('n-force').textContent) > 0.05) seen.shown = performance.now();
+              if (voxtouch.frame && voxtouch.frame.hits > 0 && !('contact' in seen)) seen.contact = performance.now();
+              if ('contact' in seen && !('shown' in seen) && Number(document.getElementById('n-force').textContent) > 0.05) seen.shown = performance.now();
             }, 5);"""
             )
             with ring("cup_viscosity") as first:

@@ -15,12 +15,11 @@ from browser_test import Browser
 from page_client import DOMAIN, Process, fine_scene, page, until
 
 TIMED = """(() => {
-  const s = voxtouch.scene3d, draw = s.draw.bind(s), gl = s.renderer.getContext(), one = new
-  Uint8Array(4); window.cost = {n: 0, ms: 0};
+  const s = voxtouch.scene3d, draw = s.draw.bind(s), gl = s.renderer.getContext(), one = new Uint8Array(4);
+  window.cost = {n: 0, ms: 0};
   s.draw = () => {
     const from = performance.now(), drawn = draw();
-    if (drawn) gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, one), cost.n++, cost.ms +=
-    performance.now() - from;
+    if (drawn) gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, one), cost.n++, cost.ms += performance.now() - from;
     return drawn;
   };
 })()"""

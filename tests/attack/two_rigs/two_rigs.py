@@ -76,8 +76,7 @@ class Machine:
             time.sleep(0.001)
             now = time.time()
             if now - last > float(sys.argv[3]):
-                os.write(1, f"{sys.argv[1]} {last} {now}\\n".encode())  # one write: the file is
-                shared
+                os.write(1, f"{sys.argv[1]} {last} {now}\\n".encode())  # one write: the file is shared
             last = now
         """
 

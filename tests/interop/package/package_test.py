@@ -324,7 +324,7 @@ def example(name, *words):
 
 class OwnEffect(unittest.TestCase):
     def test_the_ros2_example_pulls_the_tool(self):
-        """Run by a stand-in for rclpy over PyPI's cyclonedds: the example's own lines, unchanged."""
+        """By a stand-in for rclpy over PyPI's cyclonedds."""
         with open(FOLDER / "ros2.log", "w", encoding="utf-8") as log:
             ring = start_ring(FOLDER / "ros2", DOMAIN, log, scene="cup_external", motion="rest")
             ran = run(
