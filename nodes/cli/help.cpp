@@ -46,7 +46,7 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "\n"
       "Examples:\n"
       "  voxtouch new part.stl\n"
-      "  voxtouch new gear.stl peg.stl --unit mm --tool-unit mm --device touch\n"
+      "  voxtouch new gear.stl peg.stl --unit mm --tool-unit mm --device sim:touch\n"
       "  voxtouch up part.yaml --motion press --view"}},
     {"build",
      {"Write the voxels and the pointshell of a mesh as files",
@@ -72,7 +72,7 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "All figures are at the hand. Exit status 1 if no coupling holds.\n"
       "\n"
       "Examples:\n"
-      "  voxtouch design --device touch\n"
+      "  voxtouch design --device sim:touch\n"
       "  voxtouch design --device mine.yaml --scene cup --plot region.png"}},
     {"identify",
      {"Measure mass, friction, delay and encoder step of a device",
