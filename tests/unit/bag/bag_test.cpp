@@ -283,7 +283,7 @@ TEST(BagReader, SaysWhatIsNotABag) {
   EXPECT_TRUE(says(text, "database")) << text.error().sentence;
   write_bag(folder / "run", 1);
   const auto bag = expect_value(WholeBag::open(folder / "run"));
-  const auto none = bag.read_topic("/nobody");
+  const auto none = bag.read_topic("/none");
   EXPECT_TRUE(says(none, "no topic '/none'") && says(none, kState.name)) << none.error().sentence;
 }
 
