@@ -71,7 +71,7 @@ class Reader {
         node.Scalar() == ".inf" ? "inf" : node.Scalar();  // empty where there is a list
     const auto number = parse_number<T>(text);
     if (!number || *number != *number)
-      refuse(node.Mark(), fmt::format("'{}' is no number that fits", text));
+      refuse(node.Mark(), fmt::format("'{}' is not a valid number", text));
     value = *number;
   }
   template <class T>
@@ -81,7 +81,7 @@ class Reader {
   template <class T>
   void read(const YAML::Node& node, std::vector<T>& values) const {
     if (!node.IsSequence())
-      refuse(node.Mark(), "this has to be a list");
+      refuse(node.Mark(), "expected a list");
     for (const YAML::Node& item : node)
       read(item, values.emplace_back());
   }
@@ -91,13 +91,13 @@ class Reader {
     read_numbers(node, wxyz, 4);
     value = Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
     if (!(std::abs(value.norm() - 1.0) < 1e-6))
-      refuse(node.Mark(), "an orientation has to be of length 1");
+      refuse(node.Mark(), "the quaternion's length is not 1");
   }
 
  private:
   void read_numbers(const YAML::Node& node, double* values, std::size_t count) const {
     if (!node.IsSequence() || node.size() != count)
-      refuse(node.Mark(), fmt::format("this has to be {} numbers", count));
+      refuse(node.Mark(), fmt::format("expected {} numbers", count));
     for (std::size_t i = 0; i < count; ++i)
       read(node[i], values[i]);
   }
@@ -148,12 +148,12 @@ HandFile parse_hand(std::string_view text, std::string_view name) {
     // Behind a map in braces, or a mark between documents, anything could follow unread.
     if (!root.IsMap() || root.Style() == YAML::EmitterStyle::Flow ||
         text.find("\n---") != text.npos || text.find("\n...") != text.npos)
-      throw std::runtime_error(fmt::format(
-          "{}: a hand is one map, one key a line, from path_m to tremor_bandwidth_hz", name));
+      throw std::runtime_error(
+          fmt::format("{}: a hand file is one map with one key per line", name));
     for (const auto& entry : root) {
       const std::string& key = entry.first.Scalar();
       if (!places.emplace(key, entry.first.Mark()).second)
-        reader.refuse(entry.first.Mark(), fmt::format("{} is there twice", key));
+        reader.refuse(entry.first.Mark(), fmt::format("duplicate key {}", key));
       values.emplace(key, entry.second);
     }
   } catch (const YAML::Exception& error) {
@@ -164,10 +164,13 @@ HandFile parse_hand(std::string_view text, std::string_view name) {
     if (const auto given = values.extract(key))
       reader.read(given.mapped(), value);
   });
-  if (!values.empty())
-    reader.refuse(
-        places.at(values.begin()->first),
-        fmt::format("there is no key '{}'; hand_file.hpp lists them", values.begin()->first));
+  if (!values.empty()) {
+    std::vector<std::string_view> keys;
+    each_key(file, [&](const char* key, auto&) { keys.emplace_back(key); });
+    const std::string& unknown = values.begin()->first;
+    reader.refuse(places.at(unknown),
+                  fmt::format("unknown key '{}'. Valid keys: {}", unknown, fmt::join(keys, ", ")));
+  }
   if (file.motion.path.empty())
     throw std::runtime_error(fmt::format("{}: path_m needs at least one way point", name));
   file.hand.validate();

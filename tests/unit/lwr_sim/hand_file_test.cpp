@@ -90,7 +90,7 @@ TEST(HandFile, WhatIsLeftOutKeepsItsDefaultAndCommentsAreNoKeys) {
   EXPECT_EQ(f.motion.speed_m_per_s, Motion{}.speed_m_per_s);
   EXPECT_FALSE(f.motion.repeat_from);
   EXPECT_TRUE(f.posture_rad.empty());
-  EXPECT_EQ(hand::parse_hand("path_m:\n  - [0, 0, 0]\nlet_go_at_s: .inf\nreleased: true\n", "test")
+  EXPECT_EQ(hand::parse_hand("path_m:\n  - [0, 0, 0]\nrelease_time_s: .inf\nreleased: true\n", "test")
                 .hand.release_time_s,
             std::numeric_limits<double>::infinity());
 }
