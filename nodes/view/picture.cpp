@@ -39,7 +39,7 @@ constexpr Words kContactWords[] = {{msg::contact_state::kFlagLatched, "held"},
                                    {msg::contact_state::kFlagClutched, "clutch"},
                                    {msg::contact_state::kFlagFallback, "fallback"}};
 constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping"},
-                                   {msg::force_command::kStatusLatchedInput, "input held"},
+                                   {msg::force_command::kStatusLatchedInput, "input latched"},
                                    {msg::force_command::kStatusClamped, "clamped"},
                                    {msg::force_command::kStatusCapped, "capped"},
                                    {msg::force_command::kStatusGrowing, "growing"},
