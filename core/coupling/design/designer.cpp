@@ -202,7 +202,8 @@ Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& prob
 std::string ratio_sentence(double fraction, double standard, double first, double last,
                            double none) {
   return fmt::format(
-      "Injected damping is limited to {:.2g} of the contact force. Displayed stiffness: {1:.3g}",
+      "Injected damping is limited to {:.2g} of the contact force (default {:.2g}). Displayed "
+      "fraction of the request: default {:.3g} %, this limit {:.3g} %, no limit {:.3g} %.",
       fraction, standard, 100.0 * first, 100.0 * last, 100.0 * none);
 }
 std::string no_ratio_sentence(std::span<const double> fractions, double first, double last,
