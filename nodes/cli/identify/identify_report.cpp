@@ -87,7 +87,7 @@ double designed(const DeviceDescription& d, std::string& limit) {
   }
   const auto& axis = design.translation;
   limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness
-              ? "what the device can display"
+              ? "device limit"
               : axis.worst_case_text;
   return axis.displayed_stiffness;
 }
