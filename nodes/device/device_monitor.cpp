@@ -90,7 +90,7 @@ void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry
   keeper_.listen(session, progress_.lock);
   // In a ring that was started by hand a lost role ends the session.
   if (coupling_.lost_session() == session)
-    peers_.lose("the coupling of this session has ended");
+    peers_.lose("the coupling of this session has left");
   if (coupling && coupling->state == NodeState::kFailed && coupling->session_id == 0)
     peers_.lose("the coupling has left this session: " + coupling->message);
   peers_.update(host_, registry, session, coupling_.bound());

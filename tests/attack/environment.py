@@ -73,7 +73,7 @@ class Rows:
                 check=False,
             )
             self.expect(
-                end.returncode == 1 and "current folder was deleted" in end.stderr,
+                end.returncode == 1 and "current folder is deleted" in end.stderr,
                 "a deleted current folder",
                 end.stderr,
             )
@@ -205,7 +205,7 @@ class Rows:
                 env=environment,
             )
             end, text = time.monotonic() + 40, ""
-            while "nothing has come from other nodes" not in text and time.monotonic() < end:
+            while "nothing received from other nodes" not in text and time.monotonic() < end:
                 time.sleep(0.2)
                 log.seek(0)
                 text = log.read()

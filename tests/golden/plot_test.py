@@ -262,7 +262,7 @@ class Pictures(unittest.TestCase):
                 "refused.gif",
                 ".png, .svg or .pdf",
             ),
-            (["design"], "none/refused.png", "could not be written"),
+            (["design"], "none/refused.png", "cannot be written"),
         ):
             done = voxtouch(*verb, "--plot", self.at / name)
             self.refused(done, name, says)

@@ -505,7 +505,7 @@ class Replay(unittest.TestCase):
         self.assertRegex(" ".join(said["notes"]), r"Design 1: gain [0-9.]+ recorded, [0-9.]+ now")
         edit(bag, "DELETE FROM messages WHERE id = ?", second)
         _, said, _ = replay(bag)
-        self.assertIn("took up 2 designs, and the bag has 1", " ".join(said["missing"]))
+        self.assertIn("used 2 designs, recorded: 1", " ".join(said["missing"]))
 
     def real_time(self, bag):
         """Equal where the bag says all; else what is missing is said."""

@@ -210,7 +210,7 @@ class Live(unittest.TestCase):
                     "all that is known",
                 )
                 self.assertGreater(facts["latency"]["samples"], 100)
-                self.assertRegex(facts["design"]["sentence"], r"certified to show \d+ N/m")
+                self.assertRegex(facts["design"]["sentence"], r"certified \d+ N/m")
                 tasks = [
                     t.read_text().rsplit(")", 1)[1].split()
                     for t in pathlib.Path(f"/proc/{shown.process.pid}/task").glob("*/stat")
@@ -324,7 +324,7 @@ class Together(unittest.TestCase):
                 words = pathlib.Path(f"/proc/{child}/cmdline").read_bytes().split(b"\0")
                 if words[1:2] == [b"view"]:
                     os.kill(int(child), signal.SIGKILL)
-            until(lambda: "the page was ended by signal 9" in run.output(), 20, run.output())
+            until(lambda: "the page ended by signal 9" in run.output(), 20, run.output())
 
 
 class Status(unittest.TestCase):

@@ -40,9 +40,9 @@ from ros_services import (
 NODE = "/haptic/rendering"
 SWITCH, GAIN, VALUE = 1, 2, 3
 LOST_OF_STREAMS = re.compile(
-    r"The (rendering|coupling) made \d+ (contacts|commands) more than the bag has, and nothing"
-    r" reports of which samples: "
-    r"|The device's sample \d+ was answered and is not in the bag: "
+    r"The (rendering|coupling) made \d+ (contacts|commands) more than recorded, of unknown"
+    r" samples: "
+    r"|Device sample \d+ is missing in the recording, "
 )
 LATER_SPRING = re.compile(
     r"In real time the rendering takes up the spring of a new design some samples after a change\."

@@ -123,9 +123,9 @@ TEST(Bag, NeverWritesOverAnythingThatIsThere) {
   EXPECT_EQ(text_of(folder / "run" / "run_0.db3"), before);
 
   std::filesystem::create_directory(folder / "empty");
-  EXPECT_TRUE(says(BagWriter::create(folder / "empty"), "exists already"));
+  EXPECT_TRUE(says(BagWriter::create(folder / "empty"), "exists and is not overwritten"));
   std::ofstream(folder / "file") << "mine";
-  EXPECT_TRUE(says(BagWriter::create(folder / "file"), "exists already"));
+  EXPECT_TRUE(says(BagWriter::create(folder / "file"), "exists and is not overwritten"));
   EXPECT_EQ(text_of(folder / "file"), "mine");
 }
 
@@ -276,7 +276,7 @@ TEST(BagReader, FindsTheDatabaseWhenMetadataIsStaleMissingOrBroken) {
 TEST(BagReader, SaysWhatIsNotABag) {
   const TemporaryFolder folder;
   EXPECT_TRUE(says(WholeBag::open(folder / "nothing"), "/nothing'"));
-  EXPECT_TRUE(says(WholeBag::open(folder.path()), "holds no .db3 file"));
+  EXPECT_TRUE(says(WholeBag::open(folder.path()), "has no .db3"));
   std::ofstream(folder / "text.db3") << std::string(5000, 'x');
   const auto text = WholeBag::open(folder / "text.db3");
   ASSERT_FALSE(text);

@@ -208,7 +208,7 @@ TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSile
       },
       feed))
       << "a status comes ten times a second";
-  EXPECT_NE(report().values["external"].find("No certificate"), std::string::npos);
+  EXPECT_NE(report().values["external"].find("not certified"), std::string::npos);
   ASSERT_TRUE(until([&] { return force() > 0.999 * kMaxN; }, feed));
   // Silence: by the samples' own time it is held for the timeout, and zero after the fade.
   ASSERT_TRUE(until([&] { return force() == 0.0; }));
