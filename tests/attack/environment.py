@@ -215,7 +215,7 @@ class Rows:
             if up.poll() is None:
                 up.kill()
         self.expect(
-            "for 3 s: CYCLONEDDS_URI turns multicast off" in text,
+            "for 3 s: CYCLONEDDS_URI disables multicast" in text,
             "nodes say that they hear nothing, and why",
             text,
         )
@@ -267,7 +267,9 @@ class Rows:
             up.wait(90)
             log.seek(0)
             text = log.read()
-        self.expect("address 10.9.9.1 of d0 is gone" in text, "an address that goes is named", text)
+        self.expect(
+            "address 10.9.9.1 of d0 was removed" in text, "an address that goes is named", text
+        )
         self.expect(
             "ended by signal" not in text and "terminate called" not in text,
             "no node dies of an address that goes",

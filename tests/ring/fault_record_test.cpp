@@ -137,7 +137,7 @@ TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
   EXPECT_EQ(end.status, 1);
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out;
-  EXPECT_NE(summary["problems"].dump().find("coupling locked"), std::string::npos) << end.out;
+  EXPECT_NE(summary["problems"].dump().find("coupling latched"), std::string::npos) << end.out;
 }
 
 TEST(ForceLock, IsNotThereToBeOpenedWhereNothingIsLocked) {

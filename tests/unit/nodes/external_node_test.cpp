@@ -237,7 +237,7 @@ TEST_F(ExternalLive, FollowsOneWriterAndNamesEveryOther) {
   EXPECT_FALSE(turned);
   for (const msg::ExternalSample& sample : reported)
     ASSERT_EQ(sample.wrench.force.y, 1.0) << "no foreign value reached the loop";
-  EXPECT_TRUE(says("is refused: ")) << report().message;
+  EXPECT_TRUE(says("are refused: ")) << report().message;
   second.reset();
   EXPECT_TRUE(until([&] { return report().message.find("is refused") == std::string::npos; },
                     [&] { robot.write(0, 1, 0); }))
