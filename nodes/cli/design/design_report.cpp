@@ -94,7 +94,7 @@ std::string damping_lines(const DesignReport& r) {
   std::string text;
   for (const auto& [who, ratio, where] :
        {std::tuple("released", least.released, &least.released_where),
-        {"held", least.held, &least.held_where}})
+        {"gripped", least.held, &least.held_where}})
     if (!where->empty())
       text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who,
                           *where);

@@ -93,7 +93,7 @@ Finding check_exchange(const runtime::NodeOptions& o) {
 int doctor(const runtime::NodeOptions& o) {
   bool is_bad = false;
   const auto say = [&](const std::vector<Finding>& findings) {
-    static constexpr std::string_view kMarks[] = {"ok  ", "mind", "BAD "};
+    static constexpr std::string_view kMarks[] = {"ok     ", "warning", "BAD    "};
     for (const Finding& finding : findings) {
       console::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)],
                             finding.sentence);
