@@ -75,7 +75,7 @@ def keep(file, write):
         write(part)
         os.replace(part, file)
     except OSError as error:
-        sys.exit(f"{file} could not be written: {error.strerror}.")
+        sys.exit(f"{file} cannot be written: {error.strerror}.")
     finally:  # broken off by Ctrl-C too
         part.unlink(missing_ok=True)
 

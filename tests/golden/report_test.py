@@ -490,8 +490,8 @@ class Reports(unittest.TestCase):
             ("0.500 to 0.509", "10", "without a recorded command"),
             ("1.000 to 1.019", "20", "without a recorded command"),
             ("1.500 to 1.529", "30", "without a recorded command"),
-            ("0.100", "1", "held"),
-            ("0.200", "1", "missed"),
+            ("0.100", "1", "the last valid one is used"),
+            ("0.200", "1", "tunnelling suspected"),
             ("disagreement of contact and reference",),
         ):
             self.says(page, *words)

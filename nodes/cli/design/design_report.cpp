@@ -119,7 +119,7 @@ std::string paper_line(const PaperRecipe& p) {
                        p.stiffness < critical ? "stable" : "UNSTABLE", critical);
   };
   const std::string released = verdict("released", p.critical_released),
-                    held = verdict("held", p.critical_held);
+                    held = verdict("gripped", p.critical_held);
   return fmt::format("5 Hz, damping ratio 1, at {:.4g} N/m: {}{}{}", p.stiffness, released,
                      released.empty() || held.empty() ? "" : "; ", held);
 }
