@@ -86,9 +86,8 @@ double designed(const DeviceDescription& d, std::string& limit) {
     return 0.0;
   }
   const auto& axis = design.translation;
-  limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness
-              ? "device limit"
-              : axis.worst_case_text;
+  limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness ? "device limit"
+                                                                       : axis.worst_case_text;
   return axis.displayed_stiffness;
 }
 
