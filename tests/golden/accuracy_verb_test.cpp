@@ -152,7 +152,7 @@ void expect_refused(const std::vector<std::string>& more, const std::string& say
   EXPECT_LT(run.status, 128) << "a signal ended it";
   EXPECT_EQ(run.out, "");
   EXPECT_NE(run.err.find(says), std::string::npos) << "expected: " << says;
-  EXPECT_EQ(run.err.find(" settings on "), std::string::npos)
+  EXPECT_EQ(run.err.find(" settings, "), std::string::npos)
       << "it measured before it looked at its arguments";
 }
 

@@ -130,7 +130,7 @@ TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
       std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--domain", fresh_domain()});
   const Finished said = recover.wait();
   EXPECT_EQ(said.status, 0) << said.out << said.err;
-  EXPECT_NE(said.out.find("the coupling"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("coupling reset"), std::string::npos) << said.out;
   std::this_thread::sleep_for(milliseconds(1500));
   up.signal(SIGINT);
   const Finished end = up.wait();

@@ -335,7 +335,7 @@ class Status(unittest.TestCase):
 
     def test_names_all_rigs_with_their_nodes(self):
         code, output = self.status()
-        self.assertEqual((code, "no node" in output), (1, True), output)
+        self.assertEqual((code, "No node" in output), (1, True), output)
         with ring("cup") as here, ring("plane", "--rig", "left"):
             until(lambda: here.output().count("samples") > 2, 30, here.output())
             code, output = self.status("--json")
