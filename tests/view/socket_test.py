@@ -151,7 +151,7 @@ class Guards(unittest.TestCase):
         port = str(self.parts.port)
         with Process("view", "--domain", DOMAIN, "--port", port) as second:
             self.assertEqual(second.process.wait(10), 1)
-            self.assertIn("is taken", second.output())
+            self.assertIn("in use", second.output())
         with Process("view", "--domain", DOMAIN) as one, Process(
             "view", "--domain", DOMAIN
         ) as other:

@@ -352,7 +352,7 @@ class Services(Asked):
             )
             self.assertEqual([r.successful for r in other.results], [False, False, False])
             self.assertIn("read-only", other.results[0].reason)
-            self.assertIn("no parameter", other.results[2].reason)
+            self.assertIn("unknown parameter", other.results[2].reason)
 
     def test_f_parameters_are_loaded_as_dumped_and_not_deleted(self):
         names = self.clients["list_parameters"].call(prefixes=[], depth=0).result.names

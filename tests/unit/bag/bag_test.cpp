@@ -182,7 +182,7 @@ TEST_P(EachBag, RefusesWhatItCannotHold) {
   const TemporaryFolder folder;
   auto writer = writer_of(folder / "run");
   const TopicId state = expect_value(writer.add_topic(kState));
-  EXPECT_TRUE(says(writer.append(state, -1, ring_message(1, 0)), "none before 1970"));
+  EXPECT_TRUE(says(writer.append(state, -1, ring_message(1, 0)), "before 1970"));
   EXPECT_TRUE(says(writer.append(state + 1, 1, ring_message(1, 0)), "number 1"));
   EXPECT_GOOD(writer.append(state, 0, {}));  // empty is a message too
   EXPECT_GOOD(writer.close());
