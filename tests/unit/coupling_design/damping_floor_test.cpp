@@ -151,7 +151,8 @@ DesignProblem stylus() {
 
 TEST(DampingFloor, NamesTheHandThatForbidsItAndGivesUpNothingForTheOthers) {
   const Design damped = design_coupling(stylus());
-  EXPECT_NE(damped.floors.out_of_reach.find("held (0.2 kg, 0.5 Ns/m, 800 N/m)"), std::string::npos)
+  EXPECT_NE(damped.floors.out_of_reach.find("gripped (0.2 kg, 0.5 Ns/m, 800 N/m)"),
+            std::string::npos)
       << damped.floors.out_of_reach;
   EXPECT_EQ(damped.floors.cost_n_per_m, 0.0);
   EXPECT_GE(damped.swing.released, 0.1);

@@ -239,7 +239,7 @@ TEST_F(ExternalLive, FollowsOneWriterAndNamesEveryOther) {
     ASSERT_EQ(sample.wrench.force.y, 1.0) << "no foreign value reached the loop";
   EXPECT_TRUE(says("are refused: ")) << report().message;
   second.reset();
-  EXPECT_TRUE(until([&] { return report().message.find("is refused") == std::string::npos; },
+  EXPECT_TRUE(until([&] { return report().message.find("are refused") == std::string::npos; },
                     [&] { robot.write(0, 1, 0); }))
       << report().message;
 }

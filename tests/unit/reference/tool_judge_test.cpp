@@ -76,10 +76,10 @@ TEST(ToolJudge, FindsAFreeToolThatIsNotTheHand) {
 TEST(ToolJudge, FindsAForceThatIsNotTheSprings) {
   ReportedTool report = tool(0.01);
   report.wrench.force.x() = 1e-5 * report.wrench.force.z();
-  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "spring's way"));
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "direction error to the spring"));
   report = tool(0.01);
   report.wrench.force = -report.wrench.force;
-  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "spring's way"));
+  EXPECT_TRUE(finds(said(report, 0.0, -0.01), "direction error to the spring"));
 }
 
 /// It is held off as a wall of an eighth of a voxel; which side is its inside is not asked.
