@@ -315,7 +315,7 @@ class Bag:
         if rig and rig not in rigs:
             raise BagError(
                 f"{self.path}: no messages on /{rig}/rendering/contact; the recording is of rig "
-                f"{' and '.join(rigs)}(use --rig)."
+                f"{' and '.join(rigs)} (use --rig)."
             )
         if not rig and len(rigs) > 1:
             self.notes.append(

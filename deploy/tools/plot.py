@@ -187,9 +187,9 @@ def main(arguments=None):
 
     for verb in ("accuracy", "costs", "design", "replay"):
         printed = (
-            f"output of `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json` printed"
+            f"output of `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json`"
             if verb != "replay"
-            else "output of `voxtouch replay ... --plot` passes to this tool"
+            else "input from `voxtouch replay ... --plot`"
         )
         command(
             verb,
