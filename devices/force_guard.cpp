@@ -189,7 +189,7 @@ void GuardConfig::validate() const {
   const auto require = [](bool good, std::string_view field, double value, std::string_view rule) {
     if (!good)
       throw std::runtime_error(
-          fmt::format("force guard: {} is {}, but has to be {}", field, value, rule));
+          fmt::format("force guard: {} is {}; it must be {}", field, value, rule));
   };
   const auto in = [](double value, double low, double high) {
     return value >= low && value <= high;
@@ -197,21 +197,19 @@ void GuardConfig::validate() const {
   constexpr double kMaxPush = 1e9;  // of anything a device could push with
   require(in(period_s, 1e-6, 1.0), "period_s", period_s, "in [1e-6, 1] s");
   require(max_force_n > 0.0 && max_force_n <= kMaxPush, "max_force_n", max_force_n,
-          "over 0 and finite: a guard without a limit guards nothing");
+          "> 0 and finite");
   require(in(max_torque_nm, 0.0, kMaxPush), "max_torque_nm", max_torque_nm,
-          "0 (no torque) or more, and finite");
+          ">= 0 (0: no torque) and finite");
   require(in(hold_periods, 1.0, 1000.0), "hold_periods", hold_periods, "in [1, 1000]");
-  require(fade_s > 0.0 && fade_s <= 1.0, "fade_s", fade_s, "over 0 and at most 1 s");
+  require(fade_s > 0.0 && fade_s <= 1.0, "fade_s", fade_s, "in (0, 1] s");
   require(in(start_ramp_s, 0.0, 10.0), "start_ramp_s", start_ramp_s, "in [0, 10] s");
   require(in(return_ramp_s, 0.0, 10.0), "return_ramp_s", return_ramp_s, "in [0, 10] s");
   const double force_fade = max_force_n / fade_s, torque_fade = max_torque_nm / fade_s;
   require(max_force_rate_n_per_s >= force_fade, "max_force_rate_n_per_s", max_force_rate_n_per_s,
-          fmt::format("at least max_force_n / fade_s = {}, or a fade could not keep to it",
-                      force_fade));
+          fmt::format("at least max_force_n / fade_s = {}", force_fade));
   require(max_torque_rate_nm_per_s >= torque_fade, "max_torque_rate_nm_per_s",
           max_torque_rate_nm_per_s,
-          fmt::format("at least max_torque_nm / fade_s = {}, or a fade could not keep to it",
-                      torque_fade));
+          fmt::format("at least max_torque_nm / fade_s = {}", torque_fade));
 }
 
 }  // namespace voxtouch::devices

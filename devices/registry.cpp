@@ -31,7 +31,7 @@ DeviceDescription describe_simulated(std::string_view name, const sim::SimParame
 
 const DeviceDescription& described(const DeviceOptions& options) {
   if (!options.described)
-    throw DeviceOpenError("the file of a device 'sim:FILE' has not been read");
+    throw DeviceOpenError("the device file of 'sim:FILE' is not loaded");
   return *options.described;
 }
 
@@ -81,12 +81,12 @@ const Entry& find(std::string_view name) {
                                   [&](const Entry& e) { return e.name == name; });
   if (found == kEntries.end() && name.starts_with("wire-"))
     throw DeviceOpenError(
-        fmt::format("device '{0}' is unknown: it is named 'emulated-{1}'", name, name.substr(5)));
+        fmt::format("unknown device '{0}'. Use 'emulated-{1}'", name, name.substr(5)));
   if (found == kEntries.end())
-    throw DeviceOpenError(fmt::format(
-        "device '{}' is unknown; known are {}, and sim:NAME or sim:FILE for a device file, such as "
-        "sim:touch (deploy/devices/README.md lists them)",
-        name, fmt::join(device_names(), ", ")));
+    throw DeviceOpenError(
+        fmt::format("unknown device '{}'. Valid: {}, and sim:NAME or sim:FILE of a device file, "
+                    "such as sim:touch (deploy/devices/README.md)",
+                    name, fmt::join(device_names(), ", ")));
   return *found;
 }
 
@@ -144,17 +144,16 @@ void require_led(std::string_view name) {
   const Entry& entry = find(name);
   if (can_be_led(name))
     return;
-  throw DeviceOpenError(fmt::format(
-      "device '{}' is {}: only the hand of sim-phantom, sim-lwr or sim:FILE can be led "
-      "from outside",
-      name, entry.hand == nullptr ? "held by a person" : "moved by its emulator's own hand"));
+  throw DeviceOpenError(
+      fmt::format("device '{}' is {}: --hand-from page needs sim-phantom, sim-lwr or sim:FILE",
+                  name, entry.hand == nullptr ? "a real device" : "moved by its emulator's hand"));
 }
 
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options) {
   const Entry& entry = find(name);
   if (entry.hand == nullptr)
     throw DeviceOpenError(
-        fmt::format("device '{}' is held by a person: no hand can be simulated on it", name));
+        fmt::format("device '{}' is a real device: a simulated hand is not possible", name));
   return entry.hand(options);
 }
 

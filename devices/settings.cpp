@@ -24,7 +24,7 @@ DeviceSettings parse_settings(const std::vector<std::string>& texts) {
     const auto equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
       throw DeviceOpenError(
-          fmt::format("'{}' is no device option: it has to be KEY=VALUE, like port=49938", text));
+          fmt::format("'{}' is not a device option; format KEY=VALUE, such as port=49938", text));
     settings.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
   return settings;
@@ -40,11 +40,11 @@ SettingReader::SettingReader(std::string_view device, const DeviceSettings& sett
     if (!among(key, known))
       throw DeviceOpenError(
           known.size() == 0
-              ? fmt::format("device '{}': it takes no options, so there is no '{}'", device, key)
-              : fmt::format("device '{}': there is no option '{}'; it takes {}", device, key,
+              ? fmt::format("device '{}' has no options (unknown option '{}')", device, key)
+              : fmt::format("device '{}': unknown option '{}'. Valid options: {}", device, key,
                             fmt::join(known, ", ")));
     if (!seen.insert(key).second && !among(key, many))
-      throw DeviceOpenError(fmt::format("device '{}': option {} is there twice", device, key));
+      throw DeviceOpenError(fmt::format("device '{}': duplicate option {}", device, key));
   }
 }
 
@@ -66,7 +66,7 @@ std::vector<std::string> SettingReader::all(std::string_view key) const {
 void SettingReader::refuse(std::string_view key, std::string_view value,
                            std::string_view rule) const {
   throw DeviceOpenError(
-      fmt::format("device '{}': option {} is '{}', but has to be {}", device_, key, value, rule));
+      fmt::format("device '{}': option {} is '{}'; it must be {}", device_, key, value, rule));
 }
 
 template <class Number>
@@ -87,7 +87,7 @@ std::optional<double> SettingReader::number(std::string_view key, double low, do
 
 std::optional<std::uint32_t> SettingReader::whole(std::string_view key, std::uint32_t low,
                                                   std::uint32_t high) const {
-  return within(key, low, high, "a whole number");
+  return within(key, low, high, "an integer");
 }
 
 std::optional<Vec3> SettingReader::vector(std::string_view key) const {

@@ -89,19 +89,18 @@ class Measurement {
         guess_(guessed_costs(scene)),
         progress_(options.cpu_time_s, options.progress) {
     if (!scene.objects.empty())
-      throw std::runtime_error(scene.file.string() +
-                               ": the true force is known for one material that rests; this scene "
-                               "has objects of their own");
+      throw std::runtime_error(
+          scene.file.string() +
+          ": the reference force needs one material at rest; this scene has objects");
     plan_steps();
-    progress_.begin(Step::kPlaces, "places where the tool touches",
-                    guess_.places_s(options.contacts));
+    progress_.begin(Step::kPlaces, "contact places", guess_.places_s(options.contacts));
     reference_ = std::make_unique<reference::ReferenceScene>(scene);
     places_ = contact_places(scene, options.contacts, options.seed,
                              [this](double fraction) { progress_.at(fraction); });
     if (places_.empty())
-      throw std::runtime_error(scene.file.string() +
-                               ": no place was found where the tool can touch from outside; is it "
-                               "larger than what it is to touch?");
+      throw std::runtime_error(
+          scene.file.string() +
+          ": no contact place found outside; the tool may be larger than the static meshes");
   }
 
   std::vector<AccuracyRow> rows() {
@@ -391,7 +390,7 @@ class Measurement {
     std::mt19937_64 random(options_.seed);
     const auto fraction = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     for (std::uint32_t n = 0; n < options_.phases; ++n) {
-      progress_.begin(Step::kPhase, "other places of the grid", guess_.phase_s(voxel_m));
+      progress_.begin(Step::kPhase, "grid offsets", guess_.phase_s(voxel_m));
       const Vec3 moved(fraction(), fraction(), fraction());
       add_phase(voxel_m, origin->second - voxel_m * moved, rows);
     }

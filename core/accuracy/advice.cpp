@@ -78,8 +78,8 @@ std::optional<std::size_t> tool_not_judged(const std::vector<AccuracyRow>& rows)
 void AccuracyGoal::validate() const {
   const auto check = [](const char* name, const std::optional<double>& value) {
     if (value && !(std::isfinite(*value) && *value > 0.0))
-      throw std::invalid_argument(fmt::format(
-          "the requested {} is {}; it must be finite and greater than 0", name, *value));
+      throw std::invalid_argument(
+          fmt::format("the requested {} is {}; it must be finite and > 0", name, *value));
   };
   check("direction error [deg]", direction_deg);
   check("magnitude noise", noise);
@@ -87,7 +87,7 @@ void AccuracyGoal::validate() const {
   check("onset error [m]", onset_m);
   check("time per frame [us]", within_us);
   if (requests_error() && within_us)
-    throw std::invalid_argument("an error and a time are both limited; limit one of them");
+    throw std::invalid_argument("error and time are both limited. Limit one of them");
 }
 
 bool is_judged(const AccuracyRow& row) noexcept {

@@ -14,7 +14,7 @@ double drawn_radius_m(const scene::Scene& scene) {
                          : nullptr;
   if (ball == nullptr || (tool.pose * ball->centre).norm() > 1e-9)
     throw std::runtime_error(
-        "the exact virtual tool is known for a ball about its origin: dynamic: {parts: [{sphere: "
+        "the exact virtual tool needs a sphere about the tool's origin: dynamic: {parts: [{sphere: "
         "...}]}");
   return ball->radius_m;
 }

@@ -43,12 +43,9 @@ void push_along_own_normals(const HitList& hits, double stiffness, ContactResult
 std::unique_ptr<ContactModel> make_field_model(const ContactParameters& parameters,
                                                const voxmap::DistanceField* distances) {
   if (parameters.weights != PointWeights::kArea)
-    throw std::invalid_argument(
-        "contact: the model 'field' weighs points by their area; give its stiffness per area "
-        "(stiffness_n_per_m3)");
+    throw std::invalid_argument("contact: model 'field' has area weights; set stiffness_n_per_m3");
   if (distances == nullptr)
-    throw std::invalid_argument(
-        "contact: the model 'field' looks up a distance field, and there is none; build it first");
+    throw std::invalid_argument("contact: model 'field' needs a distance field; build it first");
   return std::make_unique<FieldModel>(*distances, parameters.stiffness);
 }
 
@@ -130,7 +127,7 @@ std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind,
     case ContactModelKind::kField:
       return make_field_model(parameters, distances);
   }
-  throw std::invalid_argument("contact: there is no such model");
+  throw std::invalid_argument("contact: unknown model");
 }
 
 }  // namespace voxtouch::contact

@@ -21,18 +21,16 @@ void check(const pointshell::Pointshell& shell) {
   for (std::size_t p = 0; p < n; ++p)
     if (!shell.point(p).allFinite() || !shell.normal(p).allFinite())
       throw std::invalid_argument("contact: point " + std::to_string(shell.id[p]) +
-                                  " of the pointshell is not finite; check the mesh it came from");
+                                  " of the pointshell is not finite; check its mesh");
 }
 
 void check_areas(const pointshell::Pointshell& shell) {
   if (shell.area_m2.size() != shell.size())
-    throw std::invalid_argument(
-        "contact: the pointshell has no areas to weigh its points with; build it anew");
+    throw std::invalid_argument("contact: the pointshell has no areas; build it again");
   for (std::size_t p = 0; p < shell.size(); ++p)
     if (!std::isfinite(shell.area_m2[p]) || shell.area_m2[p] < 0.0)
-      throw std::invalid_argument(
-          "contact: the area of point " + std::to_string(shell.id[p]) +
-          " of the pointshell is not a number of at least 0; check the mesh it came from");
+      throw std::invalid_argument("contact: the area of point " + std::to_string(shell.id[p]) +
+                                  " of the pointshell is not a number >= 0; check its mesh");
 }
 
 /// In single precision, up to a whole leaf of the tree.

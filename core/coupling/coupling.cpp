@@ -27,7 +27,7 @@ class Findings {
   }
   bool window(const char* field, std::uint32_t value) {
     static_assert(kMaxVelocityWindow == 5);
-    return rule(field, value, value <= kMaxVelocityWindow, "a whole number from 0 to 5");
+    return rule(field, value, value <= kMaxVelocityWindow, "an integer from 0 to 5");
   }
   bool limit(const char* field, double value) {
     return rule(field, value, value >= 0.0, "0 or above, infinity for no limit");
@@ -51,11 +51,12 @@ void validate_cutoff(const CouplingSpec& spec, double sample_time_s,
   };
   if (angle_per_sample >= std::numbers::pi) {
     out.push_back({"cutoff_hz",
-                   sentence("it must be below pi, or the filter rings at the sample rate"), true});
+                   sentence("limit pi (above it the filter oscillates at the sample rate)"), true});
   } else if (angle_per_sample > kWarnCutoffRad) {
     out.push_back(
         {"cutoff_hz",
-         sentence("above 0.6 the sampled filter's cut-off is noticeably lower than asked"), false});
+         sentence("above 0.6 the sampled filter's cut-off is noticeably lower than requested"),
+         false});
   }
 }
 

@@ -47,9 +47,9 @@ std::string damps_too_much(const DampingDemand& demand, double scale, double lat
   if (at_hand >= 0.0 && at_hand <= limit)
     return {};
   return fmt::format(
-      "{}{}the effects {} with up to {:.3g} {} at the hand, '{}' most of it. The {} is {:.3g} ms "
-      "late, and a "
-      "device of {:.3g} {} let go stands {:.3g} {} with a margin of 2: lower it below {:.3g} {}.",
+      "{}{}the effects {} with up to {:.3g} {} at the hand (mostly '{}'). With {} latency of "
+      "{:.3g} ms, a released device of {:.3g} {} allows {:.3g} {} (margin 2). Reduce it below "
+      "{:.3g} {}.",
       demand.place, demand.place.empty() ? "" : ": ", words.damp, at_hand, words.unit, demand.name,
       words.effort, 1e3 * late_s, inertia, words.inertia, limit, words.unit,
       demand.largest * limit / at_hand, words.unit);
@@ -67,8 +67,8 @@ std::string asks_too_much(const ExternalDemand& external, double at_hand, double
   if (at_hand <= given)
     return {};
   return fmt::format(
-      "{}{}the effect '{}' may ask for a {} of {:.4g} {} at the hand, and the device gives {:.4g} "
-      "{}: lower {} to {:.4g} {}.",
+      "{}{}the effect '{}' may request a {} of {:.4g} {} at the hand, device limit {:.4g} {}. "
+      "Reduce {} to {:.4g} {}.",
       external.place, external.place.empty() ? "" : ": ", external.name, words.effort, at_hand,
       words.unit, given, words.unit, words.key, given / words.scale, words.unit);
 }
@@ -79,9 +79,8 @@ std::string torque_not_displayed(const SceneRequirements& demand, bool gives_tor
   if (gives_torque || demand.torque.empty())
     return {};
   return fmt::format(
-      "The effect '{}' gives torque, and the device gives none. Leave the effect out, set what "
-      "turns the tool to 0, or use "
-      "a device of six degrees of freedom.",
+      "The effect '{}' needs torque, which the device does not return. Remove the effect, set its "
+      "torque to 0, or use a 6-DOF device.",
       demand.torque);
 }
 
@@ -136,23 +135,22 @@ DeviceCheck check_device(const scene::Scene& scene, const coupling::design::Devi
   const double max_stiffness = device.translation.max_stiffness;
   if (!(stiffness_bound_n_per_m >= 0.0) || !std::isfinite(stiffness_bound_n_per_m)) {
     out.errors.push_back(fmt::format(
-        "The scene's stiffness bound is {} N/m, which is no stiffness.", stiffness_bound_n_per_m));
+        "The scene's stiffness bound is {} N/m, not a valid stiffness.", stiffness_bound_n_per_m));
     return out;
   }
   if (!(max_stiffness > 0.0))
     out.errors.push_back(fmt::format(
-        "The device gives a largest stiffness of {} N/m; it must be above 0.", max_stiffness));
+        "The device's largest stiffness is {} N/m; it must be above 0.", max_stiffness));
   const double displayed =
       stiffness_at_hand_n_per_m(scene.coupling, scene.device, stiffness_bound_n_per_m);
   // Written so that NaN does not pass.
   if (max_stiffness > 0.0 && !(displayed <= max_stiffness))
-    out.errors.push_back(
-        fmt::format("The contact's {:.4g} N/m are {:.4g} N/m at the hand; the "
-                    "device can show {:.4g} N/m. Lower {} by a factor of {:.3g}, or the "
-                    "coupling's gain, or a scale of the device.",
-                    stiffness_bound_n_per_m, displayed, max_stiffness,
-                    stiffest.empty() ? demand_of(scene).stiffest : std::string(stiffest),
-                    displayed / max_stiffness));
+    out.errors.push_back(fmt::format(
+        "Contact stiffness {:.4g} N/m is {:.4g} N/m at the hand, device limit {:.4g} N/m. Divide "
+        "{} by {:.3g}, or reduce the coupling's gain or a scale of the device.",
+        stiffness_bound_n_per_m, displayed, max_stiffness,
+        stiffest.empty() ? demand_of(scene).stiffest : std::string(stiffest),
+        displayed / max_stiffness));
   const coupling::CouplingLimits limits{device.translation.max_effort / scene.device.force_scale,
                                         std::numeric_limits<double>::infinity()};
   for (const coupling::CouplingIssue& issue :

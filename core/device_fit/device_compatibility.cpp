@@ -77,8 +77,8 @@ std::string DeviceCompatibility::check(const scene::Scene& scene,
     why = judged(running_->coupling, scene, running_->bounds, on_path);
   return why.empty() ? why
                      : why +
-                           " (That is on the way from what is displayed now; ask again when it has "
-                           "settled, after 0.3 s.)";
+                           " (This is during the transition from the current value; repeat the "
+                           "request after 0.3 s.)";
 }
 
 }  // namespace voxtouch::device_fit

@@ -19,9 +19,8 @@ std::string refusal_of(const coupling::design::Design& design, const scene::Scen
   if (design.status != coupling::design::DesignStatus::kInfeasible || scene.design->run_infeasible)
     return "";
   return fmt::format(
-      "No coupling holds for {} with this scene: {} To have it: {} Or set coupling.run_infeasible: "
-      "true in the scene "
-      "to run what was found ({:.3g} N/m).",
+      "No stable coupling for {} with this scene: {} Remedies: {} Or set coupling.run_infeasible: "
+      "true to run the best found ({:.3g} N/m).",
       device.name, fmt::join(design.reasons, " "), fmt::join(design.remedies, " "),
       design.translation.displayed_stiffness);
 }

@@ -52,7 +52,7 @@ EffectBound bound(const EffectValues& values) {
 
 std::string check(const EffectValues& values) {
   const double button = values.number(kGrabButton);
-  return button == std::floor(button) ? "" : "'grab_button' must be a whole number, or -1";
+  return button == std::floor(button) ? "" : "'grab_button' must be an integer >= -1";
 }
 
 }  // namespace
@@ -77,14 +77,11 @@ extern const EffectKind kBody = {
         "rests on contacts.",
     .equations =
         "(M + h D + h^2 K) v+ = M v + h (contact + effects + m g + grip), linearly implicit "
-        "(Baraff and Witkin 1998), so "
-        "that no contact is too stiff for it; the hand feels the grip's spring and damper alone: F "
-        "= -k (x_tool - x_body) - "
-        "D (v_tool - v_body), D = 2 zeta M^1/2 (M^-1/2 K M^-1/2)^1/2 M^1/2, in which K includes "
-        "how the body's weight "
-        "turns it back. Its spring is no stiffer at the device than the coupling is certified for; "
-        "the weight is held whole. "
-        "Conservative but for damping: it gives back what lifting and speed have stored.",
+        "(Baraff and Witkin 1998), stable for any contact stiffness. The hand receives the grip's "
+        "spring and damper only: F = -k (x_tool - x_body) - D (v_tool - v_body), D = 2 zeta M^1/2 "
+        "(M^-1/2 K M^-1/2)^1/2 M^1/2, K including the weight's restoring torque. The grip's "
+        "stiffness at the device is limited to the certified one; the weight is not. Conservative "
+        "except for damping.",
     .energy = EnergyBehaviour::kBounded,
     .alone = true,
     .everywhere = true,

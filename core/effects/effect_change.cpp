@@ -51,7 +51,7 @@ std::array<double, 3> in_shape(const EffectParameter& parameter,
 
 /// Why a kind that is `everywhere` is neither switched nor weighed.
 std::string no_switch(const EffectSpec& effect) {
-  return fmt::format("'{}' takes no switch and no gain: half of it would be nothing", effect.name);
+  return fmt::format("'{}' has no switch and no gain", effect.name);
 }
 
 /// The command of one parameter of one effect; its number is not looked at.
@@ -61,8 +61,8 @@ CheckedChange find_value(const EffectSpec& effect, std::string_view parameter,
   const auto found = std::find_if(all.begin(), all.end(),
                                   [&](const EffectParameter& p) { return p.name == parameter; });
   if (found == all.end())
-    return std::unexpected(fmt::format("the effect '{}' has no parameter '{}'; it takes: {}",
-                                       effect.name, quotable(parameter), names_of(all)));
+    return std::unexpected(fmt::format("effect '{}' has no parameter '{}'; valid: {}", effect.name,
+                                       quotable(parameter), names_of(all)));
   if (found->shape == ParameterShape::kWord || found->shape == ParameterShape::kText)
     return std::unexpected(fmt::format("'{}' cannot change while running", found->name));
   EffectCommand command{.action = EffectAction::kValue,
@@ -77,11 +77,11 @@ CheckedChange find(std::span<const EffectSpec> effects, const EffectRequest& req
   const auto found = std::find_if(effects.begin(), effects.end(),
                                   [&](const EffectSpec& e) { return e.name == request.effect; });
   if (found == effects.end())
-    return std::unexpected(effects.empty()
-                               ? fmt::format("the scene lists no effects, so there is no '{}'",
-                                             quotable(request.effect))
-                               : fmt::format("there is no effect '{}'; the scene lists: {}",
-                                             quotable(request.effect), names_of(effects)));
+    return std::unexpected(
+        effects.empty()
+            ? fmt::format("no effect '{}': the scene has no effects", quotable(request.effect))
+            : fmt::format("no effect '{}'; effects of the scene: {}", quotable(request.effect),
+                          names_of(effects)));
   const double first = request.value[0];
   EffectCommand command{.action = request.action, .value = {first, 0.0, 0.0}};
   if (found->kind->everywhere && request.action != EffectAction::kValue)
@@ -89,7 +89,7 @@ CheckedChange find(std::span<const EffectSpec> effects, const EffectRequest& req
   switch (request.action) {
     case EffectAction::kSwitch:
       if (first != 0.0 && first != 1.0)
-        return std::unexpected("a switch takes 1 (on) or 0 (off)");
+        return std::unexpected("a switch must be 1 (on) or 0 (off)");
       break;
     case EffectAction::kGain:
       if (!(first >= 0.0 && first <= 1.0))
@@ -114,11 +114,13 @@ std::string refusal(const EffectSpec& effect, const EffectSpec& requested,
   if (std::string why = check_values(*effect.kind, requested.values); !why.empty())
     return why;
   if (needs_more(effect.kind->needs(requested.values), effect.kind->needs(effect.values)))
-    return fmt::format("'{}' would need what was not built for this scene; change the scene file",
-                       name);
+    return fmt::format(
+        "'{}' needs resources that are not built for this scene; change the scene file and reload "
+        "it",
+        name);
   const EffectBound bound = bound_of(requested);
   if (!std::isfinite(bound.stiffness_n_per_m) || !std::isfinite(bound.stiffness_nm_per_rad))
-    return fmt::format("with this '{}' nothing bounds the stiffness of '{}'", name, effect.name);
+    return fmt::format("with this '{}' the stiffness of '{}' is unbounded", name, effect.name);
   return {};
 }
 

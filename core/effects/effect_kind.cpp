@@ -9,8 +9,8 @@ namespace voxtouch::effects {
 namespace {
 
 std::string requested(const EffectParameter& p) {
-  const char* what = p.shape == ParameterShape::kVector ? "a vector of a length" : "a number";
-  return std::isinf(p.high) ? fmt::format("{} of at least {:g}", what, p.low)
+  const char* what = p.shape == ParameterShape::kVector ? "a vector of norm" : "a number";
+  return std::isinf(p.high) ? fmt::format("{} >= {:g}", what, p.low)
                             : fmt::format("{} from {:g} to {:g}", what, p.low, p.high);
 }
 
@@ -42,7 +42,7 @@ std::string check_value(const EffectParameter& p, const std::array<double, 3>& v
     case ParameterShape::kDirection:
       return std::abs(size - 1.0) <= 1e-6
                  ? ""
-                 : fmt::format("'{}' must be a direction of length 1", p.name);
+                 : fmt::format("'{}' must be a direction of norm 1", p.name);
     case ParameterShape::kWord: {
       const auto count = static_cast<double>(1 + std::count(p.words.begin(), p.words.end(), ' '));
       return size == std::floor(size) && size >= 0.0 && size < count
@@ -55,7 +55,7 @@ std::string check_value(const EffectParameter& p, const std::array<double, 3>& v
 
 std::string check_values(const EffectKind& kind, const EffectValues& values) {
   if (values.size() != kind.parameters.size())
-    return fmt::format("the effect '{}' takes other parameters", kind.name);
+    return fmt::format("wrong number of parameters for effect '{}'", kind.name);
   for (std::size_t n = 0; n < kind.parameters.size(); ++n)
     if (std::string why = check_value(kind.parameters[n], values.at(n)); !why.empty())
       return why;

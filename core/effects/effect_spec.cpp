@@ -29,9 +29,8 @@ const EffectSpec* external_of(std::span<const EffectSpec> effects) {
 
 std::string no_certificate_sentence(std::string_view name) {
   return fmt::format(
-      "No certificate covers the effect '{}': who writes its topic may react to the pose. It is "
-      "bounded in force, slew and energy before the coupling, and "
-      "the passivity controller allows the hand no more of it than that energy.",
+      "Effect '{}' is not certified: the writer of its topic may react to the pose. Its force, "
+      "slew rate and energy are limited.",
       name);
 }
 

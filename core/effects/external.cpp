@@ -150,14 +150,12 @@ extern const EffectKind kExternal = {
         "Displays a wrench from a program outside the ring. Force, slew rate and energy are "
         "bounded, and it fades when it is late.",
     .equations =
-        "F goes to the newest value, cut to max_force_n, at slew_n_per_s; without one for "
-        "timeout_s it goes to zero within fade_s. Then F is "
-        "scaled by min(1, 2 E / energy_j), where dE = -F . dx - T . dphi + power_w dt is a store "
-        "of at most energy_j: in any time t the hand "
-        "gets at most energy_j + power_w t (Franken et al. 2011). What F gives of that is reported "
-        "to the passivity observer as allowed, and what it takes is "
-        "taken off again; of torque nothing is allowed. Not conservative, and no certificate "
-        "covers it: what writes it may react to the pose.",
+        "F follows the newest value, clamped to max_force_n, at slew_n_per_s; without a value for "
+        "timeout_s it fades to zero within fade_s. F is scaled by min(1, 2 E / energy_j) with the "
+        "energy tank dE = -F . dx - T . dphi + power_w dt, E <= energy_j: in a time t the hand "
+        "receives at most energy_j + power_w t (Franken et al. 2011). The passivity observer "
+        "allows the energy of F, but none of the torque. Not conservative and not certified: its "
+        "writer may react to the pose.",
     .energy = EnergyBehaviour::kBounded,
     .alone = true,
     .parameters = kParameters,

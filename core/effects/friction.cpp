@@ -162,22 +162,14 @@ extern const EffectKind kFriction = {
     .name = "friction",
     .says = "Dry friction: surfaces hold the tool until it slides, and resist sliding.",
     .equations =
-        "F = -k z at the touched point, z the bend of a bristle across the contact force N n: dz = "
-        "displacement of the tool's point against the object's, while |z| <= mu N / k; beyond it "
-        "slips, |z| = mu N / k "
-        "(elastic-plastic: Prandtl; "
-        "Hayward and Armstrong 2000, whose drift-free band is the whole of |z| here). mu falls "
-        "from sticking * coulomb "
-        "to coulomb over 2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k there, and "
-        "mends over as much "
-        "bending. z turns with n and with the object, unstretched. A law of displacements, not of "
-        "time: a "
-        "tool at rest feels a "
-        "constant force. Gives no energy on any path while the object rests: k z^2 / 2 is stored, "
-        "shrinks with N and "
-        "never grows with it; gain and region scale mu, not k. Stiffness: k, and while it slips mu "
-        "times the contact's "
-        "as a coupling between depth and force.",
+        "F = -k z at the contact point, z the bristle deflection across the contact force N n: dz "
+        "is the displacement relative to the object while |z| <= mu N / k; beyond, it slips at |z| "
+        "= mu N / k (elastic-plastic: Prandtl; Hayward and Armstrong 2000). mu falls from sticking "
+        "* coulomb to coulomb over 2 (sticking - 1) coulomb N / k of slip, so that dF/dx >= -k, "
+        "and recovers over the same deflection. z rotates with n and the object. The law depends "
+        "on displacement, not on time: at rest F is constant. It generates no energy while the "
+        "object rests: k z^2 / 2 is stored and never grows with N; gain and region scale mu, not "
+        "k. Stiffness: k; while slipping, mu times the contact's between depth and force.",
     .energy = EnergyBehaviour::kDissipative,
     .scales_inside = true,
     .friction = [](const EffectValues& values) { return values.number(kCoulomb); },

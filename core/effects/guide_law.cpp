@@ -85,16 +85,13 @@ GuideLaw guide_law(const EffectValues& values) noexcept {
 std::string check_guide(const EffectValues& values) {
   const double range = values.number(kGuideRange);
   if (values.number(kGuideBeyond) != kRelease)
-    return range > 0.0 ? "'range_m' is for 'beyond: release' only; a guide that holds has none"
-                       : "";
+    return range > 0.0 ? "'range_m' requires 'beyond: release'" : "";
   // Written so that a stiffness of 0 passes only without a force.
   const double least = 3.0 * values.number(kGuideLimit);
   if (range > 0.0 && range * values.number(kGuideStiffness) >= least * (1.0 - 1e-12))
     return {};
-  return fmt::format(
-      "'range_m' is {:g}, but a guide that lets go needs at least 3 limit_n / stiffness_n_per_m = "
-      "{:g} m",
-      range, least / values.number(kGuideStiffness));
+  return fmt::format("'range_m' is {:g}, minimum 3 limit_n / stiffness_n_per_m = {:g} m", range,
+                     least / values.number(kGuideStiffness));
 }
 
 EffectBound guide_bound(const EffectValues& values) {

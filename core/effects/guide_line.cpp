@@ -45,8 +45,8 @@ class GuideLine final : public Effect {
 std::string check(const EffectValues& values) {
   const bool segment = values.number(kEnds) == kSegment;
   if (segment != (values.number(kHalfLength) > 0.0))
-    return segment ? "'ends: segment' needs a 'half_length_m' above 0"
-                   : "'half_length_m' is for 'ends: segment' only";
+    return segment ? "'ends: segment' requires 'half_length_m' above 0"
+                   : "'half_length_m' requires 'ends: segment'";
   return check_guide(values);
 }
 

@@ -59,14 +59,11 @@ extern const EffectKind kMagnet = {
     .says = "Pulls the tool's origin to a point within a radius. Pulled hard enough, it comes off.",
     .equations =
         "U = -U0 (1 - r^2/R^2)^3 within R, else 0 (twice differentiable at the rim); F = -grad U = "
-        "-6 U0 / R^2 (1 - "
-        "r^2/R^2)^2 r, at most F = force_n at r = R / sqrt(5), so U0 = 25 sqrt(5) / 96 F R. "
-        "|dF/dx| <= 3.494 F / R, "
-        "reached at the point; beyond R / sqrt(5) the pull falls with the distance (curvature down "
-        "to -0.8 of that), "
-        "which no stiffness matrix shows. Conservative. Stable at the point for 3.494 F / R < b / "
-        "(T/2 + t_d) (Colgate "
-        "and Schenkel 1997), b the damping of hand and device.",
+        "-6 U0 / R^2 (1 - r^2/R^2)^2 r, at most F = force_n at r = R / sqrt(5), so U0 = 25 sqrt(5) "
+        "/ 96 F R. |dF/dx| <= 3.494 F / R, reached at the point; beyond R / sqrt(5) the force "
+        "falls with the distance (curvature down to -0.8 of that; not in the stiffness matrix). "
+        "Conservative. Stable at the point for 3.494 F / R < b / (T/2 + t_d) (Colgate and Schenkel "
+        "1997), b the damping of hand and device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,
     .bound = bound,

@@ -129,8 +129,7 @@ EffectBound bound(const EffectValues& values) {
 
 std::string check(const EffectValues& values) {
   return values.number(kSmoothing) > 4.0 * values.number(kRange)
-             ? "'smoothing_m' must not be more than four times 'range_m': nothing would be left of "
-               "the field"
+             ? "'smoothing_m' must be at most four times 'range_m'"
              : "";
 }
 
@@ -142,16 +141,12 @@ extern const EffectKind kProximity = {
         "Pushes the tool away from static objects before contact. The force grows as the distance "
         "falls.",
     .equations =
-        "U = sum a_i p(d(x_i)) over points x_i that stand for fractions a_i of the tool's surface "
-        "(sum 1), d the smoothed "
-        "signed distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F S(1 - |d|/R), S "
-        "the smoothstep "
-        "(force field from outer layers, McNeely et al. 1999). |F| <= sqrt(3) F, |dF/dx| <= 3 "
-        "(3/2) F / R + 6 F / h, h "
-        "the smoothing; before a flat wall (3/2) F / R. Conservative; without torque for motions "
-        "that do not turn the "
-        "tool. Stable for that bound below b / (T/2 + t_d) (Colgate and Schenkel 1997), b the "
-        "damping of hand and "
+        "U = sum a_i p(d(x_i)) over points x_i with fractions a_i of the tool's surface (sum 1), d "
+        "the smoothed signed distance; F = -sum a_i p'(d) grad d, torque sum r_i x F_i; -p' = F "
+        "S(1 - |d|/R), S the smoothstep (force field from outer layers, McNeely et al. 1999). |F| "
+        "<= sqrt(3) F, |dF/dx| <= 3 (3/2) F / R + 6 F / h, h the smoothing; before a flat wall "
+        "(3/2) F / R. Conservative; without torque, for motions without rotation. Stable for that "
+        "bound below b / (T/2 + t_d) (Colgate and Schenkel 1997), b the damping of hand and "
         "device.",
     .energy = EnergyBehaviour::kConservative,
     .parameters = kParameters,

@@ -10,7 +10,7 @@ std::string fault_of_ros_topic(std::string_view name) {
   if (name.size() > kLongestTopic)
     return fmt::format("is longer than {} characters", kLongestTopic);
   if (name.empty() || name.front() != '/')
-    return "does not begin with '/', so no namespace is known: write it as /sim/wrench";
+    return "does not start with '/'; write an absolute name such as /sim/wrench";
   const auto letter = [](char c) {
     return c == '_' || std::isalpha(static_cast<unsigned char>(c)) != 0;
   };
@@ -19,8 +19,8 @@ std::string fault_of_ros_topic(std::string_view name) {
     const bool first = n > 0 && name[n - 1] == '/';
     if (first ? !letter(c)
               : c != '/' && !letter(c) && std::isdigit(static_cast<unsigned char>(c)) == 0)
-      return "is no topic of ROS 2: between slashes stand letters, digits and '_', and no digit "
-             "first";
+      return "is not a ROS 2 topic: its parts have letters, digits and '_', and do not start with "
+             "a digit";
   }
   return name.back() == '/' ? "ends with '/'" : "";
 }

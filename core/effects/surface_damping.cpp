@@ -88,15 +88,11 @@ extern const EffectKind kSurfaceDamping = {
     .name = "surface_damping",
     .says = "Viscous resistance to sliding along a surface and, if set, to leaving it.",
     .equations =
-        "F = -s(N) (b v_t + b_n v_n) at the touched point (Stokes), v its velocity against the "
-        "object's, s the "
-        "smoothstep of the contact force N from 0 to full_force_n: none without contact, no step "
-        "at its begin. Several "
-        "objects share one s of 1. Dissipative while the objects rest. Sampled with a delay t_d "
-        "and behind a filter of "
-        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d). Where N changes with depth, so "
-        "does F: s'(N) b v "
-        "times the contact's stiffness.",
+        "F = -s(N) (b v_t + b_n v_n) at the contact point (Stokes), v its velocity relative to the "
+        "object, s the smoothstep of the contact force N from 0 to full_force_n. Without contact F "
+        "= 0; F is continuous. Over several objects the sum of s is at most 1. Dissipative while "
+        "the objects rest. With delay t_d and a filter of lag L, a mass m is stable for b < (pi/2) "
+        "m / (L + t_d). If N depends on depth, so does F: stiffness s'(N) b v times the contact's.",
     .energy = EnergyBehaviour::kDissipative,
     .parameters = kParameters,
     .needs = needs,

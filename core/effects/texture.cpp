@@ -17,7 +17,7 @@ constexpr std::array kParameters = {
                     .words = "grating noise"},
     row::number("wavelength_m", 0.0005, 0.1,
                 "Distance between ridges, for noise between bumps on average [m]."),
-    row::number("force_n", 0.0, 20.0, "Force along the surface at the steepest place [N]."),
+    row::number("force_n", 0.0, 20.0, "Force along the surface at the largest slope [N]."),
     EffectParameter{.name = "direction",
                     .shape = ParameterShape::kDirection,
                     .standard = {{1.0, 0.0, 0.0}},
@@ -116,21 +116,14 @@ extern const EffectKind kTexture = {
     .name = "texture",
     .says = "Relief of ridges or bumps that pushes the tool along the surface.",
     .equations =
-        "F = -A s(N) grad h across the normal, at the foot of the contact force's axis, h read "
-        "there in W with |grad "
-        "h| <= 1, s the smoothstep of the contact force N from 0 to full_force_n (lateral force: "
-        "Minsky 1995; that it "
-        "alone is perceived as relief: Robles-De-La-Torre and Hayward 2001). On a flat surface "
-        "pressed with full_force_n or "
-        "more it is the potential A h and gives no energy; where the pressure changes on the way, "
-        "or the surface is "
-        "curved, at most A joule for each metre of the point's path. Stiffness at most 2 pi A / "
-        "wavelength (grating), "
-        "7.5 A / wavelength (noise), and A s'(N) times the contact's. The relief is sampled: at f "
-        "samples a second a "
-        "speed v shows v / wavelength right below f/2 only (1 kHz, 1 mm: 0.5 m/s; ten samples a "
-        "ridge: 0.1 m/s), and a "
-        "wavelength should be ten steps of the device's encoders or more.",
+        "F = -A s(N) grad h across the normal at the contact centre, h in W with |grad h| <= 1, s "
+        "the smoothstep of the contact force N from 0 to full_force_n (lateral force: Minsky 1995; "
+        "Robles-De-La-Torre and Hayward 2001). On a flat surface with N >= full_force_n it is the "
+        "potential A h and generates no energy; if N varies or the surface is curved, at most A "
+        "joule per metre of path. Stiffness at most 2 pi A / wavelength (grating), 7.5 A / "
+        "wavelength (noise), and A s'(N) times the contact's. At f samples per second a speed v is "
+        "displayed correctly only for v / wavelength < f/2 (1 kHz, 1 mm: 0.5 m/s; ten samples a "
+        "ridge: 0.1 m/s). A wavelength should be at least ten encoder steps.",
     .energy = EnergyBehaviour::kBounded,
     .parameters = kParameters,
     .needs = needs,

@@ -40,10 +40,9 @@ extern const EffectKind kViscosity = {
     .name = "viscosity",
     .says = "Viscous drag on the tool, the same everywhere.",
     .equations =
-        "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. Sampled with a delay t_d and "
-        "behind a filter of "
-        "lag L a mass m stays stable for b < (pi/2) m / (L + t_d); the scene is refused above half "
-        "of that.",
+        "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. With delay t_d and a filter "
+        "of lag L, a mass m is stable for b < (pi/2) m / (L + t_d); scenes above half of that are "
+        "refused.",
     .energy = EnergyBehaviour::kDissipative,
     .parameters = kParameters,
     .needs = needs,

@@ -29,7 +29,7 @@ void add_faces(const mesh::TriangleMesh& welded, FeatureMesh& out) {
     out.faces.push_back(face);
   }
   if (out.faces.empty())
-    throw std::runtime_error("exact tool: the mesh has no sound triangle");
+    throw std::runtime_error("exact tool: the mesh has no valid triangle");
 }
 
 /// The faces as a mesh, for mesh::sorted_sides.

@@ -23,18 +23,18 @@ constexpr double kFewestVoxels = 4.0, kMaxVoxels = 2000.0;
 ImportOptions checked(const std::filesystem::path& path, ImportOptions options) {
   if (!(options.scale > 0.0) || !std::isfinite(options.scale))
     import::refuse(path, "the scale is " + std::to_string(options.scale),
-                   "give one above 0 (0.001 for millimetres)");
+                   "choose a scale > 0 (0.001 for millimetres)");
   if (!options.pose.finite() || !normalise_within(options.pose.orientation, 0.999, 1.001))
-    import::refuse(path, "its pose is not finite or its quaternion not of length one",
-                   "give a unit quaternion w x y z");
+    import::refuse(path, "its pose is not finite or its quaternion is not of unit norm",
+                   "use a unit quaternion w x y z");
   if (!(options.voxel_size_m >= 0.0) || !std::isfinite(options.voxel_size_m))
     import::refuse(path, "the voxel size is " + std::to_string(options.voxel_size_m),
-                   "give one above 0, in metres");
+                   "choose a size > 0, in metres");
   return options;
 }
 
 std::string skipped(std::uint64_t count, const char* what) {
-  return fmt::format("{} {}{} left out: only faces can be touched", count, what,
+  return fmt::format("{} {}{} skipped: only faces have contact", count, what,
                      count == 1 ? " is" : "s are");
 }
 
@@ -46,12 +46,11 @@ void check_precision(const std::filesystem::path& path, const FileTriangles& rea
   if (e <= 0.0 || spacing <= kMaxSpacingPerVoxel * e)
     return;
   import::refuse(path,
-                 fmt::format("its largest coordinate is {:.4g} m, where single precision, which "
-                             "the reader holds vertices in, has steps of "
-                             "{:.4g} m; a voxel of {:.4g} m needs steps of at most {:.4g} m",
+                 fmt::format("its largest coordinate is {:.4g} m, where single precision has a "
+                             "resolution of {:.4g} m; a voxel of {:.4g} m needs at most {:.4g} m",
                              read.largest * options.scale, spacing, e, kMaxSpacingPerVoxel * e),
-                 "move the mesh to the origin in the file and give its place as the scene's pose, "
-                 "or take larger voxels");
+                 "move the mesh to the origin in the file and set its place with the scene's pose, "
+                 "or use larger voxels");
 }
 
 /// A warning where single precision, which vertices are held in, is coarse for a mesh `extent_m`
@@ -62,11 +61,8 @@ std::string precision_warning(const FileTriangles& read, double extent_m,
   if (options.voxel_size_m > 0.0 || spacing <= kMaxSpacingPerExtent * extent_m)
     return {};
   return fmt::format(
-      "its largest coordinate is {:.4g} m, where single precision, which the reader holds vertices "
-      "in, has steps "
-      "of {:.4g} m; at a length of {:.4g} m its shape needs steps of at most {:.4g} m: move the "
-      "mesh to the origin "
-      "in the file",
+      "its largest coordinate is {:.4g} m, where single precision has a resolution of {:.4g} m; a "
+      "mesh of length {:.4g} m needs at most {:.4g} m: move the mesh to the origin in the file",
       read.largest * options.scale, spacing, extent_m, kMaxSpacingPerExtent * extent_m);
 }
 
@@ -83,15 +79,14 @@ std::string unit_warning(const std::filesystem::path& path, double extent_m,
       "the mesh is {:.4g} m long at scale {:.4g}, {} voxels of {:.4g} m", extent_m, options.scale,
       small ? fmt::format("only {:.4g}", voxels) : fmt::to_string(std::llround(voxels)), e);
   if (!has_own_unit(path))
-    text +=
-        " (." + import::extension_of(path) + " carries no unit; its numbers are taken as metres)";
+    text += " (." + import::extension_of(path) + " has no unit; its numbers are read as metres)";
   if (!small)
-    return fmt::format("{}: is the file in millimetres? Then use scale {:.4g}", text,
+    return fmt::format("{}: if the file is in millimetres, use scale {:.4g}", text,
                        0.001 * options.scale);
   if (1000.0 * extent_m >= kFewestVoxels * e && options.scale < 1.0)
-    return fmt::format("{}: is the file in metres, and not in millimetres? Then use scale {:.4g}",
-                       text, 1000.0 * options.scale);
-  return text + ": is the unit right, or are the voxels too large for it? Its shape is lost";
+    return fmt::format("{}: if the file is in metres, not in millimetres, use scale {:.4g}", text,
+                       1000.0 * options.scale);
+  return text + ": its shape is lost. Check the unit, or use smaller voxels";
 }
 
 }  // namespace
@@ -134,7 +129,7 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes,
     import::refuse(path,
                    "vertex " + std::to_string(result.report.not_finite_vertices.examples.front()) +
                        " is not finite after scale and pose",
-                   "give a smaller scale");
+                   "use a smaller scale");
   return result;
 }
 

@@ -128,9 +128,8 @@ void note_spacing(const Placed& placed, FileTriangles& result) {
 }
 
 [[noreturn]] void refuse_not_finite(const MeshFile& file, unsigned vertex) {
-  refuse(file.path,
-         fmt::format("vertex {} is not finite, or not after its node's transform", vertex),
-         "repair the mesh: NaN, Inf and numbers beyond 3.4e38 cannot be placed");
+  refuse(file.path, fmt::format("vertex {} is not finite (after its node's transform)", vertex),
+         "repair the mesh: NaN, infinity and numbers beyond 3.4e38 are not supported");
 }
 
 /// The faces of every mesh as triangles, in the file's order.
@@ -178,8 +177,8 @@ class FaceCutter {
       where = fmt::format(" near ({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z());
     }
     refuse(file_.path,
-           fmt::format("polygon {} of {}, which has {} corners, crosses itself{}: it has no inside",
-                       number_, polygons_, corners, where),
+           fmt::format("polygon {} of {} ({} corners) intersects itself{}", number_, polygons_,
+                       corners, where),
            "repair it, or export triangles");
   }
 
@@ -222,7 +221,7 @@ const aiScene& parse(const MeshFile& file, Assimp::Importer& importer) {
     if (reason.empty())
       reason = "no reason given";
     refuse(file.path, "cannot be read (" + printable(reason.substr(0, 200)) + ")",
-           "check that it is a whole ." + file.extension + " file, or export it again");
+           "check that it is a complete ." + file.extension + " file, or export it again");
   }
   return *scene;
 }
@@ -242,17 +241,17 @@ FileTriangles read_checked(MeshFile file, const ImportOptions& options) {
     own.add(*scene.mMeshes[m]);
   if (all.triangles > options.max_triangles)
     refuse(file.path,
-           "has " + std::to_string(all.triangles) + " triangles, and at most " +
-               std::to_string(options.max_triangles) + " are read",
+           "has " + std::to_string(all.triangles) + " triangles, limit " +
+               std::to_string(options.max_triangles),
            "reduce the mesh, or raise max_triangles");
   if (own.astray > 0) {
     refuse(file.path,
-           std::to_string(own.astray) + " corners of its faces name vertices that are not there",
+           std::to_string(own.astray) + " corners of its faces have invalid vertex indices",
            "export it again");
   }
   if (file.faces && own.polygons != *file.faces)
-    refuse_truncated(file, "it speaks of " + std::to_string(*file.faces) + " faces, and " +
-                               std::to_string(own.polygons) + " can be read");
+    refuse_truncated(file, "its header declares " + std::to_string(*file.faces) +
+                               " faces, readable: " + std::to_string(own.polygons));
   if (all.triangles == 0)
     refuse(file.path,
            "has no triangles (" + std::to_string(all.points) + " points, " +
@@ -274,7 +273,7 @@ FileTriangles read_checked(MeshFile file, const ImportOptions& options) {
     note_spacing(p, result);
   }
   if (result.mesh.triangles.empty())
-    refuse(file.path, fmt::format("has {} polygons, and none of them has an area", own.polygons),
+    refuse(file.path, fmt::format("has {} polygons, all of zero area", own.polygons),
            "export it again, with triangles");
   return result;
 }
@@ -289,7 +288,7 @@ FileTriangles read_triangles(const std::filesystem::path& path, std::string byte
   } catch (const MeshError&) {
     throw;
   } catch (const std::bad_alloc&) {
-    import::refuse(path, "needs more memory than there is for it", "reduce the mesh");
+    import::refuse(path, "out of memory", "reduce the mesh");
   } catch (const std::exception& error) {
     import::refuse(path, "cannot be read (" + import::printable(error.what()) + ")",
                    "export it again");

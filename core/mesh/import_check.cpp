@@ -58,11 +58,11 @@ constexpr Content kContents[] = {
     {"<html", "", "is a web page, not a mesh", "download the mesh file itself"},
     {"\xff\xfe", "", "is UTF-16 text", "save it as UTF-8"},
     {"\xfe\xff", "", "is UTF-16 text", "save it as UTF-8"},
-    {"iso-10303-21", "", "is a STEP file, which holds no triangles", "export a mesh from it"},
+    {"iso-10303-21", "", "is a STEP file, without triangles", "export a mesh from it"},
     {"kaydara fbx", "", "is an FBX file", "export it as .obj, .stl, .ply, .gltf, .glb or .dae"},
-    {"gltf\x02", "glb", "is a binary glTF file", "give it the ending .glb"},
-    {"ply\n", "ply", "is a PLY file", "give it the ending .ply"},
-    {"ply\r", "ply", "is a PLY file", "give it the ending .ply"},
+    {"gltf\x02", "glb", "is a binary glTF file", "rename it to .glb"},
+    {"ply\n", "ply", "is a PLY file", "rename it to .ply"},
+    {"ply\r", "ply", "is a PLY file", "rename it to .ply"},
 };
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
@@ -87,7 +87,7 @@ void cut_padding(MeshFile& file) {
   if (end == file.bytes.size())
     return;
   file.warnings.push_back(std::to_string(file.bytes.size() - end) +
-                          " bytes of padding behind its text are left out");
+                          " padding bytes after its text are skipped");
   file.bytes.resize(end);
 }
 
@@ -104,8 +104,8 @@ void check_weight(const MeshFile& file, std::string_view line, std::size_t after
   if (numbers != 4)  // six: a colour
     return;
   if (const auto value = parse_number<double>(weight); !value || *value != 1.0)
-    refuse(file.path, "gives a vertex the weight '" + printable(weight) + "' behind x, y and z",
-           "export polygons, whose vertices have three numbers");
+    refuse(file.path, "has a vertex weight '" + printable(weight) + "' after x, y and z",
+           "export polygons with three numbers a vertex");
 }
 
 /// Objects, groups, materials and smoothing would make assimp sort the faces; as comments they
@@ -114,8 +114,8 @@ void check_weight(const MeshFile& file, std::string_view line, std::size_t after
 void check_obj(MeshFile& file) {
   cut_padding(file);
   if (file.bytes.find('\0') != std::string::npos)
-    refuse(file.path, "is no OBJ text: it holds zero bytes",
-           "export it as OBJ again, or give it the ending of its format");
+    refuse(file.path, "is not an OBJ text: it has zero bytes",
+           "export it as OBJ again, or rename it to its format's extension");
   for (std::size_t k = 0; (k = file.bytes.find('\r', k)) != std::string::npos; ++k) {
     if (k + 1 == file.bytes.size() || file.bytes[k + 1] != '\n')
       file.bytes[k] = '\n';
@@ -138,7 +138,7 @@ void check_obj(MeshFile& file) {
       if (!continued && word == surface)
         refuse(file.path,
                "has a statement '" + std::string(surface) +
-                   "': free-form surfaces and other files are not read",
+                   "': free-form surfaces and references to other files are not supported",
                "export it as polygons");
     }
     if (!continued && word.size() == 1 && lower(word[0]) == 'v')
@@ -179,14 +179,14 @@ class StlText {
       refuse_truncated(file_, "an STL text without its 'endsolid'");
     if (ends != facets || vertices != 3 * facets)
       refuse_truncated(file_, std::to_string(facets) + " facets begin, " + std::to_string(ends) +
-                                  " end, and they have " + std::to_string(vertices) + " vertices");
+                                  " end; they have " + std::to_string(vertices) + " vertices");
     file_.faces = facets;
     if (capitals_)
-      file_.warnings.push_back("its keywords are in capitals, and read as if they were not");
+      file_.warnings.push_back("its keywords are in capitals (accepted)");
     if (normals_ > 0) {
       file_.warnings.push_back(
           std::to_string(normals_) +
-          " normals are no numbers: corners alone decide to which side a facet faces");
+          " normals are not numbers: orientation follows the order of the corners");
     }
   }
 
@@ -268,12 +268,12 @@ void cut_behind_triangles(MeshFile& file, std::uint64_t whole) {
   const bool zeros = behind.find_first_not_of('\0') == std::string_view::npos;
   if (more > 0 && behind.size() % kStlTriangle == 0 && !zeros) {
     const std::uint64_t count = stl_count(file.bytes);
-    refuse_truncated(file, "the header speaks of " + std::to_string(count) +
-                               " triangles, and there are bytes for " +
+    refuse_truncated(file, "the header declares " + std::to_string(count) +
+                               " triangles, the file has bytes for " +
                                std::to_string(count + more));
   }
   file.warnings.push_back(std::to_string(behind.size()) +
-                          " bytes behind its last triangle are left out");
+                          " bytes after its last triangle are skipped");
   file.bytes.resize(whole);
 }
 
@@ -300,9 +300,9 @@ void check_stl(MeshFile& file) {
     cut_blank_start(file);
     StlText(file).check();
   } else {
-    refuse_truncated(file, "the header speaks of " + std::to_string(count) +
-                               " triangles, which need " + std::to_string(whole) +
-                               " bytes, and there are " + std::to_string(size));
+    refuse_truncated(file, "the header declares " + std::to_string(count) +
+                               " triangles, requiring " + std::to_string(whole) +
+                               " bytes, the file has " + std::to_string(size));
   }
 }
 
@@ -316,7 +316,7 @@ void cut_byte_order_mark(MeshFile& file) {
   if (header_of_binary_stl)
     return;
   file.bytes.erase(0, kByteOrderMark.size());
-  file.warnings.push_back("it begins with a byte order mark, which is left out");
+  file.warnings.push_back("its byte order mark is skipped");
 }
 
 }  // namespace
@@ -337,7 +337,7 @@ MeshFile open_mesh_file(const std::filesystem::path& path, std::string bytes) {
   else if (format == "dae")
     check_collada(file);
   else
-    refuse(path, "the format '" + printable(format) + "' is not known",
+    refuse(path, "the format '" + printable(format) + "' is not supported",
            "export it as .obj, .stl, .ply, .gltf, .glb or .dae");
   return file;
 }

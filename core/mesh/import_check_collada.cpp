@@ -25,7 +25,7 @@ std::uint64_t count_numbers(const MeshFile& file, const pugi::xml_node& array) {
     ++words;
   if (words == count)
     return count;
-  refuse_truncated(file, "an array speaks of " + std::to_string(count) + " numbers and has " +
+  refuse_truncated(file, "an array declares " + std::to_string(count) + " numbers, it has " +
                              std::to_string(words));
 }
 
@@ -34,7 +34,7 @@ void check_indices(const MeshFile& file, std::string_view text) {
   std::string_view word;
   for (std::size_t p = 0; !(word = next_word(text, p)).empty();) {
     if (whole_number(word).value_or(~0ULL) > 0xffffffff)
-      refuse_truncated(file, shown(word) + " stands where a number should");
+      refuse_truncated(file, shown(word) + " is not a number");
   }
 }
 
@@ -45,8 +45,8 @@ void check_accessor(const MeshFile& file, const pugi::xml_node& accessor, std::u
   const std::uint64_t stride = accessor.attribute("stride").as_uint(1),
                       params = accessor.select_nodes("param").size();
   if (begin + (std::max(count, std::uint64_t{1}) - 1) * stride + std::max(params, stride) > array)
-    refuse_truncated(
-        file, "an accessor reads beyond the " + std::to_string(array) + " numbers of its array");
+    refuse_truncated(file,
+                     "an accessor exceeds the " + std::to_string(array) + " numbers of its array");
 }
 
 /// What is behind the '#'.
@@ -58,10 +58,10 @@ std::string named_by(const pugi::xml_attribute& link) {
 [[noreturn]] void refuse_shape(const MeshFile& file, const std::string& what,
                                const pugi::xml_node& node) {
   const std::string id = node.attribute("id").value();
-  refuse(
-      file.path,
-      what + (id.empty() ? "" : " in " + shown(id)) + ", which is not read and changes its shape",
-      "export plain meshes, with all modifiers applied");
+  refuse(file.path,
+         what + (id.empty() ? "" : " in " + shown(id)) +
+             ", which is not supported and changes its shape",
+         "export plain meshes, with all modifiers applied");
 }
 
 /// What bends or shears a mesh, or is a surface of another kind. assimp takes a fan for one
@@ -87,7 +87,7 @@ void check_unit(const MeshFile& file, const pugi::xml_document& doc) {
   const std::string text = found.attribute().value();
   std::size_t p = 0;
   if (parse_finite(next_word(text, p)).value_or(0.0) <= 0.0)
-    refuse(file.path, "declares a unit of " + shown(text) + " m, which is no length above 0",
+    refuse(file.path, "declares a unit of " + shown(text) + " m, not a length > 0",
            "correct <unit meter=...> in it");
 }
 
@@ -136,8 +136,7 @@ void check_collada(MeshFile& file) {
   pugi::xml_document doc;
   const pugi::xml_parse_result parsed = doc.load_buffer(file.bytes.data(), file.bytes.size());
   if (!parsed)
-    refuse_truncated(file,
-                     std::string("its XML does not hold together (") + parsed.description() + ")");
+    refuse_truncated(file, std::string("its XML is invalid (") + parsed.description() + ")");
   check_unit(file, doc);
   check_shape(file, doc);
   join_holes(doc);
@@ -163,7 +162,8 @@ void check_collada(MeshFile& file) {
   for (const auto& found : doc.select_nodes("//instance_node/@url | //instance_geometry/@url")) {
     const std::string name = named_by(found.attribute());
     if (!parts.contains(name))
-      refuse(file.path, "a node names " + shown(name) + ", which is not there", "export it again");
+      refuse(file.path, "a node references " + shown(name) + ", which does not exist",
+             "export it again");
   }
   std::ostringstream kept;
   doc.save(kept, "", pugi::format_raw);

@@ -17,11 +17,11 @@ using Json = nlohmann::json;
 std::string_view json_chunk(const MeshFile& file) {
   const std::string_view bytes = file.bytes;
   if (bytes.size() < 20 || !bytes.starts_with("glTF"))
-    refuse_truncated(file, "no header of a .glb file");
+    refuse_truncated(file, "missing .glb header");
   const std::uint64_t total = little_u32(bytes, 8), json = little_u32(bytes, 12);
   if (total > bytes.size() || 20 + json > total)
-    refuse_truncated(file, "the header speaks of " + std::to_string(total) + " bytes, " +
-                               std::to_string(json) + " of them JSON, and there are " +
+    refuse_truncated(file, "the header declares " + std::to_string(total) + " bytes, " +
+                               std::to_string(json) + " of them JSON; the file has " +
                                std::to_string(bytes.size()));
   return bytes.substr(20, json);
 }
@@ -39,8 +39,8 @@ std::uint64_t entries(const Json& doc, const Json& index, bool positions) {
   if (bytes == 0 || accessor.at("type") != (positions ? "VEC3" : "SCALAR") ||
       accessor.contains("sparse") || !accessor.contains("bufferView")) {
     throw std::runtime_error(
-        "its positions or indices are compressed, or have a form that is not read; 32-bit floats "
-        "are");
+        "its positions or indices are compressed or of an unsupported type (supported: 32-bit "
+        "floats)");
   }
   const Json& view = doc.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
   const Json& buffer = doc.at("buffers").at(view.at("buffer").get<std::size_t>());
@@ -48,9 +48,8 @@ std::uint64_t entries(const Json& doc, const Json& index, bool positions) {
   if (count == 0 || accessor.value("byteOffset", kNone) + (count - 1) * stride + bytes > length ||
       (positions ? stride < bytes : stride != bytes) ||
       view.value("byteOffset", kNone) + length > buffer.at("byteLength").get<std::uint64_t>()) {
-    throw std::runtime_error("accessor " + index.dump() + " speaks of " + std::to_string(count) +
-                             " entries, and its buffer view holds " + std::to_string(length) +
-                             " bytes");
+    throw std::runtime_error("accessor " + index.dump() + " declares " + std::to_string(count) +
+                             " entries, its buffer view has " + std::to_string(length) + " bytes");
   }
   return count;
 }
@@ -62,7 +61,7 @@ std::uint64_t faces(const Json& doc, const Json& primitive) {
     corners = entries(doc, primitive.at("indices"), false);
   const int mode = primitive.value("mode", 4);
   if (mode == 4 && corners % 3 != 0)
-    throw std::runtime_error(std::to_string(corners) + " corners are no whole triangles");
+    throw std::runtime_error(std::to_string(corners) + " corners are not a multiple of 3");
   return mode < 4 ? 0 : mode == 4 ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
@@ -78,7 +77,7 @@ bool leaves_shape(std::string_view extension) {
 }
 
 [[noreturn]] void refuse_shape(const MeshFile& file, const std::string& reason) {
-  refuse(file.path, reason + ", which is not read and changes its shape",
+  refuse(file.path, reason + ", which is not supported and changes its shape",
          "export plain meshes, with all modifiers applied");
 }
 
@@ -155,7 +154,7 @@ void add_scene(MeshFile& file, Json& doc, const std::set<Json>& children) {
   doc["scenes"] = Json::array({{{"nodes", roots}}});
   doc["scene"] = 0;
   put_json(file, doc);
-  file.warnings.push_back("it names no scene: all its nodes are read");
+  file.warnings.push_back("it has no default scene: all its nodes are read");
 }
 
 }  // namespace
@@ -163,14 +162,14 @@ void add_scene(MeshFile& file, Json& doc, const std::set<Json>& children) {
 void check_gltf(MeshFile& file) {
   Json doc = Json::parse(file.extension == "glb" ? json_chunk(file) : file.bytes, nullptr, false);
   if (doc.is_discarded())
-    refuse_truncated(file, "its JSON does not end or is none");
+    refuse_truncated(file, "its JSON is invalid or incomplete");
   if (!doc.at("asset").at("version").get<std::string>().starts_with("2."))
     throw std::runtime_error("its version is not 2.x");
   std::set<Json> children;
   for (const Json& node : doc.value("nodes", Json::array())) {
     for (const Json& child : node.value("children", Json::array())) {
       if (!children.insert(child).second)
-        throw std::runtime_error("a node hangs from two others");
+        throw std::runtime_error("a node has two parents");
     }
   }
   check_shape(file, doc);

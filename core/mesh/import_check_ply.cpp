@@ -72,9 +72,9 @@ Header read_header(const MeshFile& file) {
       header.elements.back().names.append(name).append(" "), understood = !name.empty();
     }
     if (!understood || !next_word(line, p).empty())
-      refuse_header(file, "a line that is not understood: '" + printable(line.substr(0, 60)) + "'");
+      refuse_header(file, "an invalid line: '" + printable(line.substr(0, 60)) + "'");
   }
-  refuse_truncated(file, "a PLY header without its end");
+  refuse_truncated(file, "a PLY header without end_header");
 }
 
 /// The next number behind `at`, where it is a whole one without sign. False where the bytes end
@@ -109,12 +109,12 @@ void check_ply(const MeshFile& file) {
         e.count > 0) {
       refuse(file.path,
              "its surface is stored as '" + printable(e.name.substr(0, 40)) +
-                 "', and only elements 'face' are read",
+                 "', supported: elements 'face'",
              "export it as polygons or triangles");
     }
     surfaces += e.name == "face";
     if (surfaces > 1)
-      refuse_header(file, "the element 'face' twice, and only one is read");
+      refuse_header(file, "the element 'face' twice, limit 1");
     for (const char* axis : {" x ", " y ", " z "}) {  // assimp takes what is missing for zero
       if (e.name == "vertex" && e.names.find(axis) == std::string::npos)
         refuse_header(file, "a vertex without its x, y or z");
@@ -132,8 +132,8 @@ void check_ply(const MeshFile& file) {
           whole = next_number(file, header, p.item_bytes, at, value);
       }
       if (!whole)
-        refuse_truncated(file, "the header speaks of " + std::to_string(e.count) + " elements " +
-                                   name + ", and after " + std::to_string(row) +
+        refuse_truncated(file, "the header declares " + std::to_string(e.count) + " elements " +
+                                   name + "; after " + std::to_string(row) +
                                    " of them the file ends");
     }
   }

@@ -31,8 +31,7 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   for (const Vec3& v : mesh.vertices)
     size = std::max(size, (v - middle).norm());
   if (!(std::abs(volume) > 1e-9 * size * size * size))
-    throw std::invalid_argument(
-        "the mesh encloses no volume, so it has no mass: is it open or flat?");
+    throw std::invalid_argument("the mesh encloses no volume (open or flat), so it has no mass");
   MassProperties out;
   out.volume_m3 = std::abs(volume);
   const Vec3 centre = first / volume;
@@ -41,7 +40,7 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
   out.inertia_m2 = spread.trace() * Mat3::Identity() - spread;
   if (!(Eigen::SelfAdjointEigenSolver<Mat3>(out.inertia_m2).eigenvalues().minCoeff() > 0.0))
     throw std::invalid_argument(
-        "the mesh's parts face against each other, so its mass is undefined");
+        "parts of the mesh have opposite orientations: its mass is undefined");
   return out;
 }
 

@@ -43,14 +43,13 @@ std::uintmax_t size_of(const std::filesystem::path& path, std::uintmax_t most) {
     case Type::regular:
       break;
     case Type::not_found:
-      refuse(path, "there is no such file",
-             "check the path; a scene's paths start at the scene file's folder");
+      refuse(path, "file not found", "check the path (relative to the scene file's folder)");
     case Type::directory:
-      refuse(path, "is a directory", "name the mesh file in it");
+      refuse(path, "is a directory", "choose a mesh file");
     case Type::none:
-      refuse(path, error.message(), "check the rights on its folders");
+      refuse(path, error.message(), "check the permissions of its folders");
     default:
-      refuse(path, "is not a regular file", "name a mesh file");
+      refuse(path, "is not a regular file", "choose a mesh file");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error)
@@ -58,8 +57,7 @@ std::uintmax_t size_of(const std::filesystem::path& path, std::uintmax_t most) {
   if (size == 0)
     refuse(path, "is empty", "export the mesh again");
   if (size > most)
-    refuse(path, fmt::format("has {} bytes, and at most {} are read", size, most),
-           "reduce the mesh");
+    refuse(path, fmt::format("has {} bytes, limit {}", size, most), "reduce the mesh");
   return size;
 }
 
@@ -71,12 +69,12 @@ std::string read_mesh_bytes(const std::filesystem::path& path, std::uintmax_t mo
   std::ifstream in(path, std::ios::binary);
   if (!in)
     refuse(path, std::string("cannot be opened (") + std::strerror(errno) + ")",
-           "give yourself the right to read it");
+           "check its permissions");
   std::string bytes(size, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   if (static_cast<std::size_t>(in.gcount()) != bytes.size() ||
       in.peek() != std::ifstream::traits_type::eof())
-    refuse(path, "changed while it was read", "try again when nothing writes to it");
+    refuse(path, "changed during reading", "repeat when no program writes to it");
   return bytes;
 }
 

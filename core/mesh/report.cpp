@@ -230,46 +230,41 @@ std::vector<std::string> MeshReport::sentences() const {
       all.push_back(counted(f, one, many, where) + cost);
   };
   say(not_finite_vertices, "vertex is not finite", "vertices are not finite", "vertex",
-      ": triangles there have no place in the grid; repair the file, nothing can be built from "
-      "this mesh");
+      ": the mesh cannot be built; repair the file");
   say(open_edges, "open edge", "open edges", "at triangle",
-      ": the mesh has no interior, so penalty forces do not push a tool back that goes through "
-      "the surface");
+      ": the mesh has no interior; penalty forces do not push the tool back once it has passed the "
+      "surface");
   if (inverted)
     all.push_back(
-        "the whole mesh faces inward (its signed volume is negative): all triangles are treated as "
-        "flipped; other programs may see it inside out");
-  say(flipped, "triangle is flipped against its neighbours",
-      "triangles are flipped against their neighbours", "triangle",
-      closed && orientable ? ": treated as flipped"
-                           : ": normals there point the wrong way, so the force drops or turns "
-                             "round as the tool passes");
+        "the whole mesh faces inward (negative volume): all triangles are treated as flipped; "
+        "other programs may display it inside out");
+  say(flipped, "triangle is oriented opposite to its neighbours",
+      "triangles are oriented opposite to their neighbours", "triangle",
+      closed && orientable
+          ? ": treated as flipped"
+          : ": normals there point the wrong way; the force drops or reverses there");
   say(inward_parts, "closed part faces inward", "closed parts face inward", "beginning at triangle",
-      ": right for a cavity inside another part; a part of its own is treated as flipped");
-  say(nested_parts, "closed part lies inside another and faces outward as it does",
-      "closed parts lie inside another and face outward as it does", "beginning at triangle",
-      ": the space in it is solid; if it was meant as a cavity, turn its triangles round");
+      ": correct for a cavity inside another part; a separate part is treated as flipped");
+  say(nested_parts, "closed part lies inside another with the same orientation",
+      "closed parts lie inside another with the same orientation", "beginning at triangle",
+      ": its interior is solid; for a cavity, flip its triangles");
   if (!orientable)
     all.push_back(
-        "the surface has one side only (a band with a twist): its normals turn round somewhere, "
-        "and with them the "
-        "force");
+        "the surface is not orientable (like a Moebius band): normals and forces reverse "
+        "somewhere");
   say(non_manifold_edges, "edge has more than two triangles", "edges have more than two triangles",
-      "at triangle",
-      ": sheets meet there, so shell points on it mix the normals of more than one sheet");
+      "at triangle", ": shell points there average the normals of several sheets");
   say(zero_area, "triangle has no area", "triangles have no area", "triangle",
-      ": kept, but without normal and weight; shell points that only such a triangle holds add "
-      "nothing where points weigh "
-      "by area");
+      ": kept without normal and weight; shell points of such triangles only have no area weight");
   say(duplicates, "triangle repeats an earlier one", "triangles repeat earlier ones", "triangle",
-      ": shell points there weigh double where points weigh by area");
-  say(opposite_duplicates, "triangle repeats an earlier one the other way round",
-      "triangles repeat earlier ones the other way round", "triangle",
-      ": their normals cancel, so shell points there take the normal of a single face");
+      ": shell points there have double area weight");
+  say(opposite_duplicates, "triangle repeats an earlier one with opposite orientation",
+      "triangles repeat earlier ones with opposite orientation", "triangle",
+      ": their normals cancel; shell points there use the normal of one face");
   say(unused_vertices, "vertex is used by no triangle", "vertices are used by no triangle",
-      "vertex", ": no effect, also not on the bounding box");
+      "vertex", ": no effect");
   if (triangles > 0 && edges == 0 && not_finite_vertices.count == 0)
-    all.push_back("no triangle has an area: there is nothing to feel");
+    all.push_back("no triangle has an area: the mesh has no contact");
   return all;
 }
 

@@ -145,7 +145,7 @@ std::vector<std::uint8_t> used_vertices(const TriangleMesh& mesh) {
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (v >= used.size())
         throw std::runtime_error(fmt::format(
-            "triangle {} names vertex {} of {}: the mesh is not complete, build it again", t, v,
+            "triangle {} has vertex index {} of {}: the mesh is incomplete, build it again", t, v,
             used.size()));
       used[v] = 1;
     }

@@ -108,7 +108,7 @@ std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const Vec3> corner
     if (skipped == left.size())
       skipped = next([&](std::size_t k) { return left.area_at(k) == 0; });
     if (skipped == left.size())
-      throw std::runtime_error("a polygon crosses itself; export triangles");
+      throw std::runtime_error("a polygon intersects itself; export triangles");
     from = (from + skipped) % left.size();
     covered += left.area_at(from);
     triangles.push_back(left.triangle_at(from));
@@ -120,7 +120,7 @@ std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const Vec3> corner
     triangles.push_back(left.triangle_at(1));
   }
   if (std::abs(covered - left.doubled_area()) > 1e-6 * left.doubled_area())
-    throw std::runtime_error("a polygon crosses itself; export triangles");
+    throw std::runtime_error("a polygon intersects itself; export triangles");
   return triangles;
 }
 

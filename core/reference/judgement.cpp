@@ -77,8 +77,8 @@ Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
     conclude(gap.self_check, out);
     if (!gap.self_check) {
       out.decided = false;
-      out.explanation +=
-          fmt::format(" (two ways to the same distance differ by {:.3g} mm)", mm(gap.self_error_m));
+      out.explanation += fmt::format(" (two computations of the distance differ by {:.3g} mm)",
+                                     mm(gap.self_error_m));
     }
   }
   count(out);
@@ -90,8 +90,7 @@ void Judge::conclude(bool checked, Judgement& out) {
     out.verdict = Verdict::kDisagree, out.cause = checked ? Cause::kRendering : Cause::kReference;
   } else if (!checked) {
     out.cause = Cause::kReference;
-    out.explanation =
-        "nothing is wrong with the contact, but the reference's own cross-check fails";
+    out.explanation = "the contact is correct, but the reference's cross-check fails";
   } else if (out.decided) {
     out.verdict = Verdict::kAgree;
   }
@@ -132,7 +131,7 @@ std::string Judge::not_usable(const ReportedContact& report) const {
   const bool finite = report.pose_WT.finite() && report.wrench.finite() &&
                       report.mean_normal.allFinite() && std::isfinite(report.deepest_depth_m) &&
                       std::isfinite(report.coherence);
-  return finite ? "" : "the contact carries a value that is not a finite number";
+  return finite ? "" : "the contact has NaN or infinity";
 }
 
 std::string Judge::breach(const GapResult& gap, const ReportedContact& report,
@@ -170,9 +169,8 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
   if (gap.inside_depth_m > inside_depth_limit_m()) {
     out.decided = true;
     if (report.surface_hits == 0 && report.interior_hits == 0)
-      return fmt::format(
-          "no hit, though the tool is buried by {:.3g} mm (must collide from {:.3g} mm)",
-          mm(gap.inside_depth_m), mm(inside_depth_limit_m()));
+      return fmt::format("no hit at a reference depth of {:.3g} mm (must collide from {:.3g} mm)",
+                         mm(gap.inside_depth_m), mm(inside_depth_limit_m()));
   }
   const double cap_limit =
       kCapSlack * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
@@ -180,12 +178,11 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
       settings_.shell_gap_m <= kDiagonal * settings_.edge_m * (1 + 1e-9);
   if (report.surface_hits == 0 && report.interior_hits == 0 && cap_contains_a_point &&
       gap.cap_inside_depth_m > cap_limit)
-    return fmt::format(
-        "no hit, though all of the tool round its deepest point is at least {:.3g} mm inside",
-        mm(gap.cap_inside_depth_m));
+    return fmt::format("no hit, but the tool around its deepest point is at least {:.3g} mm inside",
+                       mm(gap.cap_inside_depth_m));
   if (interior > 0 && gap.gap_m > settings_.chord_error_m + settings_.shell_offset_m)
-    return fmt::format("{} interior hits, though the tool is {:.3g} mm outside the surface",
-                       interior, mm(gap.gap_m));
+    return fmt::format("{} interior hits, but the tool is {:.3g} mm outside the surface", interior,
+                       mm(gap.gap_m));
   return "";
 }
 
@@ -199,7 +196,7 @@ std::string Judge::force_breach(const ReportedContact& report) const {
   if (run_.samples >= kFrozenSamples &&
       run_.largest_gap_m - run_.least_gap_m > kFrozenGap * settings_.edge_m)
     return fmt::format(
-        "a frozen force: bit-identical in {} checked samples while the gap went over {:.3g} mm",
+        "frozen force: bit-identical in {} checked samples while the gap changed by {:.3g} mm",
         run_.samples, mm(run_.largest_gap_m - run_.least_gap_m));
   return "";
 }
@@ -222,7 +219,7 @@ std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& rep
     out.depth_error_m = error;
   if ((error > tolerance && !at_least) || (error < -tolerance && !saturated))
     return fmt::format(
-        "reported depth {:.3g} mm, reference {:.3g} mm: {:.3g} mm apart, more than {:.3g} mm",
+        "reported depth {:.3g} mm, reference {:.3g} mm: difference {:.3g} mm, limit {:.3g} mm",
         mm(report.deepest_depth_m), mm(depth), mm(std::abs(error)), mm(tolerance));
   return "";
 }
@@ -246,8 +243,8 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
   const double limit = to_angle ? kDirectionTolerance : kWrongSide;
   if (!(out.direction_error_rad > limit))
     return "";
-  return fmt::format("the direction is {:.3g} degrees off, more than {:.3g}",
-                     degrees(out.direction_error_rad), degrees(limit));
+  return fmt::format("direction error {:.3g} deg, limit {:.3g}", degrees(out.direction_error_rad),
+                     degrees(limit));
 }
 
 std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& report) const {
@@ -266,9 +263,7 @@ std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& re
   if (off <= limit * report.wrench.force.norm())
     return "";
   return fmt::format(
-      "force and torque together act along a line {:.3g} mm from the centre of the tool's sphere, "
-      "more than "
-      "{:.3g} mm",
+      "the line of force is {:.3g} mm from the centre of the tool's sphere, limit {:.3g} mm",
       mm(off / report.wrench.force.norm()), mm(limit));
 }
 

@@ -27,8 +27,7 @@ Number number(std::string_view word) {
   Number value{};
   const auto [end, fault] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (fault != std::errc() || end == word.data())
-    throw std::runtime_error("'" + std::string(word.substr(0, 40)) +
-                             "' stands where a number should");
+    throw std::runtime_error("'" + std::string(word.substr(0, 40)) + "' is not a number");
   return value;
 }
 
@@ -77,8 +76,8 @@ void add_face(std::string_view words, PlainFile& file) {
     const auto named = number<std::int64_t>(word.substr(0, word.find('/')));
     const std::int64_t index = named < 0 ? count + named : named - 1;
     if (index < 0 || index >= count)
-      throw std::runtime_error("a face names vertex " + std::to_string(named) +
-                               ", which is not there");
+      throw std::runtime_error("a face has vertex index " + std::to_string(named) +
+                               ", which does not exist");
     face.push_back(static_cast<std::uint32_t>(index));
   }
   if (face.size() >= 3)
@@ -89,7 +88,7 @@ void add_face(std::string_view words, PlainFile& file) {
 PlainFile triangles(std::vector<Vec3> vertices) {
   PlainFile file{.vertices = std::move(vertices), .faces = {}};
   if (file.vertices.size() % 3 != 0)
-    throw std::runtime_error("a facet has no three vertices");
+    throw std::runtime_error("a facet does not have three vertices");
   for (std::uint32_t v = 0; v < file.vertices.size(); v += 3)
     file.faces.push_back({v, v + 1, v + 2});
   return file;
@@ -134,7 +133,7 @@ PlainFile read_stl(std::string_view bytes) {
   }
   std::string_view text = without_mark(bytes);
   if (!is(text.substr(0, 5), "solid"))
-    throw std::runtime_error("it is no whole STL");
+    throw std::runtime_error("incomplete STL");
   for (std::string_view word; !(word = take_word(text)).empty();) {
     const bool named = is(word, "solid") || is(word, "endsolid");
     if (named)

@@ -146,8 +146,7 @@ double largest_coordinate(const std::vector<Vec3>& vertices, const Triangles& tr
   for (const auto& t : triangles)
     for (const std::uint32_t vertex : t) {
       if (!vertices.at(vertex).allFinite())
-        throw std::runtime_error(
-            name + ": a vertex has a coordinate that is not a finite number; repair the mesh");
+        throw std::runtime_error(name + ": a vertex has NaN or infinity; repair the mesh");
       largest = std::max(largest, vertices[vertex].cwiseAbs().maxCoeff());
     }
   return largest;
@@ -194,8 +193,7 @@ ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Trian
       out.triangles.push_back(welded);
   }
   if (out.triangles.empty())
-    throw std::runtime_error(name +
-                             ": holds no triangle with an area; check the file and its scale");
+    throw std::runtime_error(name + ": has no triangle with an area; check the file and its scale");
   out.closed = balanced(out.triangles);
   return out;
 }
@@ -212,7 +210,7 @@ std::optional<PlainFile> read_plain(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   const std::string bytes(std::istreambuf_iterator<char>(in), {});
   if (!in)
-    throw std::runtime_error("no such file, or no right to read it");
+    throw std::runtime_error("the file does not exist or is not readable");
   return ending == ".obj" ? read_obj(bytes) : read_stl(bytes);
 }
 

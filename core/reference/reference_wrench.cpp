@@ -40,9 +40,9 @@ ReferenceWrench::ReferenceWrench(const scene::Scene& scene, double resolution_m)
   for (const scene::MeshSpec& spec : scene.static_meshes) {
     const ReferenceMesh mesh = read_reference_mesh(spec);
     if (!mesh.closed)
-      throw std::runtime_error(spec.path.string() +
-                               ": the mesh is open and has no inside, so there is no true force to "
-                               "compare with; close it");
+      throw std::runtime_error(
+          spec.path.string() +
+          ": the mesh is open and has no interior, so no reference force exists; close it");
     parts_->surfaces.emplace_back(mesh, spec.pose);
   }
   parts_->tool.emplace(read_reference_mesh(scene.dynamic_mesh), scene.dynamic_mesh.pose);

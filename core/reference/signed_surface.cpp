@@ -78,7 +78,7 @@ bool passes_through(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>&
 
 SignedSurface::SignedSurface(const ReferenceMesh& mesh) : inside_(mesh) {
   if (!mesh.closed)
-    throw std::invalid_argument("a mesh that is open has no inside, and no signed distance");
+    throw std::invalid_argument("an open mesh has no interior and no signed distance");
   std::vector<Corners> all;
   double volume = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {

@@ -32,20 +32,19 @@ bool same_pose(const Pose& a, const Pose& b) {
 std::string state_breach(const ReportedTool& r) {
   const bool force = !r.wrench.zero();
   if (force && r.not_initialised)
-    return fmt::format("a force of {:.3g} N without a virtual tool in its place",
+    return fmt::format("a force of {:.3g} N without an initialised virtual tool",
                        r.wrench.force.norm());
   if (force && !r.constrained)
-    return fmt::format("a force of {:.3g} N, though nothing constrains the virtual tool",
+    return fmt::format("a force of {:.3g} N, but the virtual tool is unconstrained",
                        r.wrench.force.norm());
   if (!r.not_initialised && !r.not_converged && !r.constrained && !same_pose(r.tool, r.hand))
-    return fmt::format(
-        "nothing constrains the virtual tool, but it is {:.3g} mm away from the hand",
-        in_mm((r.tool.position - r.hand.position).norm()));
+    return fmt::format("the virtual tool is unconstrained, but {:.3g} mm away from the hand",
+                       in_mm((r.tool.position - r.hand.position).norm()));
   if (!force || r.wrench.force.isZero(0.0))
     return "";
   const double off = angle_between(r.wrench.force, r.tool.position - r.hand.position);
   if (off > kAlongSpring && (r.tool.position - r.hand.position).norm() > kSamePose)
-    return fmt::format("the force is {:.3g} degrees off the spring's direction", in_degrees(off));
+    return fmt::format("direction error to the spring {:.3g} deg", in_degrees(off));
   return "";
 }
 
@@ -54,7 +53,7 @@ std::string state_breach(const ReportedTool& r) {
 std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const GapResult& at_tool,
                         const GapResult& at_hand, const ReportedTool& r, Judgement& out) {
   if (!r.tool.finite() || !r.hand.finite() || !r.wrench.finite() || !std::isfinite(r.residual_m))
-    return "the contact carries a value that is not a finite number";
+    return "the contact has NaN or infinity";
   if (std::string found = state_breach(r); !found.empty())
     return found;
   if (r.not_initialised || r.not_converged)
@@ -65,34 +64,34 @@ std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const 
   const bool force = !r.wrench.zero(), settled = r.residual_m <= kSettled * e;
   if (!force) {
     if (-at_hand.gap_m > sag + kFree * e + c)
-      return fmt::format("no force, though the hand's tool is {:.3g} mm inside",
+      return fmt::format("no force, but the hand's tool is {:.3g} mm inside",
                          in_mm(-at_hand.gap_m));
     return "";
   }
   const Vec3 shift = r.hand.position - r.tool.position;
   out.depth_error_m = -at_tool.gap_m;
   if (-at_tool.gap_m > kDeep * e + c)
-    return fmt::format("the virtual tool is {:.3g} mm inside, more than {:.3g} mm",
+    return fmt::format("the virtual tool is {:.3g} mm inside, limit {:.3g} mm",
                        in_mm(-at_tool.gap_m), in_mm(kDeep * e + c));
   const double off =
       ((at_tool.unique_face ? kOff : 1.0) + (at_tool.inside_known ? 0.0 : kHalfWall)) * e + sag +
       c + r.residual_m;
   if (at_tool.gap_m > off)
     return fmt::format(
-        "a force of {:.3g} N, though the virtual tool is {:.3g} mm off, more than {:.3g} mm",
+        "a force of {:.3g} N, but the virtual tool is {:.3g} mm off the surface, limit {:.3g} mm",
         r.wrench.force.norm(), in_mm(at_tool.gap_m), in_mm(off));
   const double displacement = shift.norm() + tool.reach_m * turn_between(r.tool, r.hand);
   if (settled && at_hand.gap_m > displacement + kFree * e + c)
     return fmt::format(
-        "a force of {:.3g} N, though nothing lies between the virtual tool and the hand, which is "
-        "{:.3g} mm off the surface",
+        "a force of {:.3g} N, but nothing is between virtual tool and hand, which is {:.3g} mm off "
+        "the surface",
         r.wrench.force.norm(), in_mm(at_hand.gap_m));
   if (!at_tool.unique_face || at_tool.direction.isZero() || tool.rubs || !settled ||
       shift.norm() < kShortSpring * e)
     return "";
   out.direction_error_rad = angle_between(r.wrench.force, at_tool.direction);
   if (out.direction_error_rad > kDirection)
-    return fmt::format("the force is {:.3g} degrees off the contact's normal, more than {:.3g}",
+    return fmt::format("direction error to the contact normal {:.3g} deg, limit {:.3g}",
                        in_degrees(out.direction_error_rad), in_degrees(kDirection));
   return "";
 }

@@ -53,9 +53,8 @@ void add_virtual_tool(const PartsRequest& request, const contact::ContactRendere
   ground.virtual_tool_lever_m = scene.lever_m.value_or(0.0);
   const double reach = renderer.query().reach_m(), lever = scene.lever_m.value_or(reach);
   if (!(reach > 0.0))
-    throw std::invalid_argument(
-        scene.file.string() +
-        ": the tool is a point at its origin; a virtual tool needs one with a size");
+    throw std::invalid_argument(scene.file.string() +
+                                ": the tool is a point; a virtual tool needs a tool with extent");
   counts.contact = spring_of_any_device(lever);
   counts.virtual_tool_lever_m = lever;
 }
@@ -79,7 +78,7 @@ std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const Paralle
                                         const BuildChoices& choices, const Progress& progress) {
   contact::ContactModelKind kind = contact::ContactModelKind::kAdapted;
   if (!choices.model && !contact::parse_contact_model(scene.contact.model, kind))
-    throw std::invalid_argument(scene.file.string() + ": there is no contact model '" +
+    throw std::invalid_argument(scene.file.string() + ": unknown contact model '" +
                                 scene.contact.model + "'");
   const PartsRequest request{scene, choices, choices.model.value_or(kind)};
   BuiltParts parts = build_parts(request, parallel_for, progress);

@@ -34,9 +34,8 @@ mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene
   std::string bytes = mesh::read_mesh_bytes(spec.path);
   const auto read = scene.mesh_hashes.find(spec.path);
   if (read != scene.mesh_hashes.end() && scene::hash_of_mesh(spec.path, bytes) != read->second)
-    throw mesh::MeshError(
-        "mesh '" + spec.path.string() +
-        "': has changed since the scene was read; read the scene again when nothing writes to it");
+    throw mesh::MeshError("mesh '" + spec.path.string() +
+                          "': changed after the scene was read; reload the scene");
   return mesh::import_mesh(spec.path, std::move(bytes), options, reader);
 }
 
@@ -131,13 +130,12 @@ voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh&
       counts, [&] { return voxmap::build_distance_field(closed, voxmap, options, parallel_for); });
   if (!(scene.virtual_tool() ? field.stored_nodes() > 0 : field.has_inside()))
     throw std::invalid_argument(fmt::format(
-        "{}: the contact model 'field' pushes by the depth inside a static mesh, but {}. Close the "
-        "mesh, use a smaller "
-        "voxel_size, or leave out the stiffness, for a virtual tool, which needs a surface only.",
+        "{}: contact model 'field' needs depth inside a static mesh, but {}. Close the mesh, use a "
+        "smaller voxel_size, or rendering: virtual_tool.",
         scene.file.string(),
         fixed.open == fixed.specs.size()
-            ? "no static mesh is closed, so none has an inside"
-            : fmt::format("at {:g} m no corner of a voxel lies in one", scene.voxel_size_m)));
+            ? "no static mesh is closed"
+            : fmt::format("at {:g} m no voxel corner is inside one", scene.voxel_size_m)));
   if (scene.virtual_tool())
     edges = pointshell::edge_points(closed, voxmap.grid());
   counts.field_bytes += field.bytes();
@@ -165,7 +163,7 @@ effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMes
     return shape;
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(fmt::format(
-        "{}: the effect 'body' gives the dynamic object {} a weight, but {}.", scene.file.string(),
+        "{}: effect 'body' needs the mass of the dynamic object {}, but {}.", scene.file.string(),
         scene.dynamic_mesh.path.filename().string(), error.what()));
   }
 }
@@ -191,11 +189,10 @@ std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context,
         voxmap::build_distance_field(moving.mesh, voxmap, {.depth_voxels = kToolDepthVoxels},
                                      context.parallel_for, kToolBodyBytes);
     if (!field.has_inside())
-      return skipped("the dynamic mesh is so thin that no corner of half a voxel lies in it");
+      return skipped("the dynamic mesh is too thin: no corner of half a voxel is inside");
     return std::make_unique<ToolBody>(std::move(voxmap), std::move(field));
   } catch (const voxmap::VoxelBudgetError&) {
-    return skipped("distances to the dynamic mesh would take more than " +
-                   bytes_text(kToolBodyBytes));
+    return skipped("distances to the dynamic mesh need more than " + bytes_text(kToolBodyBytes));
   }
 }
 
@@ -416,18 +413,16 @@ void build_proximity(const BuildContext& context, const effects::EffectNeeds& ne
   BuildCounts& counts = context.counts;
   if (fixed.open == fixed.specs.size())
     throw std::invalid_argument(fmt::format(
-        "{}: the effect 'proximity' asks for distances to the static meshes of the ground, but {}, "
-        "and only a closed "
-        "mesh has an outside. Close it or leave the effect out.",
+        "{}: effect 'proximity' needs distances to closed static meshes of the ground, but {}. "
+        "Close them or remove the effect.",
         scene.file.string(),
         fixed.specs.empty() ? "all of them belong to objects" : "none of them is closed"));
   context.step("distances round the static meshes");
   ToolPoints& tool = parts.tool_points = spread_tool_points(parts.shell);
   if (tool.reach_m > needs.lever_m)
-    throw std::invalid_argument(
-        fmt::format("{}: 'lever_m' of the effect 'proximity' is {:g} m, but the tool reaches "
-                    "{:.4g} m from its origin. Say at least that.",
-                    scene.file.string(), needs.lever_m, tool.reach_m));
+    throw std::invalid_argument(fmt::format(
+        "{}: 'lever_m' of effect 'proximity' is {:g} m, minimum {:.4g} m (reach of the tool).",
+        scene.file.string(), needs.lever_m, tool.reach_m));
   with_hints(counts, [&] {
     const voxmap::Voxmap& first = parts.objects.front()->voxmap;
     const voxmap::Voxmap alone =

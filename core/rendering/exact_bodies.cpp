@@ -20,7 +20,7 @@ double reach_of(const mesh::TriangleMesh& mesh) {
     for (const std::uint32_t v : triangle)
       reach = std::max(reach, mesh.vertices[v].norm());
   if (!(reach > 0.0))
-    throw std::invalid_argument("the tool is a point at its origin");
+    throw std::invalid_argument("the tool is a point");
   return reach;
 }
 

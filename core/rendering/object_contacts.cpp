@@ -52,7 +52,7 @@ void add_contact(const contact::ContactResult& other, contact::ContactResult& su
 ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects)
     : objects_(std::move(objects)) {
   if (objects_.empty() || objects_.size() > scene::kMaxObjects)
-    throw std::invalid_argument(fmt::format("a scene has 1 to {} static objects, not {}",
+    throw std::invalid_argument(fmt::format("number of static objects: limits 1 to {}, not {}",
                                             scene::kMaxObjects, objects_.size()));
   for (const auto& object : objects_) {
     moves_ = moves_ || object->moves;

@@ -22,20 +22,13 @@ std::optional<std::string> topic_of(const scene::Scene& scene) {
 
 std::string reload_refusal(const scene::Scene& running, const scene::Scene& next) {
   if (running.device != next.device)
-    return "the scene's 'device' section has changed, which the device and coupling nodes do not "
-           "read again: restart the "
-           "ring for it";
+    return "the scene's 'device' section changed, which needs a restart of the ring";
   if (running.design != next.design || running.coupling != next.coupling)
-    return "the scene's 'coupling' section has changed, which the coupling node does not read "
-           "again: restart the ring "
-           "for it";
+    return "the scene's 'coupling' section changed, which needs a restart of the ring";
   if (effects::needs_of(running.effects).body || effects::needs_of(next.effects).body)
-    return "the scene's dynamic object is a body that lies somewhere by itself, and a scene built "
-           "anew would not know where: "
-           "restart the ring for it";
+    return "the scene has effect 'body', whose pose a reload cannot keep: restart the ring";
   if (topic_of(running) != topic_of(next))
-    return "the effect 'external' has come, gone or follows another topic, which the rendering "
-           "does not read anew while it runs: restart the ring for it";
+    return "effect 'external' or its topic changed, which needs a restart of the ring";
   return {};
 }
 

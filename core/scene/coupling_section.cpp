@@ -48,9 +48,8 @@ void read_hand(const SceneSource& source, const YamlNode& node, const MapReader&
   if (node.kind != YamlNode::Kind::kScalar)
     source.fail(
         node.place,
-        fmt::format(
-            "'hand' must be one of: pen, arm, any_passive; or a map of ranges, but here is {}.",
-            describe(node)));
+        fmt::format("'hand' must be one of: pen, arm, any_passive; or a map of ranges, but is {}.",
+                    describe(node)));
   options.hand = kinds[coupling.choice("hand")];
 }
 
@@ -68,14 +67,13 @@ void judge(SceneSource& source, const YamlNode& node, const MapReader& map,
 
 DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReader& map) {
   map.get<std::string>("design");
-  refuse_all(
-      map, KeyRule::kWithoutFirst,
-      "is what the designer chooses; leave it out, or set the coupling by hand without 'design'.");
+  refuse_all(map, KeyRule::kWithoutFirst,
+             "is set by the designer. Remove it, or set the coupling without 'design'.");
   DesignOptions options;
   map.read("kind", options.kind);
   if (options.kind != "auto" && options.kind != "shaping_filter")
     map.refuse("cutoff_hz",
-               fmt::format("goes with kind: auto or shaping_filter, not with {}.", options.kind));
+               fmt::format("requires kind: auto or shaping_filter, not {}.", options.kind));
   map.read("cutoff_hz", options.cutoff_hz);
   coupling::CouplingSpec requested;
   requested.cutoff_hz = options.cutoff_hz;
@@ -95,23 +93,23 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   if (options.hand == HandOption::kAnyPassive && !options.released)
     source.fail(
         map.place_of("released"),
-        "'released: false' does not go with 'hand: any_passive', among which is no hand at all.");
+        "'released: false' excludes 'hand: any_passive', which includes a released device.");
   return options;
 }
 
 coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node,
                                     const MapReader& map) {
-  refuse_all(map, KeyRule::kWithFirst, "goes with 'design: auto'.");
+  refuse_all(map, KeyRule::kWithFirst, "requires 'design: auto'.");
   coupling::CouplingSpec spec;
   if (const YamlNode* kind = map.find("kind")) {
     if (kind->text == "auto")
-      source.fail(kind->place, "'kind: auto' goes with 'design: auto', which is not here.");
+      source.fail(kind->place, "'kind: auto' requires 'design: auto'.");
     read_choice(source, *kind, "kind", words_of(keys::kKindsByHand));
     map.read("kind", spec.kind);
   }
   const auto belongs = [&](std::string_view key, std::string_view kind) {
     if (spec.kind != kind)
-      map.refuse(key, fmt::format("goes with kind: {}, not with {}.", kind, spec.kind));
+      map.refuse(key, fmt::format("requires kind: {}, not {}.", kind, spec.kind));
   };
   for (const auto key : {"cutoff_hz", "damping_ratio", "gain"})
     belongs(key, "shaping_filter");
@@ -127,12 +125,12 @@ coupling::CouplingSpec read_by_hand(SceneSource& source, const YamlNode& node,
   map.read("injected_damping_ns_per_m", spec.injected_damping_ns_per_m);
   map.read("injected_damping_nms_per_rad", spec.injected_damping_nms_per_rad);
   if (!map.has("injected_damping_ns_per_m") && !map.has("injected_damping_nms_per_rad"))
-    for (const auto& [key, job] : {std::pair("velocity_filter_hz", "is of the velocity for"),
-                                   {"velocity_window", "is of the velocity for"},
-                                   {"slow_velocity_hz", "is of the velocity for"},
-                                   {"velocity_band_m_per_s", "is of the velocity for"},
-                                   {"damping_force_ratio", "bounds"}})
-      map.refuse(key, fmt::format("{} injected damping; it goes with injected_damping_ns_per_m or "
+    for (const auto& [key, job] : {std::pair("velocity_filter_hz", "sets the velocity estimate of"),
+                                   {"velocity_window", "sets the velocity estimate of"},
+                                   {"slow_velocity_hz", "sets the velocity estimate of"},
+                                   {"velocity_band_m_per_s", "sets the velocity estimate of"},
+                                   {"damping_force_ratio", "limits"}})
+      map.refuse(key, fmt::format("{} injected damping; it requires injected_damping_ns_per_m or "
                                   "injected_damping_nms_per_rad.",
                                   job));
   map.read("velocity_filter_hz", spec.velocity_filter_hz);

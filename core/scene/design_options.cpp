@@ -32,7 +32,7 @@ std::string_view name_of(HandOption hand) noexcept {
     case HandOption::kAnyPassive:
       return "any_passive";
     case HandOption::kGiven:
-      return "given by the scene";
+      return "from the scene";
   }
   return "unknown";
 }

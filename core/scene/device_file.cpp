@@ -45,7 +45,7 @@ class FigureReader {
     const auto given = map_.get<std::array<double, 2>>(key);
     if (!(given[0] > 0.0))
       source_.fail(value->place,
-                   fmt::format("'{}' begins at {}; it must be above 0.", key, given[0]));
+                   fmt::format("'{}' starts at {}; it must be above 0.", key, given[0]));
     low = given[0], high = given[1];
   }
 
@@ -111,7 +111,7 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
   const SceneSource source{file, {}};
   const YamlNode root = parse_yaml(text, file, "device file");
   if (root.kind == YamlNode::Kind::kNull)
-    source.fail({1, 1}, "The device file is empty; it begins with 'device: <name>'.");
+    source.fail({1, 1}, "The device file is empty; its first line is 'device: <name>'.");
   const MapReader map(source, root, "device file", keys::device_file);
   require_all(source, root, map);
   DeviceFile out;
@@ -133,8 +133,7 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
     read_rotation(FigureReader(source, rotation, pen, out), d);
   } else {
     map.refuse("rotation",
-               "does not go with 'max_torque_nm: 0': a device without torque cannot act against "
-               "rotation.");
+               "requires 'max_torque_nm' above 0: a device without torque cannot resist rotation.");
   }
   if (map.has("workspace_m"))
     map.read("workspace_m", out.workspace_m.emplace());
@@ -149,7 +148,7 @@ DeviceFile load_device_file(const std::filesystem::path& file) {
 std::string assumed_sentence(const DeviceFile& file) {
   if (file.assumed.empty())
     return {};
-  return fmt::format("the device file of {} leaves out what stands here by the standards of {}: {}",
+  return fmt::format("the device file of {} omits keys; assumed values of {}: {}",
                      file.description.model, file.description.grip == "pen" ? "a stylus" : "an arm",
                      fmt::join(file.assumed, ", "));
 }

@@ -40,9 +40,8 @@ std::string beyond_workspace(const Motion& motion, const Vec3& workspace_m,
   if (!(factor > 1.0))
     return {};
   return fmt::format(
-      "the motion fills {:.3g} x {:.3g} x {:.3g} m of the device, and the workspace of {} is "
-      "{:.3g} x {:.3g} x {:.3g} m: a "
-      "person could not follow it; a position_scale that is {:.2g} times as large brings it in",
+      "The motion needs {:.3g} x {:.3g} x {:.3g} m, the workspace of {} is {:.3g} x {:.3g} x "
+      "{:.3g} m. Increase position_scale by a factor of {:.2g}",
       span.x(), span.y(), span.z(), device, workspace_m.x(), workspace_m.y(), workspace_m.z(),
       std::ceil(factor * 20.0) / 20.0);
 }

@@ -102,7 +102,7 @@ effects::EffectSpec read_effect(const SceneSource& source, const YamlNode& node,
     source.fail(
         node.place,
         fmt::format(
-            "An effect is a map such as {{viscosity: {{damping_ns_per_m: 1}}}}, but here is {}.",
+            "An effect must be a map such as {{viscosity: {{damping_ns_per_m: 1}}}}, but is {}.",
             describe(node)));
   const MapReader map(source, node, "an effect", keys::effect, kinds);
   effects::EffectSpec spec;
@@ -113,24 +113,23 @@ effects::EffectSpec read_effect(const SceneSource& source, const YamlNode& node,
     if (spec.kind != nullptr)
       source.fail(
           map.place_of(kind->name),
-          fmt::format("One entry holds one effect; '{}' is here already. Begin another entry "
-                      "of the list for '{}'.",
+          fmt::format("An entry has one effect; '{}' is already in it. Add another entry for '{}'.",
                       spec.kind->name, kind->name));
     spec.kind = kind;
     spec.values = read_values(source, *values, *kind, spec.text);
   }
   if (spec.kind == nullptr)
     source.fail(node.place,
-                fmt::format("The entry names no effect; there are: {}.", listed(kinds)));
+                fmt::format("The entry has no effect. Valid effects: {}.", listed(kinds)));
   spec.name = spec.kind->name;
   spec.place = fmt::format("{}:{}:{}", source.file.string(), node.place.line, node.place.column);
   if (spec.kind->everywhere)
     for (const std::string_view key : words_of(keys::kNotEverywhere))
-      map.refuse(key,
-                 fmt::format("does not go with '{}', which is all or nothing.", spec.kind->name));
+      map.refuse(key, fmt::format("is not allowed with '{}', which has no region and no gain.",
+                                  spec.kind->name));
   if (!spec.kind->needs(spec.values).contact)
-    map.refuse("object",
-               fmt::format("does not go with '{}', which feels no contact.", spec.kind->name));
+    map.refuse("object", fmt::format("is not allowed with '{}', which does not use contacts.",
+                                     spec.kind->name));
   if (const YamlNode* object = map.find("object"))
     spec.object = read_object_name(source, *object, scene);
   map.read("name", spec.name);
@@ -138,12 +137,10 @@ effects::EffectSpec read_effect(const SceneSource& source, const YamlNode& node,
   if (const YamlNode* region = map.find("region")) {
     spec.region = read_region(source, *region, map.inner("region"));
     if (!std::isfinite(effects::bound_of(spec).stiffness_n_per_m))
-      source.fail(
-          region->place,
-          fmt::format(
-              "'{}' with these values has no largest force, so at the region's rim nothing would "
-              "bound its stiffness; leave the region out, or limit the effect.",
-              spec.kind->name));
+      source.fail(region->place,
+                  fmt::format("'{}' has no force limit with these values, so its stiffness at the "
+                              "region's edge is unbounded. Remove the region, or limit the effect.",
+                              spec.kind->name));
   }
   map.read("gain", spec.gain);
   return spec;
@@ -159,20 +156,16 @@ std::vector<effects::EffectSpec> read_effects(SceneSource& source, const YamlNod
     for (const effects::EffectSpec& other : effects) {
       if (other.name != spec.name)
         continue;
-      source.fail(
-          item.place,
-          spec.kind->alone && other.kind == spec.kind
-              ? fmt::format("'{}' is there already; a scene has one at most.", spec.kind->name)
-              : fmt::format(
-                    "There is an effect named '{}' already; give this one a name of its own "
-                    "(name: ...).",
-                    spec.name));
+      source.fail(item.place,
+                  spec.kind->alone && other.kind == spec.kind
+                      ? fmt::format("Second '{}'; limit 1 per scene.", spec.kind->name)
+                      : fmt::format("Duplicate effect name '{}'. Set another name (name: ...).",
+                                    spec.name));
     }
     if (spec.kind->alone &&
         std::any_of(effects.begin(), effects.end(),
                     [&](const effects::EffectSpec& e) { return e.kind == spec.kind; }))
-      source.fail(item.place,
-                  fmt::format("'{}' is there already; a scene has one at most.", spec.kind->name));
+      source.fail(item.place, fmt::format("Second '{}'; limit 1 per scene.", spec.kind->name));
     effects.push_back(std::move(spec));
   }
   return effects;

@@ -32,7 +32,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 [[noreturn]] void mistyped(const SceneSource& source, const YamlNode& node, std::string_view what,
                            std::string_view requested) {
   source.fail(node.place,
-              fmt::format("'{}' must be {}, but here is {}.", what, requested, describe(node)));
+              fmt::format("'{}' must be {}, but is {}.", what, requested, describe(node)));
 }
 
 bool is_word(const YamlNode& node) { return node.kind == YamlNode::Kind::kScalar && !node.quoted; }
@@ -131,7 +131,7 @@ std::string fault_of_name(std::string_view name) {
   if (name.front() == '.')
     return "begins with a '.'";
   if (!std::all_of(name.begin(), name.end(), plain))
-    return "holds other than letters, digits, '_', '-' and '.'";
+    return "has characters other than letters, digits, '_', '-' and '.'";
   return {};
 }
 
@@ -150,7 +150,7 @@ std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::st
   if (found == allowed.end())
     source.fail(
         node.place,
-        fmt::format("'{}' must be one of: {}; here is {}{}", what, listed(allowed), describe(node),
+        fmt::format("'{}' must be one of: {}; it is {}{}", what, listed(allowed), describe(node),
                     suggestion(node.text, allowed).empty() ? "." : suggestion(node.text, allowed)));
   return static_cast<std::size_t>(found - allowed.begin());
 }
@@ -170,8 +170,7 @@ double read_within(const SceneSource& source, const YamlNode& node, std::string_
   if (value < low)
     source.fail(node.place, fmt::format("'{}' is {}; it must be {} or above.", what, value, low));
   if (value > high)
-    source.fail(node.place,
-                fmt::format("'{}' is {}; it goes from {} to {}.", what, value, low, high));
+    source.fail(node.place, fmt::format("'{}' is {}; limits {} to {}.", what, value, low, high));
   return value;
 }
 
@@ -197,15 +196,14 @@ void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::size_t& out) {
   out = read_count(source, node, key.name);
   if (static_cast<double>(out) > key.high)
-    source.fail(node.place,
-                fmt::format("'{}' is {}; it goes from 0 to {}.", key.name, out, key.high));
+    source.fail(node.place, fmt::format("'{}' is {}; limits 0 to {}.", key.name, out, key.high));
 }
 
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
                 std::uint32_t& out) {
   const std::uint64_t button = read_count(source, node, key.name);
   if (button > kLastButton)
-    source.fail(node.place, fmt::format("'{}' is {}; buttons count from 0 to {}.", key.name, button,
+    source.fail(node.place, fmt::format("'{}' is {}; button numbers are 0 to {}.", key.name, button,
                                         kLastButton));
   out = static_cast<std::uint32_t>(button);
 }
@@ -234,8 +232,8 @@ void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
   for (std::size_t n = 0; n < 2; ++n)
     out[n] = read_within(source, node.items[n], key.name, 0.0, key.high);
   if (out[0] > out[1])
-    source.fail(node.place, fmt::format("'{}' goes from {} to {}; the lower end comes first.",
-                                        key.name, out[0], out[1]));
+    source.fail(node.place, fmt::format("'{}' is [{}, {}]; the lower end must be first.", key.name,
+                                        out[0], out[1]));
 }
 
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, Vec3& out) {
@@ -275,7 +273,7 @@ MapReader::MapReader(const SceneSource& source, const YamlNode& node, std::strin
     if (std::find(allowed_.begin(), allowed_.end(), entry.key) != allowed_.end())
       continue;
     const std::string hint = suggestion(entry.key, allowed_);
-    source.fail(entry.key_place, fmt::format("'{}' is no key of '{}'{} Allowed: {}.", entry.key,
+    source.fail(entry.key_place, fmt::format("Unknown key '{}' in '{}'{} Allowed: {}.", entry.key,
                                              what_, hint.empty() ? "." : hint, listed(allowed_)));
   }
 }

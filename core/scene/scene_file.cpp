@@ -38,12 +38,11 @@ Scene parse_scene(const std::string& text, const std::filesystem::path& file) {
   SceneSource source{file, {}};
   if (mesh::names_mesh(file))
     source.fail({1, 1},
-                "This is a mesh; a scene file is YAML. `voxtouch new MESH` writes a scene.");
+                "This is a mesh, not a YAML scene file. `voxtouch new MESH` writes a scene.");
   const YamlNode root = parse_yaml(text, file);
   if (root.kind == YamlNode::Kind::kNull)
     source.fail({1, 1},
-                "The scene is empty; it needs at least the keys scene, voxel_size, static, dynamic "
-                "and contact.");
+                "The scene is empty. Required keys: scene, voxel_size, static, dynamic, contact.");
   const MapReader map(source, root, "scene file", keys::scene);
   Scene scene;
   scene.file = file;

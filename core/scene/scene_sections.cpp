@@ -36,13 +36,12 @@ std::filesystem::path read_mesh_path(const SceneSource& source, const YamlNode& 
       std::filesystem::absolute(source.file.parent_path() / given, fault).lexically_normal();
   const bool there = !fault && std::filesystem::is_regular_file(path, fault);
   if (fault == std::errc::permission_denied)
-    source.fail(
-        node.place,
-        fmt::format("The mesh file '{}' cannot be reached: check the rights on its folders.",
-                    given.string()));
+    source.fail(node.place,
+                fmt::format("Cannot access mesh file '{}'. Check the permissions of its folders.",
+                            given.string()));
   if (!there)
     source.fail(node.place,
-                fmt::format("There is no mesh file '{}' (seen from the scene file's folder).",
+                fmt::format("Mesh file '{}' not found (relative to the scene file's folder).",
                             given.string()));
   return path;
 }
@@ -59,7 +58,7 @@ ButtonPress read_press(const SceneSource& source, const YamlNode& node) {
   map.read("from_s", press.from_s);
   map.read("to_s", press.to_s);
   if (!(press.to_s > press.from_s))
-    source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
+    source.fail(map.place_of("to_s"), "'to_s' must be greater than 'from_s'.");
   return press;
 }
 
@@ -70,10 +69,10 @@ void read_turn(const SceneSource& source, const MapReader& map, MotionTurn& turn
   map.read("to_s", turn.to_s);
   const double norm = turn.axis.stableNorm();
   if (!(norm > 1e-9))
-    source.fail(map.place_of("axis"), "'axis' is the zero vector; a hand turns about a direction.");
+    source.fail(map.place_of("axis"), "'axis' is the zero vector; the rotation needs a direction.");
   turn.axis /= norm;
   if (!(turn.to_s > turn.from_s))
-    source.fail(map.place_of("to_s"), "'to_s' must lie after 'from_s'.");
+    source.fail(map.place_of("to_s"), "'to_s' must be greater than 'from_s'.");
 }
 
 void read_circle(const SceneSource& source, const MapReader& map, Motion& motion) {
@@ -81,14 +80,12 @@ void read_circle(const SceneSource& source, const MapReader& map, Motion& motion
   map.read("axis", motion.circle_axis);
   const double norm = motion.circle_axis.stableNorm();
   if (!(norm > 1e-9))
-    source.fail(map.place_of("axis"),
-                "'axis' is the zero vector; a circle turns about a direction.");
+    source.fail(map.place_of("axis"), "'axis' is the zero vector; the circle needs a direction.");
   motion.circle_axis /= norm;
   const Vec3 offset = motion.path.back() - *motion.circle_centre;
   if (!(motion.circle_axis.cross(offset).norm() > 1e-9))
-    source.fail(
-        map.place_of("centre"),
-        "The path's last point lies on the circle's axis; the circle would have no radius.");
+    source.fail(map.place_of("centre"),
+                "The path's last point is on the circle's axis: the radius is 0.");
 }
 
 }  // namespace
@@ -121,8 +118,7 @@ Motion read_motion(const SceneSource& source, const YamlNode& node, std::string_
   map.read("speed_m_per_s", motion.speed_m_per_s);
   map.read("hold_s", motion.hold_s);
   if (map.has("repeat_from"))
-    map.refuse("circle",
-               "does not go with 'repeat_from': the hand either goes back and forth or round.");
+    map.refuse("circle", "excludes 'repeat_from'. Use one of them.");
   map.read("repeat_from", motion.repeat_from);
   if (motion.repeat_from && *motion.repeat_from >= motion.path.size() - 1)
     source.fail(
@@ -167,13 +163,13 @@ ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
   if (map.has("model"))
     map.read("model", contact.model);
   if (contact.model != "field")
-    source.fail(map.place_of("model"),
-                fmt::format("'rendering: virtual_tool' goes with model: field, not with {}.",
-                            contact.model));
+    source.fail(
+        map.place_of("model"),
+        fmt::format("'rendering: virtual_tool' requires model: field, not {}.", contact.model));
   for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
     map.refuse(key,
-               "does not go with 'rendering: virtual_tool': the coupling's certified stiffness is "
-               "displayed.");
+               "is not allowed with 'rendering: virtual_tool', which displays the coupling's "
+               "certified stiffness.");
   return contact;
 }
 
@@ -182,9 +178,8 @@ ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
 ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   if (const YamlNode* model = map.find("model"); model && model->text == "clustered")
     source.fail(model->place,
-                "The contact model 'clustered' is gone. Write 'model: field' with the same "
-                "stiffness_n_per_m3; where a static mesh "
-                "is not closed, 'model: adapted' with it.");
+                "Contact model 'clustered' is removed. Use 'model: field' (open static meshes: "
+                "'model: adapted') with the same stiffness_n_per_m3.");
   if (has_virtual_tool(map))
     return read_virtual_tool(source, map);
   ContactSpec contact;
@@ -195,14 +190,12 @@ ContactSpec read_contact(const SceneSource& source, const MapReader& map) {
   const bool by_area = map.has("stiffness_n_per_m3");
   if (by_area_only)
     map.refuse("stiffness_n_per_m",
-               fmt::format("is per shell point; '{}' weighs points by their area and takes "
-                           "stiffness_n_per_m3.",
+               fmt::format("is per shell point; '{}' has area weights. Use stiffness_n_per_m3.",
                            contact.model));
   if (by_area && map.has("stiffness_n_per_m"))
-    source.fail(
-        map.place_of("stiffness_n_per_m3"),
-        "'stiffness_n_per_m' (per shell point) and 'stiffness_n_per_m3' (per area) exclude each "
-        "other; give one of them.");
+    source.fail(map.place_of("stiffness_n_per_m3"),
+                "'stiffness_n_per_m' (per shell point) and 'stiffness_n_per_m3' (per area) exclude "
+                "each other. Use one of them.");
   if (by_area_only || by_area)
     contact.stiffness_n_per_m3 = map.get<double>("stiffness_n_per_m3");
   else
@@ -227,19 +220,18 @@ void follow_body_mass(const MapReader& contact, Scene& scene) {
 void check_virtual_tool(SceneSource& source, const MapReader& map, const Scene& scene) {
   if (!scene.virtual_tool()) {
     if (scene.lever_m)
-      source.warn(map.place_of("tool"), "'lever_m' is read for 'rendering: virtual_tool' only.");
+      source.warn(map.place_of("tool"), "'lever_m' is used by 'rendering: virtual_tool' only.");
     return;
   }
   if (const MapReader contact = map.inner("contact");
       !scene.design && !std::isfinite(scene.coupling.stiffness_cap_n_per_m))
     source.fail(contact.place_of(contact.has("rendering") ? "rendering" : "model"),
-                "'rendering: virtual_tool' shows as much stiffness as the coupling lets through, "
-                "and the coupling names none: give "
-                "coupling: {design: auto}, or its stiffness_cap_n_per_m.");
+                "'rendering: virtual_tool' needs the coupling's stiffness. Use coupling: {design: "
+                "auto}, or set its stiffness_cap_n_per_m.");
   if (effects::needs_of(scene.effects).body)
-    source.fail(map.place_of("effects"),
-                "The effect 'body' has a contact of its own and does not go with 'rendering: "
-                "virtual_tool'.");
+    source.fail(
+        map.place_of("effects"),
+        "Effect 'body' has its own contact and is not allowed with 'rendering: virtual_tool'.");
 }
 
 WorkspaceMapping read_device(const MapReader& map) {
@@ -256,9 +248,8 @@ WorkspaceMapping read_device(const MapReader& map) {
 
 std::map<std::string, Motion> read_motions(SceneSource& source, const YamlNode& node) {
   if (node.kind != YamlNode::Kind::kMap)
-    source.fail(node.place,
-                fmt::format("'motions' must be a map of names to motions, but here is {}.",
-                            describe(node)));
+    source.fail(node.place, fmt::format("'motions' must be a map of names to motions, but is {}.",
+                                        describe(node)));
   std::map<std::string, Motion> motions;
   for (const YamlEntry& entry : node.entries) {
     check_name(source, entry);

@@ -15,14 +15,14 @@ ContactSpec read_material(const MapReader& map, const ContactSpec& scenes) {
   if (scenes.rendering == RenderingKind::kVirtualTool) {
     for (const auto key : {"stiffness_n_per_m", "stiffness_n_per_m3"})
       map.refuse(key,
-                 "does not go with 'rendering: virtual_tool': the coupling's certified stiffness "
-                 "is displayed.");
+                 "is not allowed with 'rendering: virtual_tool', which displays the coupling's "
+                 "certified stiffness.");
     return contact;
   }
   const bool by_area = scenes.stiffness_n_per_m3 > 0.0;
   const char* key = by_area ? "stiffness_n_per_m3" : "stiffness_n_per_m";
   map.refuse(by_area ? "stiffness_n_per_m" : "stiffness_n_per_m3",
-             fmt::format("is another unit than the scene's contact has; give {}.", key));
+             fmt::format("has a different unit than the scene's contact; use {}.", key));
   map.read(key, by_area ? contact.stiffness_n_per_m3 : contact.stiffness_n_per_m);
   return contact;
 }
@@ -40,25 +40,23 @@ std::uint32_t read_object(const SceneSource& source, const YamlNode& node, Scene
     const std::string name = read_text(source, node, "object");
     const std::uint32_t place = place_of(scene, name);
     if (place == 0)
-      source.fail(
-          node.place,
-          fmt::format("There is no object '{}' above; make it here with object: {{name: {}}}.",
-                      name, name));
+      source.fail(node.place,
+                  fmt::format("Unknown object '{}'. Define it here with object: {{name: {}}}.",
+                              name, name));
     return place;
   }
   const MapReader map(source, node, "object", keys::object);
   ObjectSpec object;
   map.read("name", object.name);
   if (object.name == "ground" || place_of(scene, object.name) != 0)
-    source.fail(map.place_of("name"),
-                fmt::format("There is an object named '{}' already.", object.name));
+    source.fail(map.place_of("name"), fmt::format("Duplicate object name '{}'.", object.name));
   object.contact = read_material(map, scene.contact);
   if (const YamlNode* moves = map.find("moves"))
     object.moves = read_motion(source, *moves, "moves", false);
   scene.objects.push_back(std::move(object));
   if (scene.objects.size() >= kMaxObjects)
     source.fail(node.place,
-                fmt::format("A scene has at most {} objects, the ground among them.", kMaxObjects));
+                fmt::format("Too many objects, limit {} (including the ground).", kMaxObjects));
   return static_cast<std::uint32_t>(scene.objects.size());
 }
 
@@ -75,8 +73,7 @@ void read_static(SceneSource& source, const YamlNode& node, Scene& scene) {
     scene.static_meshes.push_back(std::move(mesh));
     if (origin && map.has("origin"))
       source.fail(map.place_of("origin"),
-                  "'origin' is given twice; all meshes of an object share one grid, those of the "
-                  "ground too.");
+                  "Duplicate 'origin': all meshes of an object (or of the ground) share one grid.");
     map.read("origin", origin);
   }
   if (scene.static_meshes.empty())

@@ -63,14 +63,15 @@ class TreeBuilder final : public YAML::EventHandler {
   }
   [[noreturn]] void refuse_alias(const YAML::Mark& mark) const {
     fail(place_of(mark),
-         fmt::format("A {} has no anchors (&) and aliases (*); write the value out.", what_));
+         fmt::format("Anchors (&) and aliases (*) are not allowed in a {}. Write the value.",
+                     what_));
   }
 
   void check(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor) {
     if (anchor != 0)
       refuse_alias(mark);
     if (!tag.empty() && tag != "?" && tag != "!")
-      fail(place_of(mark), fmt::format("A {} has no tags; remove '{}'.", what_, tag));
+      fail(place_of(mark), fmt::format("Tags are not allowed in a {}. Remove '{}'.", what_, tag));
     if (++nodes_ > kMaxNodes)
       fail(place_of(mark), fmt::format("The {} has more than {} values.", what_, kMaxNodes));
   }
@@ -96,8 +97,8 @@ class TreeBuilder final : public YAML::EventHandler {
     Open& map = open_.back();
     for (const YamlEntry& entry : map.node.entries)
       if (entry.key == word)
-        fail(place, fmt::format("The key '{}' is here twice; the first is in line {}. Remove one.",
-                                word, entry.key_place.line));
+        fail(place, fmt::format("Duplicate key '{}'; the first is in line {}. Remove one.", word,
+                                entry.key_place.line));
     map.key = word, map.key_place = place, map.has_key = true;
   }
 
@@ -146,9 +147,8 @@ void check_text(const std::string& text, const std::filesystem::path& file, std:
     const std::size_t length = utf8_length(text, i);
     if (length == 0 || (byte < 0x20 && byte != '\t' && byte != '\n' && byte != '\r') ||
         byte == 0x7F)
-      throw SceneError(
-          file, place,
-          fmt::format("The byte 0x{:02x} is no text; a {} is YAML in UTF-8.", byte, what));
+      throw SceneError(file, place,
+                       fmt::format("Invalid byte 0x{:02x}; a {} is YAML in UTF-8.", byte, what));
     if (byte == '\n')
       ++place.line, place.column = 0;
     ++place.column;
@@ -172,9 +172,9 @@ YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file,
     TreeBuilder second(file, what);
     if (parser.HandleNextDocument(second))
       throw SceneError(file, second.take().place,
-                       fmt::format("There is a second YAML document; a {} is one.", what));
+                       fmt::format("Second YAML document; a {} has one.", what));
   } catch (const YAML::Exception& fault) {
-    throw SceneError(file, place_of(fault.mark), fmt::format("This is no YAML: {}.", fault.msg));
+    throw SceneError(file, place_of(fault.mark), fmt::format("Invalid YAML: {}.", fault.msg));
   }
   return builder.take();
 }

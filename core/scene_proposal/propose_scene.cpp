@@ -44,7 +44,7 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   const Vec3 extents = report.max - report.min;
   const double largest = extents.maxCoeff();
   if (!(largest > 0.0))
-    throw std::invalid_argument("the part has no extent: all of its vertices are at one place");
+    throw std::invalid_argument("the part has no extent: all its vertices coincide");
   ProposedScene scene;
   const auto because = [&](std::string reason) { scene.reasons.push_back(std::move(reason)); };
 
@@ -54,17 +54,18 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   const double e = scene.voxel_size_m;
   if (wall)
     because(
-        fmt::format("Nine tenths of the part are at least {:.3g} mm thick, so a voxel is {:.3g} "
-                    "mm: {:.1f} of them in such a wall.",
+        fmt::format("Nine tenths of the part are at least {:.3g} mm thick. Voxel edge {:.3g} mm: "
+                    "{:.1f} voxels in such a wall.",
                     1e3 * *wall, 1e3 * e, *wall / e));
   if (wall && *wall < 2.0 * e)
     because(
-        fmt::format("That is too few for thin walls: finer voxels than a {:.0f}th of the part cost "
-                    "memory; voxel_size sets them.",
+        fmt::format("This is too few for thin walls: voxels finer than 1/{:.0f} of the part need "
+                    "much memory. Set voxel_size to change it.",
                     kFinest));
-  because(report.closed ? "The part is closed: a virtual tool is held outside of it."
-                        : "The part is open: a virtual tool is held by its sheets from either "
-                          "side, as by a thin wall.");
+  because(
+      report.closed
+          ? "The part is closed: the virtual tool stays outside."
+          : "The part is open: its sheets stop the virtual tool from both sides, like thin walls.");
 
   if (tool.sphere) {
     tool.reach_m = rounded_down(
@@ -88,8 +89,8 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
       std::clamp(kMinimumJerkPeak * (clear + kPressM) / kApproachS, kSlowest, kFastest);
   scene.slide_speed_m_per_s = std::max(scene.press_speed_m_per_s, 0.05);
   because(
-      fmt::format("The motion `press` comes down over ({:.3g}, {:.3g}) mm and wants {:.3g} mm "
-                  "deeper than the surface; `slide` goes {:.3g} mm across.",
+      fmt::format("Motion `press` moves down at ({:.3g}, {:.3g}) mm to {:.3g} mm below the "
+                  "surface; `slide` moves {:.3g} mm across.",
                   1e3 * at.x(), 1e3 * at.y(), 1e3 * kPressM, 1e3 * extents.x() / 3.0));
   return scene;
 }

@@ -52,8 +52,7 @@ std::string scene_text(const ProposedScene& scene, const SceneNames& names) {
   text += "effects: []  # friction, texture, guides, ...: see voxtouch schema\n";
   text += "coupling: {design: auto}  # fitted to the device: voxtouch design --scene\n";
   text +=
-      "motions:  # of the simulated hand: where it wants the tool's origin, in the part's frame "
-      "[m]\n";
+      "motions:  # of the simulated hand: target of the tool's origin in the part's frame [m]\n";
   text += fmt::format("  press: {{path: {}, speed_m_per_s: {:.3g}, hold_s: 0.3, repeat_from: 0}}\n",
                       path_text(scene.press_W), scene.press_speed_m_per_s);
   text += fmt::format("  slide: {{path: {}, speed_m_per_s: {:.3g}, hold_s: 0.1, repeat_from: 0}}\n",

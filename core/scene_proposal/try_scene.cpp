@@ -26,13 +26,13 @@ std::string validate(const scene::Scene& scene, rendering::BuiltScene& built) {
           time_s);
     };
     if (pushes(frame()))
-      return fmt::format("the motion '{}' begins inside the part", name);
+      return fmt::format("motion '{}' starts inside the part", name);
     const double end_s = std::min(kLongestS, approach_duration(motion));
     bool touched = false;
     for (time_s = kStepS; time_s < end_s && !touched; time_s += kStepS)
       touched = pushes(frame());
     if (!touched)
-      return fmt::format("the motion '{}' does not touch the part", name);
+      return fmt::format("motion '{}' does not touch the part", name);
   }
   return {};
 }

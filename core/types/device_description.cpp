@@ -21,8 +21,7 @@ std::string validate(const DeviceDescription& d) {
   std::string wrong;
   const auto within = [&](std::string_view name, double value, double least, double most) {
     if (wrong.empty() && !(value >= least && value <= most))  // NaN is not within
-      wrong =
-          fmt::format("the device's {} is {:g}, not from {:g} to {:g}", name, value, least, most);
+      wrong = fmt::format("the device's {} is {:g}, limits {:g} to {:g}", name, value, least, most);
   };
   const bool gives_torque = d.max_torque_nm > 0.0;
   within("rate_hz", d.rate_hz, 10.0, 100'000.0);
@@ -49,7 +48,7 @@ std::string validate(const DeviceDescription& d) {
   within("jitter", d.jitter, 0.0, 100.0);
   within("lost_in_a_row", d.lost_in_a_row, 0.0, 1'000.0);
   if (wrong.empty() && d.grip != "pen" && d.grip != "arm")
-    wrong = "the device's grip is neither pen nor arm";
+    wrong = "the device's grip must be pen or arm";
   return wrong;
 }
 

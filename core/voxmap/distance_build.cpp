@@ -142,10 +142,9 @@ class DistanceFieldBuilder {
       field_.table_[requested[n].cell] = static_cast<std::int32_t>(n);
     const std::uint64_t bytes = requested.size() * sizeof(DistanceField::Brick);
     if (bytes > memory_limit_bytes)
-      throw VoxelBudgetError(
-          "distance field: it would take up to " + std::to_string(bytes >> 20) +
-          " MiB, more than the limit of " + std::to_string(memory_limit_bytes >> 20) +
-          " MiB; use a larger voxel size, or a contact model that needs no field");
+      throw VoxelBudgetError("distance field: it needs up to " + std::to_string(bytes >> 20) +
+                             " MiB, limit " + std::to_string(memory_limit_bytes >> 20) +
+                             " MiB; use a larger voxel size, or a contact model without a field");
     return requested;
   }
 
@@ -272,11 +271,11 @@ DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap,
     if (!(voxels >= 2.0 && voxels <= 1e4))
       throw std::invalid_argument(
           "distance field: depth and band are " + std::to_string(options.depth_voxels) + " and " +
-          std::to_string(options.band_voxels) + " voxels; each must lie between 2 and 10000");
+          std::to_string(options.band_voxels) + " voxels; limits 2 to 10000");
   if (!(options.open_wall_voxels >= 0.0 && options.open_wall_voxels <= 1.0))
     throw std::invalid_argument("distance field: walls of open parts are " +
                                 std::to_string(options.open_wall_voxels) +
-                                " voxels thick; from 0 to 1 are possible");
+                                " voxels thick; limits 0 to 1");
   return DistanceFieldBuilder(mesh, voxmap, options).build(parallel_for, memory_limit_bytes);
 }
 

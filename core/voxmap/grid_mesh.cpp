@@ -26,11 +26,11 @@ struct Bounds {
 /// Bounds over the vertices that triangles use; says which vertex or triangle is unusable.
 void add_bounds(const mesh::TriangleMesh& mesh, Bounds& bounds) {
   if (mesh.empty())
-    throw std::runtime_error("the mesh has no triangles: nothing to make voxels of");
+    throw std::runtime_error("the mesh has no triangles to voxelise");
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
     for (const std::uint32_t v : mesh.triangles[t]) {
       if (v >= mesh.vertices.size())
-        throw std::runtime_error("triangle " + std::to_string(t) + " names vertex " +
+        throw std::runtime_error("triangle " + std::to_string(t) + " has vertex index " +
                                  std::to_string(v) + " of " + std::to_string(mesh.vertices.size()));
       const Vec3& x = mesh.vertices[v];
       if (!x.allFinite())
@@ -147,8 +147,8 @@ void require_affordable(const VoxelEstimate& estimate, const Grid& grid,
                              "origin near the mesh");
   if (!(estimate.build_bytes <= static_cast<double>(limit_bytes)))
     throw VoxelBudgetError(
-        what + ", more than the limit of " + in_units(static_cast<double>(limit_bytes)) +
-        ": use a larger voxel size, or check the mesh's scale (is the file in millimetres?)");
+        what + ", limit " + in_units(static_cast<double>(limit_bytes)) +
+        ": use a larger voxel size, or check the mesh's scale (file in millimetres)");
   if (!(estimate.table_cells <= static_cast<double>(Voxmap::kMaxTableCells)))
     throw VoxelBudgetError(what + " and a table of more than 2^28 bricks: use a larger voxel size");
 }

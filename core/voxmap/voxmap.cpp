@@ -31,7 +31,7 @@ Voxmap::Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last
   for (const std::int32_t n : {first.i, first.j, first.k, last.i, last.j, last.k})
     if (n < -kMaxIndex || n > kMaxIndex)
       throw std::length_error(
-          "voxmap: voxel indices beyond 2^30; put the grid's origin near the mesh");
+          "voxmap: voxel indices exceed 2^30; choose a grid origin near the mesh");
   // One brick of border on every side, so that a point next to the object still finds a free brick.
   base_ = {floor_to_brick(std::int64_t{first.i} - kBrickEdge),
            floor_to_brick(std::int64_t{first.j} - kBrickEdge),
@@ -41,8 +41,7 @@ Voxmap::Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last
   // Each count is below 2^29, so the product of two fits int64 and the third is compared by
   // division.
   if (cells_[0] * cells_[1] > kMaxTableCells / cells_[2])
-    throw std::length_error(
-        "voxmap: the table would need more than 2^28 bricks; use a larger voxel size");
+    throw std::length_error("voxmap: the table exceeds 2^28 bricks; use a larger voxel size");
   blocks_.assign(static_cast<std::size_t>(blocks_along(0) * blocks_along(1) * blocks_along(2)),
                  {kFreePage, 0});
   pages_.resize(2);

@@ -18,13 +18,11 @@ def arguments():
     )
     parser.add_argument(
         "part",
-        help=(
-            "mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or a scene file that is there already (.yaml)"
-        ),
+        help=("mesh (OBJ, STL, PLY, glTF/GLB, COLLADA), or an existing scene file (.yaml)"),
     )
     parser.add_argument(
         "--unit",
-        help="unit of the mesh's numbers: m, mm, ...; default: whichever makes it fit a desk",
+        help="unit of the mesh (m, mm, ...); default: guessed from the size",
     )
     parser.add_argument(
         "--models", default="adapted,field", help="contact models (default: adapted,field)"
@@ -37,13 +35,13 @@ def arguments():
     )
     parser.add_argument(
         "--voxel-sizes",
-        help="voxel edges [m], separated by commas; default: the scene's own times 2, 1 and 1/2",
+        help="voxel edges [m], separated by commas; default: the scene's edge times 2, 1 and 1/2",
     )
     parser.add_argument(
-        "--voxtouch", default="voxtouch", help="the program, where it is not on PATH"
+        "--voxtouch", default="voxtouch", help="path of the program, if it is not on PATH"
     )
     parser.add_argument(
-        "--save", metavar="FILE", help="draws error over time into this file (.png, .svg, .pdf)"
+        "--save", metavar="FILE", help="plots error over time into this file (.png, .svg, .pdf)"
     )
     return parser.parse_args()
 
@@ -79,7 +77,7 @@ def main():
         words += ["--plot", o.save] if o.save else []
         ran = subprocess.run(words, stdout=subprocess.PIPE, text=True, check=False)
     if not ran.stdout:
-        raise SystemExit("voxtouch accuracy measured nothing; its sentence stands above.")
+        raise SystemExit("voxtouch accuracy measured nothing; see its message above.")
     summary = json.loads(ran.stdout)
     print(f"{'model':14} {'voxel':>9} {'direction':>10} {'frame':>9}")
     for row in summary["rows"]:

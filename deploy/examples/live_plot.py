@@ -25,15 +25,13 @@ def arguments():
     parser.add_argument("--interface", default="lo", help="network card of the ring (default: lo)")
     parser.add_argument("--rig", default="haptic", help="rig (default: haptic)")
     parser.add_argument(
-        "--span", type=float, default=5.0, help="how much of the past is shown [s] (default: 5)"
+        "--span", type=float, default=5.0, help="length of the plot [s] (default: 5)"
     )
-    parser.add_argument(
-        "--seconds", type=float, default=float("inf"), help="ends by itself after this time [s]"
-    )
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="duration [s]")
     parser.add_argument(
         "--save",
         metavar="FILE",
-        help="no window: the last picture goes into this file (.png, .svg, .pdf)",
+        help="writes the last plot to this file, without a window (.png, .svg, .pdf)",
     )
     return parser.parse_args()
 
@@ -71,8 +69,8 @@ def main():
     if o.save:
         if not rows:
             raise SystemExit(
-                f"No command came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does"
-                " a ring run there? `voxtouch status` looks."
+                f"No command received on rig {o.rig}, domain {o.domain}, interface "
+                f"{o.interface}. Check with `voxtouch status` that a ring runs."
             )
         draw(rows, lines, energy, (upper, lower))
         figure.savefig(o.save)

@@ -29,7 +29,7 @@ def arguments():
     parser.add_argument(
         "--topic",
         default="/my_effect/wrench",
-        help="ROS name of the topic that the scene names (default: /my_effect/wrench)",
+        help="ROS name of the scene's topic (default: /my_effect/wrench)",
     )
     parser.add_argument(
         "--point",
@@ -45,19 +45,17 @@ def arguments():
         "--most",
         type=float,
         default=1.0,
-        help="no more force than this is written [N] (default: 1)",
+        help="largest force [N] (default: 1)",
     )
     parser.add_argument(
         "--frame",
         default="haptic/device",
-        help="frame_id of what is written (default: haptic/device)",
+        help="frame_id of the wrenches (default: haptic/device)",
     )
     parser.add_argument("--domain", type=int, default=0, help="DDS domain of the ring (default: 0)")
     parser.add_argument("--interface", default="lo", help="network card of the ring (default: lo)")
     parser.add_argument("--rig", default="haptic", help="rig (default: haptic)")
-    parser.add_argument(
-        "--seconds", type=float, default=float("inf"), help="ends by itself after this time [s]"
-    )
+    parser.add_argument("--seconds", type=float, default=float("inf"), help="duration [s]")
     return parser.parse_args()
 
 
@@ -114,8 +112,8 @@ def main():
     print(f"{written} wrenches written on {o.topic}")
     if not written:
         raise SystemExit(
-            f"No sample came on rig {o.rig}, domain {o.domain}, interface {o.interface}: does a"
-            " ring run there? `voxtouch status` looks."
+            f"No sample received on rig {o.rig}, domain {o.domain}, interface {o.interface}. "
+            f"Check with `voxtouch status` that a ring runs."
         )
 
 

@@ -44,8 +44,8 @@ void put(double* row, const Vec3& v) { row[0] = v.x(), row[1] = v.y(), row[2] = 
 std::vector<Pose> poses_of(const Doubles& array) {
   if (array.ndim() != 2 || array.shape(1) != 7)
     throw std::invalid_argument(
-        "poses: an array of n rows of 7 numbers is needed: qw, qx, qy, qz, x, y, z of the tool in "
-        "the world [m]");
+        "poses must be an array of n rows of 7 numbers: qw, qx, qy, qz, x, y, z of the tool in the "
+        "world [m]");
   std::vector<Pose> poses;
   poses.reserve(static_cast<std::size_t>(array.shape(0)));
   const double* v = array.data();
@@ -53,11 +53,11 @@ std::vector<Pose> poses_of(const Doubles& array) {
     for (int i = 0; i < 7; ++i)
       if (!std::isfinite(v[i]))
         throw std::invalid_argument(
-            fmt::format("poses[{}, {}] is {}, which is not a finite number", n, i, v[i]));
+            fmt::format("poses[{}, {}] is {}, not a finite number", n, i, v[i]));
     Pose pose{Vec3(v[4], v[5], v[6]), Quat(v[0], v[1], v[2], v[3])};
     if (!normalise_within(pose.orientation, 1e-3, 1e3))
       throw std::invalid_argument(
-          fmt::format("poses[{}]: the quaternion's norm is {}; it must lie within 1e-3 and 1e3", n,
+          fmt::format("poses[{}]: the quaternion's norm is {}, limits 1e-3 to 1e3", n,
                       pose.orientation.norm()));
     poses.push_back(pose);
   }
@@ -70,7 +70,7 @@ py::dict probe(const std::string& file, const Doubles& array, const std::string&
   std::optional<contact::ContactModelKind> model;
   if (!model_name.empty() && !contact::parse_contact_model(model_name, model.emplace()))
     throw std::invalid_argument(
-        fmt::format("'{}' is no contact model; there are original, adapted and field", model_name));
+        fmt::format("unknown contact model '{}'; valid: original, adapted, field", model_name));
   const auto count = static_cast<py::ssize_t>(poses.size());
   auto surface = array_of<std::uint32_t>({count}), interior = array_of<std::uint32_t>({count});
   auto coherence = array_of<double>({count}), force = array_of<double>({count, 3}),
@@ -111,8 +111,7 @@ py::dict build(const std::string& file, double voxel_m, double scale,
                const std::optional<std::array<double, 3>>& origin, const std::string& program) {
   for (const auto& [name, value] : {std::pair{"voxel", voxel_m}, {"scale", scale}})
     if (!(std::isfinite(value) && value > 0.0))
-      throw std::invalid_argument(
-          fmt::format("{} is {}, and has to be a number above 0", name, value));
+      throw std::invalid_argument(fmt::format("{} is {}; it must be a number > 0", name, value));
   mesh::ImportOptions options;
   options.scale = scale, options.voxel_size_m = voxel_m;
   mesh::ImportedMesh imported;
@@ -127,7 +126,7 @@ py::dict build(const std::string& file, double voxel_m, double scale,
     if (origin)
       grid.origin = Vec3((*origin)[0], (*origin)[1], (*origin)[2]);
     if (!grid.origin.allFinite())
-      throw std::invalid_argument("origin: three finite numbers [m] are needed");
+      throw std::invalid_argument("origin must be three finite numbers [m]");
     map = voxmap::voxelise(imported.mesh, grid, serial_for());
     shell = pointshell::shell_points(imported.mesh, grid, serial_for());
     map.for_each_occupied([&](const voxmap::VoxelIndex& v, voxmap::VoxelKind kind) {
@@ -168,19 +167,17 @@ std::string design(const std::string& device, const std::string& scene, const st
                          std::initializer_list<std::string_view> words) {
     if (std::ranges::find(words, value) == words.end())
       throw std::invalid_argument(
-          fmt::format("{}: '{}' is none of {}", name, value, fmt::join(words, ", ")));
+          fmt::format("{}: '{}' is not one of {}", name, value, fmt::join(words, ", ")));
   };
   one_of("hand", hand, {"", "pen", "arm", "any_passive"});
   one_of("kind", kind, {"auto", "shaping_filter", "spring_damper", "direct"});
   if (!(cutoff_hz > 0.0 && std::isfinite(cutoff_hz)))
-    throw std::invalid_argument(
-        fmt::format("cutoff_hz is {}, and has to be a number above 0", cutoff_hz));
+    throw std::invalid_argument(fmt::format("cutoff_hz is {}; it must be a number > 0", cutoff_hz));
   if (!(gain_margin >= 1.0 && gain_margin <= 100.0))
-    throw std::invalid_argument(
-        fmt::format("gain_margin is {}, and has to lie within 1 and 100", gain_margin));
+    throw std::invalid_argument(fmt::format("gain_margin is {}, limits 1 to 100", gain_margin));
   if (!(stiffness_n_per_m >= 0.0 && std::isfinite(stiffness_n_per_m)))
     throw std::invalid_argument(
-        fmt::format("stiffness_n_per_m is {}, and has to be 0 or more", stiffness_n_per_m));
+        fmt::format("stiffness_n_per_m is {}; it must be >= 0", stiffness_n_per_m));
   const bool is_file = device.ends_with(".yaml") || device.ends_with(".yml");
   const DeviceDescription description =
       is_file ? scene::load_device_file(device).description : devices::describe_device(device);
@@ -197,7 +194,7 @@ std::string design(const std::string& device, const std::string& scene, const st
 }  // namespace
 
 PYBIND11_MODULE(_core, m) {
-  m.doc() = "The C++ half of voxtouch: use the functions of the package, which say more.";
+  m.doc() = "C++ part of voxtouch: use the functions of the package.";
   m.attr("version") = std::string(version());
   m.def("probe", &probe);
   m.def("build", &build);

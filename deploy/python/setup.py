@@ -63,8 +63,8 @@ class Build(build_py):
         modules = list((BUILD / "python_module").glob("_core.*"))
         if not modules:
             sys.exit(
-                f"{BUILD} made no module for Python: are pybind11-dev and python3-dev there?"
-                " deploy/setup installs them."
+                f"{BUILD} built no Python module. Install pybind11-dev and python3-dev "
+                f"(deploy/setup does)."
             )
         for module in modules:
             shutil.copy2(module, package)

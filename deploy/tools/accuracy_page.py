@@ -47,16 +47,16 @@ def page(result):
         "",
         (
             f"{options['contacts']} random places on the scene, {options['depth_edges']:g} voxels"
-            f" deep, seed {options['seed']}. The truth is the law's integral over the tool's"
-            " triangles."
+            f" deep, seed {options['seed']}. The reference is the law's integral over the tool's "
+            f"triangles."
         ),
         (
             "A missed contact counts as 180° of direction error. `force` is the mean force over the"
             " true one;"
         ),
         "`noise` is its relative standard deviation. These are errors of a model against its law.",
-        "The [league](league.md) asks other places (row A5); its truth is the nearest point of the"
-        " mesh.",
+        "The [league](league.md) uses other places (row A5); its reference is the nearest point "
+        "of the mesh.",
         "",
         (
             "| model | voxel | direction, mean | 95 % | force | noise | missed | time, median | 95"

@@ -122,7 +122,7 @@ class Decoder:
     def text(self):
         length = self.number("uint32")
         if self.at + length > len(self.data):
-            raise struct.error("a text is longer than its message")
+            raise struct.error("a string exceeds its message")
         self.at += length
         return self.data[self.at - length : self.at - 1].decode(errors="replace") if length else ""
 
@@ -141,7 +141,7 @@ class Decoder:
             if array:
                 count = size if array == "fixed" else self.number("uint32")
                 if count > len(self.data):
-                    raise struct.error("a list is longer than its message")
+                    raise struct.error("a sequence exceeds its message")
                 out[field] = [self.value(kind, owner) for _ in range(count)]
             else:
                 out[field] = self.value(kind, owner)
@@ -177,8 +177,8 @@ class Rows:
         size = self.dtype.itemsize
         if any(len(data) != size + 4 if self.whole else len(data) < size + 4 for data in self.raw):
             raise BagError(
-                "the messages are not laid out as in this version of voxtouch: read the bag with"
-                " the version that recorded it."
+                "the layout of the messages differs from this version of voxtouch. Read the "
+                "recording with its own version."
             )
         if self.raw:
             table = numpy.frombuffer(b"".join(data[4 : size + 4] for data in self.raw), self.dtype)
@@ -294,10 +294,10 @@ class Bag:
         if changed:
             raise BagError(
                 f"{self.path}: it was recorded by voxtouch"
-                f" {recording.get('voxtouch', 'of an unknown version')}, whose"
-                f" {', '.join(changed)} {'is' if len(changed) == 1 else 'are'} laid out otherwise"
-                " than in this version: read it with the version that recorded it."
-                " deploy/CHANGELOG.md says what has changed."
+                f" {recording.get('voxtouch', '(unknown version)')}, whose"
+                f" {', '.join(changed)} {'is' if len(changed) == 1 else 'are'} laid out "
+                f"differently than in this version. Read it with the recording version "
+                f"(deploy/CHANGELOG.md lists the changes)."
             )
 
     def find_rig(self, topics, rig):
@@ -310,17 +310,17 @@ class Bag:
         )
         if not rigs:
             raise BagError(
-                f"{self.path}: this is no recording of voxtouch: none of its {len(topics)} topics"
+                f"{self.path}: not a recording of voxtouch: none of its {len(topics)} topics"
                 f" has a type of {OWN}."
             )
         if rig and rig not in rigs:
             raise BagError(
-                f"{self.path}: no messages on /{rig}/rendering/contact; the bag is of rig"
-                f" {' and '.join(rigs)}, so give that by --rig."
+                f"{self.path}: no messages on /{rig}/rendering/contact; the recording is of rig "
+                f"{' and '.join(rigs)} (use --rig)."
             )
         if not rig and len(rigs) > 1:
             self.notes.append(
-                f"The bag holds the rigs {', '.join(rigs)}; this is"
+                f"The recording has rigs {', '.join(rigs)}; this is"
                 f" {'haptic' if 'haptic' in rigs else rigs[0]} (--rig chooses another)."
             )
         return rig or ("haptic" if "haptic" in rigs else rigs[0])
@@ -335,7 +335,7 @@ class Bag:
                         one.take()
         except FileError as error:
             self.unread = True
-            self.notes.append(f"{file.file.name} could be read in part only: {error}.")
+            self.notes.append(f"{file.file.name} is only partly readable: {error}.")
         except BagError as error:
             raise BagError(f"{self.path}: {error}") from None
 
@@ -351,8 +351,8 @@ class Bag:
                 bad += 1
         if bad:
             self.notes.append(
-                f"{bad} messages on /{self.rig}/{name} are not laid out as in this version of"
-                " voxtouch."
+                f"{bad} messages on /{self.rig}/{name} have a different layout than in this "
+                f"version of voxtouch."
             )
         return out
 

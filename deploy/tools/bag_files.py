@@ -39,13 +39,12 @@ def files_of(path):
     )
     if not files and any(path.glob("*.zstd")):
         raise FileError(
-            f"{path}: a bag that is compressed as a whole is not read; `ros2 bag convert` makes one"
-            " that is not."
+            f"{path}: bag-level compression is not supported. Convert it with `ros2 bag convert`."
         )
     if not files:
         raise FileError(
-            f"{path}: there is no bag here; name the folder that holds metadata.yaml and a .db3 or"
-            " .mcap file."
+            f"{path}: no recording here. Choose the folder with metadata.yaml and a .db3 or "
+            f".mcap file."
         )
     return files
 
@@ -73,9 +72,9 @@ def losses(path):
     whole = sum(there.values()) >= sum(stated.values())
     return [
         (
-            f"'{name}' is missing from the bag: {count} messages are lost."
+            f"'{name}' is missing in the recording: {count} messages are lost."
             if name not in there
-            else f"'{name}' holds {there[name]} of {count} recorded messages: the others are lost."
+            else f"'{name}' holds {there[name]} of {count} recorded messages; the others are lost."
         )
         for name, count in stated.items()
         if (there[name] < count if name in there else count and not whole)
@@ -103,7 +102,8 @@ class SqliteFile:
             connection.close()
         except sqlite3.Error as error:
             raise FileError(
-                f"the bag cannot be read ({error}); is it whole, and of this version?"
+                f"the recording cannot be read ({error}); check that it is complete and of this "
+                f"version"
             ) from None
 
     def connect(self):
@@ -157,8 +157,8 @@ def decompressor():
         return lambda data, _: zstd.decompress(data)
     except ImportError:
         raise FileError(
-            "it is an MCAP, whose chunks are compressed, and this Python has no zstd: install"
-            " python3-zstandard (deploy/setup does), or `pip install zstandard`."
+            "its MCAP chunks are compressed, and this Python has no zstd. Install "
+            "python3-zstandard (deploy/setup does), or `pip install zstandard`."
         ) from None
 
 
@@ -183,7 +183,7 @@ class Texts:
         (size,) = struct.unpack_from("<I", self.data, self.at)
         self.at += 4 + size
         if self.at > len(self.data):
-            raise struct.error("a text is longer than its record")
+            raise struct.error("a string exceeds its record")
         return bytes(self.data[self.at - size : self.at])
 
     def text(self):
@@ -208,14 +208,17 @@ class McapFile:
             with open(file, "rb") as opened:
                 if opened.read(8) != MAGIC:
                     raise FileError(
-                        "the bag cannot be read (it does not begin as an MCAP does); is it whole?"
+                        "the recording cannot be read (no MCAP magic at the start); check that "
+                        "it is complete"
                     )
                 if not self.read_summary(opened):
                     self.topics, self.schemas = {}, {}
                     for code, content, _ in self.walk(opened):
                         self.describe(code, content)
         except struct.error as error:
-            raise FileError(f"the bag cannot be read ({error}); is it whole?") from None
+            raise FileError(
+                f"the recording cannot be read ({error}); check that it is complete"
+            ) from None
 
     def describe(self, code, content):
         if code == SCHEMA:
@@ -285,21 +288,21 @@ class McapFile:
         compression = texts.text()
         packed = memoryview(chunk)[texts.at + 8 :]
         if size > MAX_CHUNK or struct.unpack_from("<Q", chunk, texts.at)[0] != len(packed):
-            raise FileError("a chunk is not whole")
+            raise FileError("incomplete chunk")
         if compression not in ("", "zstd"):
             raise FileError(
-                f"the MCAP is compressed by {compression}, and zstd alone is read; `mcap compress"
-                " --compression zstd` makes one that is"
+                f"the MCAP is compressed by {compression}, supported: zstd. Convert it with "
+                f"`mcap compress --compression zstd`"
             )
         if compression:
             try:
                 data = self.unpack(bytes(packed), size)
             except Exception as error:  # each zstd has an error of its own
-                raise FileError(f"a chunk cannot be uncompressed: {error}") from None
+                raise FileError(f"chunk cannot be uncompressed: {error}") from None
         else:
             data = bytes(packed)
         if len(data) != size or (crc and zlib.crc32(data) != crc):
-            raise FileError("a chunk does not have its checksum")
+            raise FileError("chunk checksum mismatch")
         return memoryview(data)
 
     def messages(self, requested, progress=lambda fraction: None):

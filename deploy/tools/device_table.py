@@ -54,9 +54,7 @@ def row(program, file):
     displayed = 0.0 if answer["status"] == "infeasible" else axis["displayed_stiffness"]
     grip = "arm" if re.search(r"^grip:\s*arm", text, re.MULTILINE) else "stylus"
     limit = (
-        "what the device can show"
-        if displayed >= 0.999 * axis["requested_stiffness"]
-        else axis["worst_case"]
+        "device limit" if displayed >= 0.999 * axis["requested_stiffness"] else axis["worst_case"]
     )
     return (
         f"| [{file.stem}]({file.name}) | {grip} | {figure(text, 'mass_kg'):g} kg | {force:g} N |"
@@ -76,8 +74,8 @@ def main(program, *options):
     if "--check" in options:
         if new != text:
             raise SystemExit(
-                f"{README.name} has another table than the designer's;"
-                f" `deploy/tools/device_table.py {program}` writes it:\n{table}"
+                f"{README.name} has a different table than the designer's; "
+                f"`deploy/tools/device_table.py {program}` writes it:\n{table}"
             )
         print(f"{len(files)} devices: the table is what the designer certifies")
         return

@@ -24,14 +24,15 @@ def arguments():
         nargs=3,
         default=[-0.09, -0.03, 0.05],
         metavar=("X", "Y", "Z"),
-        help="where the spring pulls to, in the world [m]",
+        help="target of the spring in the world [m]",
     )
     parser.add_argument(
         "--spring",
         type=float,
         default=30.0,
         help=(
-            "its stiffness [N/m]; poses come 100 times a second: above some 100 N/m it is unstable"
+            "stiffness of the spring [N/m]; at 100 poses a second it is unstable above about 100 "
+            "N/m"
         ),
     )
     parser.add_argument("--topic", default="/sim/wrench", help="of the scene's effect `external`")
@@ -39,7 +40,7 @@ def arguments():
     parser.add_argument("--domain", type=int, default=0)
     parser.add_argument("--interface", default="lo")
     parser.add_argument(
-        "--seconds", type=float, default=float("inf"), help="how long; left out: until Ctrl-C"
+        "--seconds", type=float, default=float("inf"), help="duration [s]; default: until Ctrl-C"
     )
     return parser.parse_args()
 

@@ -90,9 +90,7 @@ def page(folder, name):
             f".SH {escaped(name.upper() + ' ' + verb.upper())}\n.B"
             f" {escaped(usage)}\n{prose(about)}{rows(lists)}"
         )
-    return (
-        text + ".SH SEE ALSO\nThe README files next to the sources say more: each folder has one.\n"
-    )
+    return text + ".SH SEE ALSO\nThe README files next to the sources: each folder has one.\n"
 
 
 def main(binaries, out, *programs):

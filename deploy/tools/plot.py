@@ -59,13 +59,13 @@ def check_picture(picture, endings=tuple(ENDINGS)):
     """Ends with a sentence where a picture cannot be drawn, or not be written there."""
     if picture.suffix.lower() not in endings:
         allowed = ".png, .svg or .pdf" if ".png" in endings else ".html"
-        sys.exit(f"{picture}: the file name must end in {allowed}.")
+        sys.exit(f"{picture}: valid file extensions: {allowed}.")
     if NO_MATPLOTLIB:
         sys.exit(NO_MATPLOTLIB)
     if picture.is_dir() or not os.access(picture.parent, os.W_OK | os.X_OK):
         sys.exit(
-            f"{picture} could not be written: is its folder there, is there room, and may you write"
-            " there?"
+            f"{picture} cannot be written. Check that its folder exists, the free space and the "
+            f"permissions"
         )
 
 
@@ -76,7 +76,7 @@ def keep(file, write):
         write(part)
         os.replace(part, file)
     except OSError as error:
-        sys.exit(f"{file} could not be written: {error.strerror}.")
+        sys.exit(f"{file} cannot be written: {error.strerror}.")
     finally:  # broken off by Ctrl-C too
         part.unlink(missing_ok=True)
 
@@ -107,9 +107,9 @@ def read_json(file, verb):
         or {"accuracy": "rows", "design": "region", "replay": "curves"}[verb] not in data
     ):
         sys.exit(
-            f"{file} holds no result of `voxtouch {verb} --json`"
+            f"{file} has no result of `voxtouch {verb} --json`"
             + (
-                "; it says: " + " ".join(data["problems"])
+                ": " + " ".join(data["problems"])
                 if isinstance(data, dict) and data.get("problems")
                 else "."
             )
@@ -143,8 +143,7 @@ def write_report(bag, page, compared=None, rig="", progress=lambda fraction: Non
         sys.exit(str(error))
     except Exception as error:  # a bag may hold anything
         sys.exit(
-            f"{' or '.join(map(str, bags))} holds what this report was not made for"
-            f" ({type(error).__name__}: {error})."
+            f"{' or '.join(map(str, bags))} has unexpected data ({type(error).__name__}: {error})."
         )
     keep(page, lambda part: part.write_text(text, encoding="utf-8", errors="replace"))
     return (
@@ -163,14 +162,14 @@ class Version(argparse.Action):
             subprocess.run([program, "--version"], stderr=subprocess.DEVNULL, check=True)
             parser.exit()
         except (OSError, subprocess.CalledProcessError):
-            parser.exit(1, f"{program} is not there to say its version\n")
+            parser.exit(1, f"{program} not found\n")
 
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--version", action=Version, nargs=0, help="says the version and ends")
+    parser.add_argument("--version", action=Version, nargs=0, help="prints the version")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
 
     def command(name, data, what):
@@ -178,34 +177,34 @@ def main(arguments=None):
         if data:
             one.add_argument("data", metavar=data[0], help=data[1])
         if name == "compare":
-            one.add_argument("data", metavar="BAG", nargs=2, help="folders of the bags")
+            one.add_argument("data", metavar="BAG", nargs=2, help="folders of the recordings")
         one.add_argument(
             "picture",
             metavar="PICTURE",
             type=pathlib.Path,
-            help="file to write; ends in .png, .svg or .pdf",
+            help="file to write (.png, .svg or .pdf)",
         )
         return one
 
     for verb in ("accuracy", "costs", "design", "replay"):
         printed = (
-            f"what `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json` printed"
+            f"output of `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json`"
             if verb != "replay"
-            else "what `voxtouch replay ... --plot` gives to this tool"
+            else "input from `voxtouch replay ... --plot`"
         )
         command(
             verb,
             ("RUN.json", printed + "; - reads standard input"),
             (
-                "draws on one page what voxtouch accuracy found"
+                "plots a result of voxtouch accuracy on one page"
                 if verb == "costs"
-                else f"draws a result of voxtouch {verb}"
+                else f"plots a result of voxtouch {verb}"
             ),
         )
     forces = command(
         "forces",
-        ("BAG", "folder of the bag, which `voxtouch up ... --record BAG` writes"),
-        "draws the forces of a recorded run",
+        ("BAG", "folder of the recording (voxtouch up ... --record BAG)"),
+        "plots the forces of a recorded run",
     )
     forces.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
     forces.add_argument(
@@ -214,32 +213,30 @@ def main(arguments=None):
         type=float,
         default=0.0,
         metavar="S",
-        help="first second shown; 0 is the first contact message",
+        help="start of the plot [s]; 0 is the first contact message",
     )
     forces.add_argument(
-        "--to", dest="end", type=float, default=math.inf, metavar="S", help="last second shown"
+        "--to", dest="end", type=float, default=math.inf, metavar="S", help="end of the plot [s]"
     )
-    forces.add_argument(
-        "--note", default="", help="the conditions, under the title; default: the bag's name"
-    )
-    compared = command("compare", None, "draws the forces of runs of the same motion side by side")
+    forces.add_argument("--note", default="", help="subtitles; default: the recordings' names")
+    compared = command("compare", None, "plots the forces of runs of the same motion side by side")
     compared.add_argument("--rig", default="haptic", help="rig name (default: haptic)")
     report = commands.add_parser(
         "report",
         help="writes the page of a recorded run",
         description="writes the page of a recorded run",
     )
-    report.add_argument("data", metavar="BAG", help="folder of the bag")
+    report.add_argument("data", metavar="BAG", help="folder of the recording")
     report.add_argument("picture", metavar="PAGE.html", type=pathlib.Path, help="file to write")
     report.add_argument(
         "--compare-with",
         dest="compared",
         metavar="BAG",
-        help="a second run, which stands next to the first",
+        help="second run, next to the first",
     )
-    report.add_argument("--rig", default="", help="rig name (default: the one that the bag holds)")
-    report.add_argument("--progress", action="store_true", help="says on stderr how far it is")
-    command("check", None, "draws nothing; says what is missing, if anything")
+    report.add_argument("--rig", default="", help="rig name (default: the only one)")
+    report.add_argument("--progress", action="store_true", help="prints its progress on stderr")
+    command("check", None, "plots nothing; prints missing packages")
     a = parser.parse_args(None if arguments is None else [str(word) for word in arguments])
     warnings.simplefilter("ignore")  # a user cannot act on the warnings of matplotlib
     check_picture(a.picture, (".html",) if a.command == "report" else tuple(ENDINGS))
@@ -275,9 +272,9 @@ if __name__ == "__main__":
     try:
         main()
     except KeyboardInterrupt:
-        sys.exit("stopped before the picture was drawn")
+        sys.exit("stopped before the plot was written")
     except ModuleNotFoundError as error:
         sys.exit(
-            f"{pathlib.Path(__file__).resolve()} has to stand in voxtouch's own tree, with what it"
-            f" is made of: {error}."
+            f"{pathlib.Path(__file__).resolve()} must be in voxtouch's tree, with its modules: "
+            f"{error}."
         )

@@ -63,7 +63,7 @@ def choice_word(advice):
 def timed_note(rows):
     queries = [r["queries_per_frame"] for r in rows if r["model"] == "virtual_tool"]
     return (
-        f"; of the virtual tool: a hand that slides 1/40 e a frame, {queries[0]:.2g} queries each"
+        f"; virtual tool: the hand slides 1/40 e a frame, {queries[0]:.2g} queries each"
         if queries
         else ""
     )
@@ -71,11 +71,11 @@ def timed_note(rows):
 
 def accuracy_title(data, direction):
     if data["advice"]["row"] is None:
-        return "What accuracy costs: no setting is to be advised"
+        return "Accuracy and time: no setting chosen"
     row = data["rows"][data["advice"]["row"]]
     return (
-        f"What accuracy costs; {choice_word(data['advice'])}: {row['model']} at"
-        f" {size_word(row)} mm, {direction(row):.2g} deg off in {row['median_us']:.2g} µs a frame"
+        f"Accuracy and time; {choice_word(data['advice'])}: {row['model']} at"
+        f" {size_word(row)} mm, {direction(row):.2g} deg error in {row['median_us']:.2g} µs a frame"
     )
 
 
@@ -100,7 +100,7 @@ def accuracy_figure(data):
         f" {data['options']['depth_edges']:g} e deep, seed "
         f"{data['options']['seed']}{f'; {missing} settings not measured' if missing else ''}. Lower"
         " left is better. "
-        "Shell points weigh one each, or their area. A missed contact is 180 deg off.\n"
+        "Shell points have weight one or their area. A missed contact counts as 180 deg.\n"
         f"At the marks: voxel edge e{' / the shell' if shells else ''} [mm]. Time: one thread of"
         f" {processor_name(data)}"
         f"{'' if load is None else f', load average {load:.1f}'}{timed_note(rows)}"
@@ -174,7 +174,7 @@ def accuracy_figure(data):
             label=f"requested: within {requested['within_us']:.4g} µs",
         )
     if not rows:
-        top.text(0.5, 0.5, "nothing could be measured", transform=top.transAxes, ha="center")
+        top.text(0.5, 0.5, "no measurement", transform=top.transAxes, ha="center")
     least = any(direction(r) <= LEAST_DIRECTION_DEG for r in rows)
     top.set_ylabel(
         "direction error, mean [deg]"
@@ -198,7 +198,7 @@ def accuracy_figure(data):
             ]
         ),
     )
-    return figure, f"shows the errors of {len(rows)} settings over their times"
+    return figure, f"plots the errors of {len(rows)} settings over their times"
 
 
 # -------------------- all on one page
@@ -228,7 +228,7 @@ def page_title(rows):
     alone may be where a curve crosses 1.
     """
     if not rows:
-        return "What accuracy costs: nothing was measured at the scene's own voxels"
+        return "Accuracy and time: no measurement at the scene's voxel edge"
     worst = {r["model"]: worst_depth(r) for r in rows}
 
     def said(model):
@@ -249,10 +249,10 @@ def page_figure(data):
     rows, edge = page_rows(data), 1e3 * data["scene_voxel_m"]
     judged = max((d["contacts"] + d["missed"] for r in rows for d in r["depths"]), default=0)
     note = (
-        f"Scene {data['scene']}, {judged} random contacts, pressed in slowly; points weigh their"
-        f" area; missed contacts are 180 deg off. Time: one thread of {processor_name(data)},"
-        f" compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for"
-        " the virtual tool the exact ball that is drawn to the hand."
+        f"Scene {data['scene']}, {judged} random contacts, pressed slowly; points have area "
+        f"weight; missed contacts count as 180 deg. Time: one thread of {processor_name(data)},"
+        f" compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for "
+        f"the virtual tool the exact ball pulled to the hand."
     )
     figure, axes = new_figure(page_title(rows), note, 2, 2)
     force, direction, noise, cost = axes[0][0], axes[0][1], axes[1][0], axes[1][1]
@@ -322,4 +322,4 @@ def page_figure(data):
     cost.set_xlabel("CPU time of one frame: median, 95 % and worst [µs]")
     if rows:
         legend_at_side(direction)
-    return figure, f"shows what accuracy costs with {len(rows)} models"
+    return figure, f"plots accuracy and time of {len(rows)} models"

@@ -37,7 +37,7 @@ def design_figure(data):
     high = 2.0 * max(limit or 0.0, axis_design["critical_stiffness"] or 0.0, 100.0)
     window = axis_design["velocity_window"]
     velocity = (
-        f"velocity of a window of {3 * window} samples"
+        f"velocity from a window of {3 * window} samples"
         if window
         else f"velocity filter {axis_design['velocity_filter_hz']:.3g} Hz"
     )
@@ -47,12 +47,12 @@ def design_figure(data):
         f" damping {axis_design['injected_damping']:.3g} Ns/m, {velocity}."
     )
     useful = (
-        f"are certified to be stable with a {LAWS.get(kind, kind)}"
+        f"are certified stable with a {LAWS.get(kind, kind)}"
         if data["status"] != "infeasible"
-        else "hold, which is too little to be of use"
+        else "are stable, too little for use"
     )
     figure, axes = new_figure(
-        f"{displayed:.4g} N/m at the hand {useful}" if displayed else "No coupling holds here",
+        f"{displayed:.4g} N/m at the hand {useful}" if displayed else "No stable coupling",
         note,
         1,
         2 if law else 1,
@@ -88,7 +88,7 @@ def design_figure(data):
             color=PURPLE,
             lw=1.8,
             ls="-.",
-            label="stable below with any hand\n(passivity rule), no\ninjected damping",
+            label="stable below with any passive\nhand, without injected\ndamping",
         )
     if paper["stiffness_n_per_m"]:
         axis.plot(
@@ -109,10 +109,8 @@ def design_figure(data):
         else (axes[0][1], f"designed: {law['chosen']:.3g} {law['unit']}")
     )
     if law:
-        axis.set_title("a shaping filter with that damping: not chosen", loc="left")
-        place.set_title(
-            f"the law that was chosen: {LAWS.get(kind, kind)}", loc="left", fontweight="bold"
-        )
+        axis.set_title("a shaping filter with this damping: not chosen", loc="left")
+        place.set_title(f"chosen law: {LAWS.get(kind, kind)}", loc="left", fontweight="bold")
         log_axis(place.xaxis, law["x"][0], law["x"][-1])
         draw_region(
             place,
@@ -140,7 +138,7 @@ def design_figure(data):
                 color=GREY,
                 lw=1.8,
                 ls=":",
-                label=f"most that the device\ncan show: {limit:.4g} N/m" if one is axis else None,
+                label=f"device limit:\n {limit:.4g} N/m" if one is axis else None,
             )
     axis.set_xlabel("cut-off of the shaping filter, w0 / 2π [Hz]")
     axis.set_ylabel("contact stiffness at the hand [N/m]")
@@ -155,4 +153,4 @@ def design_figure(data):
         borderaxespad=0.0,
         labelspacing=0.9,
     )
-    return figure, f"shows where the loop is stable with a {LAWS.get(kind, kind)}"
+    return figure, f"plots the stable region with a {LAWS.get(kind, kind)}"

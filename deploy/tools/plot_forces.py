@@ -8,12 +8,10 @@ import sys
 from plot_layout import *  # noqa: F403
 
 FORCE_NOTE = (
-    "Contact: what the voxels give at the scene's own stiffness, never displayed as it is."
-    " Returned:"
-    " what the coupling made of it for the hand; capped to the stiffness that is certified,"
-    " filtered, damped, so later and usually smaller"
+    "Contact: force at the scene's stiffness, not displayed directly. Returned: force on the "
+    "hand after the coupling (capped to the certified stiffness, filtered, damped)"
 )
-BODY_NOTE = "; the contact is the body's here, and the hand feels its grip on it"
+BODY_NOTE = "; the contact acts on the body, and the hand receives the grip's force"
 
 
 def read_run(bag, rig):
@@ -58,10 +56,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     except BagError as error:
         sys.exit(str(error))
     if not len(contact["t"]):
-        sys.exit(
-            f"{bag}: no messages on /{rig}/rendering/contact; is this a voxtouch bag, and --rig"
-            " right?"
-        )
+        sys.exit(f"{bag}: no messages on /{rig}/rendering/contact; check the recording and --rig.")
     start, length = contact["t"][0], contact["t"][-1] - contact["t"][0]
 
     def displayed(table):
@@ -73,7 +68,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     contact, returned, gap = displayed(contact), displayed(returned), displayed(gap)
     if not len(contact["t"]):
         sys.exit(
-            f"{bag}: nothing between --from {begin:g} and --to {end:g}; the recording lasts"
+            f"{bag}: no messages between --from {begin:g} and --to {end:g}; the recording lasts"
             f" {length:.3g} s."
         )
     body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
@@ -84,11 +79,11 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         contact["t"][-1] + 1e-3,
     )
     figure, axes = new_figure(
-        f"{f'At most {largest:.2g} N' if largest > 1e-9 else 'No force'} came back to the hand; "
+        f"{f'At most {largest:.2g} N' if largest > 1e-9 else 'No force'} returned to the hand; "
         + (
             f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep"
             if deepest > 0
-            else "nothing was touched"
+            else "no contact"
         ),
         (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}")
         + "\n"
@@ -132,7 +127,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         zorder=3,
         label="returned to the hand\n(coupling)",
     )
-    top.set_ylabel("size of the force [N]")
+    top.set_ylabel("force magnitude [N]")
     top.set_ylim(0.0, robust_limit(contact["contact"], contact["all"], returned["force"]))
     for table, name, colour in (
         (contact, "contact", CONTACT),
@@ -187,9 +182,8 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
 
 # -------------------- replay
 REPLAY_NOTE = (
-    "The recorded hand, which does not feel what is replayed: it moves as it did. Rendered: contact"
-    " and effects at the scene's own stiffness. Returned: what the coupling makes of it for the"
-    " hand."
+    "The hand moves as recorded; it does not react to the replay. Rendered: contact and effects "
+    "at the scene's stiffness. Returned: force on the hand after the coupling."
 )
 
 
@@ -197,7 +191,7 @@ def replay_title(data):
     contact, command, returned = data["contact"], data["command"], data["forces"]["returned"]
     if not contact["differ"] and not command["differ"]:
         return (
-            f"{'Both builds give' if data.get('other_build') else 'The replay gives'}"
+            f"{'Both builds have' if data.get('other_build') else 'The replay has'}"
             f" bit-identical results"
             f" for {contact['compared']} contacts and {command['compared']} commands"
         )
@@ -208,7 +202,7 @@ def replay_title(data):
         )
     now, then = returned["replayed"]["largest_n"], returned["recorded"]["largest_n"]
     return (
-        f"{'Another scene returns' if not data['scene']['same'] else 'Replayed,'} at most"
+        f"{'A different scene returns' if not data['scene']['same'] else 'Replayed,'} at most"
         f" {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} instead of"
         f" {then:.2g} N"
     )
@@ -290,9 +284,9 @@ def replay_figure(data):
 
 # -------------------- runs side by side
 COMPARISON_NOTE = (
-    "Returned: what the coupling gives to the hand, within what is certified on this device. Depth"
-    " of the hand: how far it is beyond the place where the first run begins to push it, along its"
-    " way from there to the deepest place; it goes in and out again."
+    "Returned: force on the hand after the coupling, within the certified stiffness. Depth of "
+    "the hand: distance beyond the first contact of the first run, along its path to the deepest "
+    "place, in and out."
 )
 
 
@@ -325,9 +319,7 @@ def comparison_figure(bags, rig="haptic"):
     most = {name: max(run["force"], default=0.0) for name, run in runs.items()}
     for name, force in most.items():
         if not force > 1e-9:
-            sys.exit(
-                f"{name}: no force came back to the hand, or the bag holds no run of the rig {rig}."
-            )
+            sys.exit(f"{name}: no force returned to the hand, or no recorded run of rig {rig}.")
     first = next(iter(runs.values()))
     touch = first["place"][(first["force"] > 1e-9).argmax()]
     pushed = [

@@ -22,7 +22,7 @@ try:
     NO_MATPLOTLIB = ""
 except ImportError as error:
     NO_MATPLOTLIB = (
-        f"Pictures are drawn with matplotlib, which {sys.executable} does not have ({error}): "
+        f"Plots need matplotlib, which {sys.executable} does not have ({error}): "
         "install python3-matplotlib (deploy/setup does)."
     )
 

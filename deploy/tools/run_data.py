@@ -17,32 +17,28 @@ MOST_STRETCHES = 6  # of one fault that are reported one by one
 # What a flag says of a stretch of samples. What belongs to a sound run (capped, held, saturated,
 # ramping) is reported among the figures.
 CONTACT_FAULTS = {
-    "FLAG_REFUSED_SAMPLE": "the device's sample was not usable; the last good one was kept",
-    "FLAG_FAST": "the tool moved more than half a voxel a sample",
+    "FLAG_REFUSED_SAMPLE": "device sample not usable; the last valid one is used",
+    "FLAG_FAST": "the tool moved more than half a voxel per sample",
     "FLAG_CROSSED": (
-        "a wall was crossed in one sample; the tool was pushed back to where it came from (recorded"
-        " by a release of before)"
+        "a wall was crossed in one sample and the tool pushed back (recordings of older releases)"
     ),
-    "FLAG_TUNNELLING_SUSPECTED": "the tool was so fast next to the scene that a contact may have"
-    " been missed",
-    "FLAG_NOT_CONVERGED": "the virtual tool did not reach its place within the frame",
-    "FLAG_NOT_INITIALISED": "there was no place for the virtual tool: no force was displayed",
+    "FLAG_TUNNELLING_SUSPECTED": "tunnelling suspected: the tool was too fast near the scene",
+    "FLAG_NOT_CONVERGED": "virtual tool not converged within the frame",
+    "FLAG_NOT_INITIALISED": "virtual tool not initialised: no force displayed",
 }
 COMMAND_FAULTS = {
-    "STATUS_LATCHED_INPUT": "the contact was missing or not finite; the last good one was held",
-    "STATUS_CLAMPED": "the contact's force was over the device's range and cut",
+    "STATUS_LATCHED_INPUT": "contact missing or not finite; the last valid one is used",
+    "STATUS_CLAMPED": "contact force above the device's limit, clamped",
 }
-STATE_FAULTS = {
-    "FLAG_POSE_LATCHED": "the device's pose was not to be trusted; the last good one was kept"
-}
+STATE_FAULTS = {"FLAG_POSE_LATCHED": "device pose invalid; the last valid one is used"}
 # Of the device's own counts, ten times a second.
 DEVICE_FAULTS = {
-    "overruns": "periods were skipped: the device's loop came too late",
-    "deadline_misses": "deadlines missed: no command came for three periods",
-    "refused": "commands were refused by the guard",
-    "clamped": "commands were cut by the guard to what the device may give",
-    "interruptions": "times the device gave no force, or lost it",
-    "foreign_commands": "commands of a second writer were refused",
+    "overruns": "periods skipped: the device loop was late",
+    "deadline_misses": "deadlines missed: no command for three periods",
+    "refused": "commands refused by the force guard",
+    "clamped": "commands clamped by the force guard",
+    "interruptions": "interruptions or losses of the device's force",
+    "foreign_commands": "commands of another writer refused",
 }
 STATES = {0: "starting", 1: "ready", 2: "running", 3: "stopped", 4: "failed"}
 
@@ -95,7 +91,7 @@ class Run:
         times = self.bag.times[name]
         if not len(source):
             raise BagError(
-                f"{self.bag.path}: there is nothing to report: the bag holds no sample of"
+                f"{self.bag.path}: nothing to report: the recording has no sample of"
                 f" /{self.bag.rig}/device/state and no contact. "
                 + (
                     ""
@@ -115,8 +111,8 @@ class Run:
             known = numpy.isin(rows["session_id"], list(self.sessions))
             if not known.all():
                 self.bag.notes.append(
-                    f"{int((~known).sum())} messages ({table}) belong to no session of this bag's"
-                    " device; they are left out."
+                    f"{int((~known).sum())} messages ({table}) belong to no recorded session and "
+                    f"are skipped."
                 )
                 setattr(self, table, rows[known])
                 key = {
@@ -127,10 +123,7 @@ class Run:
                 }[table]
                 self.bag.times[key] = self.bag.times[key][known]
         if len(self.sessions) > 1:
-            self.bag.notes.append(
-                f"The device began {len(self.sessions)} sessions; each stands where it was"
-                " recorded."
-            )
+            self.bag.notes.append(f"The device began {len(self.sessions)} sessions.")
 
     def seconds(self, table):
         out = numpy.zeros(len(table))
@@ -381,7 +374,10 @@ class Run:
             self.validation["verdict"] == constants("ValidationReport")["VERDICT_DISAGREE"]
         ]
         out += stretches(
-            bad, "validator", "checked samples in which contact and reference disagree", apart_s=0.5
+            bad,
+            "validator",
+            "checked samples with a disagreement of contact and reference",
+            apart_s=0.5,
         )
         over = min(
             [
@@ -392,11 +388,7 @@ class Run:
             default=math.inf,
         )
         for t, node, state, sentence in self.said:
-            if (
-                state == "failed"
-                or t < over
-                and re.search(r"hang|no sign of life|lost|refus", sentence)
-            ):
+            if state == "failed" or t < over and re.search(r"hang|is silent|lost|refus", sentence):
                 out.append((t, t, None, node, f"{state}: {sentence}"))
         out += self.recording_faults()
         return sorted(out, key=lambda row: row[0])
@@ -417,7 +409,7 @@ class Run:
             out += stretches(
                 self.t_state[unanswered],
                 who,
-                "samples have no answer in the bag: none was given, or none was recorded",
+                "samples without a recorded command",
             )
         return out
 
@@ -431,16 +423,13 @@ class Run:
                     end,
                     None,
                     "logger",
-                    (
-                        "the recording was not closed: the logger was ended by force. What is in"
-                        " the bag is whole up to here."
-                    ),
+                    ("the recording was not closed (logger killed); it is complete up to here"),
                 )
             )
         for topic in recording.get("topics", []):
             for key, what in (
-                ("dropped", "messages were dropped: the disk was too slow"),
-                ("lost", "messages were lost: the disk refused them"),
+                ("dropped", "messages dropped: the disk was too slow"),
+                ("lost", "messages lost: the disk refused them"),
             ):
                 if topic.get(key):
                     out.append((0.0, end, int(topic[key]), "logger", f"{what} ({topic['name']})"))
@@ -458,7 +447,7 @@ class Run:
                         None,
                         node,
                         (
-                            "gave no last word: the bag ends while it is"
+                            "has no final status: the recording ends in state"
                             f" {STATES[status['state']]} ({status['message']})"
                         ),
                     )
@@ -489,6 +478,6 @@ def stretches(times, who, what, counts=None, apart_s=APART_S):
             max(r[1] for r in rest),
             sum(r[2] for r in rest),
             who,
-            f"{what} (in {len(rest)} further, shorter stretches)",
+            f"{what} (in {len(rest)} further, shorter intervals)",
         )
     ]

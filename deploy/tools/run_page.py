@@ -104,9 +104,9 @@ def kind_of_run(run):
     hand = (
         "moved by a simulated hand"
         if simulated
-        else "held by a person"
+        else "gripped by a person"
         if run.description
-        else "of which the bag holds no description"
+        else "without a recorded description"
     )
     return (
         f"Scene <b>{esc(run.scene)}</b> on device <b>{esc(run.device)}</b>, {hand};"
@@ -123,7 +123,7 @@ def verdict(run):
         for name, one in summary.get("limits", {}).items()
         if one.get("unit") == "1" and "at_least" in one and (one["value"] or 0) > 1.05
     ]
-    lost += [f"{name} is above 1: its counts do not belong together." for name in ratios]
+    lost += [f"{name} is above 1: its counts are inconsistent." for name in ratios]
     if lost:
         return (
             "<p class=bad><b>FAILED:</b></p>"
@@ -131,9 +131,8 @@ def verdict(run):
         )
     if not summary:
         return (
-            "<p><b>No verdict.</b> No <code>voxtouch up</code> judged this run: it was ended by"
-            " force, is of an earlier version, or the nodes were started one by one. What follows"
-            " says what happened, not whether it was within its limits.</p>"
+            "<p><b>No verdict.</b> The recording has no verdict of <code>voxtouch up</code>: the "
+            "run was killed, is of an older version, or its nodes were started one by one.</p>"
         )
     if summary.get("ok") is True and not summary["problems"]:
         return (
@@ -146,7 +145,7 @@ def verdict(run):
 def limit_rows(run):
     limits = run.bag.summary().get("limits", {})
     if not limits:
-        return "<p>The bag holds no verdict.</p>"
+        return "<p>The recording has no verdict.</p>"
 
     def bound(one):
         side = "at_most" if "at_most" in one else "at_least"
@@ -155,13 +154,13 @@ def limit_rows(run):
         )
 
     return table(
-        ["figure", "was", "a run that passes has", "unit", "verdict"],
+        ["figure", "was", "limit", "unit", "verdict"],
         [
             [
                 esc(name),
                 number(one.get("value"), digits=4),
                 bound(one),
-                "share" if one.get("unit") == "1" else esc(one.get("unit", "")),
+                "1" if one.get("unit") == "1" else esc(one.get("unit", "")),
                 "met" if one.get("met") else "<span class=bad>not met</span>",
             ]
             for name, one in limits.items()
@@ -180,7 +179,7 @@ def tiles(run):
             "Largest force returned",
             number(f["max_force_n"], "N"),
             (
-                "no command was recorded"
+                "no command recorded"
                 if f["max_force_n"] is None
                 else (f"{percent(f['ratio_to_limit'])}{limit}, " if limit else "")
                 + f"at {f['max_force_at_s']:.2f}\u00a0s"
@@ -194,32 +193,32 @@ def tiles(run):
         (
             "Deepest",
             number(f["max_depth_mm"] if f["contact_samples"] else None, "mm"),
-            "of a shell point, by the rendering",
+            "of a shell point (rendering)",
         ),
         (
             "Samples",
             number(f["samples"]),
-            "rate not known" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f}\u00a0Hz",
+            "rate unknown" if f["rate_hz"] is None else f"at {f['rate_hz']:.1f}\u00a0Hz",
         ),
         (
             "Answered",
             percent(f["answered"] / f["samples"], 4) if f["samples"] else "–",
-            f"{number(f['answered'])} commands in the bag",
+            f"{number(f['answered'])} commands recorded",
         ),
         (
             "Latency, median",
             "–" if run.lockstep else number(p50, "µs"),
             (
-                "none in lockstep"
+                "not measured in lockstep"
                 if run.lockstep
                 else (
-                    f"99 %: {number(p99, 'µs')}, by the device"
+                    f"p99 {number(p99, 'µs')} (device)"
                     if p99 is not None
-                    else "the device reported none"
+                    else "not reported by the device"
                 )
             ),
         ),
-        ("Periods skipped", number(run.counted("device", "overruns")), "by the device"),
+        ("Periods skipped", number(run.counted("device", "overruns")), "reported by the device"),
         (
             "Validator",
             "–" if checked is None else f"{number(bad)} disagree" if bad else "agrees",
@@ -241,8 +240,8 @@ def repeat(run):
     known = run.command_line()
     if known is None:
         return (
-            f"<p>The bag does not state by which command it was recorded: <code>voxtouch up</code>"
-            f" of an earlier version, or nodes that were started one by one. Its scene is"
+            f"<p>The recording has no command line (older version, or nodes started one by one). "
+            f"Its scene is"
             f" {esc(run.word('rendering', 'scene_file') or run.scene)}, its device"
             f" {esc(run.device)}.</p>"
         )
@@ -269,14 +268,12 @@ def repeat(run):
         else (
             "In real time the motion is the same; times differ from run to run. "
             if run.description.get("simulated")
-            else "The device was moved by a person, which no command repeats. "
+            else "The device was moved by a person: the motion is not repeatable. "
         )
     )
+    text += f"{changes} changes were made during the run; repeat them. " if changes else ""
     text += (
-        f"{changes} changes were made while it ran, and have to be made again. " if changes else ""
-    )
-    text += (
-        "As typed, without <code>--record</code>, whose folder is there now. "
+        "As typed, without <code>--record</code> (its folder exists). "
         if len(kept) < len(words)
         else "As typed. "
     )
@@ -287,7 +284,7 @@ def repeat(run):
 def design_words(run):
     d = run.design
     if not d:
-        return "<p>The bag holds no design: no coupling had been designed when it was recorded.</p>"
+        return "<p>The recording has no coupling design.</p>"
     if d["kind"] == "shaping_filter":
         what = (
             f"a shaping filter of {d['cutoff_hz']:.3g} Hz, damping ratio {d['damping_ratio']:.3g},"
@@ -299,25 +296,25 @@ def design_words(run):
             f" {d['damping_ns_per_m']:.3g} Ns/m"
         )
     else:
-        what = f"{esc(d['kind'])}: the contact's force itself, gain {d['gain']:.3g}"
+        what = f"{esc(d['kind'])}: the contact force itself, gain {d['gain']:.3g}"
     text = f"<p>The coupling is {what}; status <b>{esc(d['status'])}</b>."
     if d["injected_damping_ns_per_m"] > 0:
-        text += f" In contact it adds {d['injected_damping_ns_per_m']:.3g} Ns/m of damping."
+        text += f" Injected damping in contact: {d['injected_damping_ns_per_m']:.3g} Ns/m."
     if d["critical_stiffness_n_per_m"] > 0:
         requested, displayed, critical = (
             number(d[f"{word}_stiffness_n_per_m"], "N/m", 4)
             for word in ("requested", "displayed", "critical")
         )
         text += (
-            f" Requested were {requested}; {displayed} are shown at the hand, certified with a"
-            f" gain margin of"
+            f" Requested {requested}, displayed {displayed} at the hand, certified with a gain "
+            f"margin of"
             f" {number(d['gain_margin'])}; the worst case ({esc(d['worst_case'])}) becomes unstable"
             f" at {critical}."
         )
-    text += " It is stable with every hand that creates no energy.</p>" if d["passive"] else "</p>"
+    text += " It is stable with any passive hand.</p>" if d["passive"] else "</p>"
     for title, key in (
-        ("Why so", "reasons"),
-        ("What would give more", "remedies"),
+        ("Reasons", "reasons"),
+        ("Remedies", "remedies"),
         ("Notes", "notes"),
     ):
         text += f"<h3>{title}</h3>{listed(d[key])}" if d[key] else ""
@@ -327,7 +324,7 @@ def design_words(run):
 def plan_words(run):
     p = run.plan
     if not p:
-        return "<p>The bag holds no plan: no scene had been built when it was recorded.</p>"
+        return "<p>The recording has no plan of the scene.</p>"
     text = (
         f"<p>Contact model <b>{esc(p['contact_model'])}</b> at voxels of"
         f" {1e3 * p['voxel_size_m']:.3g} mm: {number(p['shell_points'])} shell points,"
@@ -337,7 +334,7 @@ def plan_words(run):
     )
     text += f"<h3>Warnings</h3>{listed(p['warnings'])}" if p["warnings"] else ""
     return text + (
-        "<details><summary>Left out"
+        "<details><summary>Not built"
         f" ({len(p['skipped'])})</summary>{listed(p['skipped'])}</details>"
         if p["skipped"]
         else ""
@@ -351,15 +348,12 @@ def when(begin, end):
 def fault_rows(run):
     faults = run.faults()
     if not faults:
-        return (
-            "<p class=good>None: no flag of a fault, no sample without an answer, nothing lost on"
-            " the way to the bag.</p>"
-        )
+        return "<p class=good>None.</p>"
     rows = [
         (when(begin, end), "" if n is None else number(n), esc(who), esc(what))
         for begin, end, n, who, what in faults
     ]
-    return table(("time [s]", "how many", "who", "what"), rows, (0, 1))
+    return table(("time [s]", "count", "who", "what"), rows, (0, 1))
 
 
 def change_rows(run):
@@ -387,7 +381,7 @@ def node_rows(run):
         for (node, host, pid), s in sorted(run.nodes.items())
     ]
     return (
-        table(("node", "on", "last state", "last sentence"), rows)
+        table(("node", "on", "last state", "last message"), rows)
         if rows
         else "<p>No node reported its status.</p>"
     )
@@ -398,23 +392,23 @@ COUNTED = (
     ("largest force [N]", "max_force_n", "device", "max_force_n"),
     ("rate [Hz]", "rate_hz", "device", "rate_hz"),
     ("samples", "samples", "device", "samples"),
-    ("samples answered", "answered", "device", "answered"),
+    ("samples with a command", "answered", "device", "answered"),
     (
-        "samples with a force, of contact or effects",
+        "samples with a force of contact or effects",
         "contact_samples",
         "rendering",
         "contact_samples",
     ),
-    ("samples held: points have gone through", "latched_samples", "rendering", "latched_samples"),
+    ("samples with latched depth", "latched_samples", "rendering", "latched_samples"),
     (
-        "samples in which deeper meets no more force",
+        "samples with saturated force",
         "saturated_samples",
         "rendering",
         "saturated_samples",
     ),
     ("samples capped to the certified stiffness", "capped_samples", "coupling", "capped_samples"),
     (
-        "samples in which injected damping was cut to what it may add",
+        "samples with limited injected damping",
         "bounded_samples",
         "coupling",
         "bounded_samples",
@@ -427,7 +421,7 @@ def counted_rows(run):
         (esc(what), number(run.figures[key], "", 5), number(run.counted(node, figure), "", 5), node)
         for what, key, node, figure in COUNTED
     ]
-    return table(("figure", "in the bag", "by the node", "node"), rows, (1, 2))
+    return table(("figure", "recorded", "reported by the node", "node"), rows, (1, 2))
 
 
 # -------------------- pictures
@@ -438,21 +432,21 @@ def names(runs, sentence):
 def force_title(run):
     f = run.figures
     if f["max_force_n"] is None:
-        return "no command was recorded"
+        return "no command recorded"
     if not f["contact_samples"] and not f["max_force_n"] > 1e-9:
-        return "nothing was touched, and no force was displayed"
+        return "no contact and no force"
     fraction = (
-        f", {percent(f['ratio_to_limit'], 2)} of what the device can give"
+        f", {percent(f['ratio_to_limit'], 2)} of the device's limit"
         if f["ratio_to_limit"] is not None
         else ""
     )
-    return f"at most {number(f['max_force_n'], 'N')} came back to the hand{fraction}"
+    return f"at most {number(f['max_force_n'], 'N')} returned to the hand{fraction}"
 
 
 def peak_title(run):
     peak = run.figures["max_force_n"]
     return (
-        "no command was recorded"
+        "no command recorded"
         if peak is None
         else f"{number(peak, 'N')} at {run.figures['max_force_at_s']:.2f}\u00a0s"
     )
@@ -461,68 +455,63 @@ def peak_title(run):
 def depth_title(run):
     f = run.figures
     return (
-        f"the tool was {number(f['max_depth_mm'], 'mm')} deep at most"
+        f"depth at most {number(f['max_depth_mm'], 'mm')}"
         if f["contact_samples"] and (f["max_depth_mm"] or 0.0) > 0
-        else "the tool touched nothing"
+        else "no contact"
     )
 
 
 def latency_title(run):
     p50, overruns = run.counted("device", "latency_p50_us"), run.counted("device", "overruns")
     if p50 is None:
-        return "the device reported none"
+        return "not reported by the device"
     return (
-        f"half of the commands came within {number(p50, 'µs')};"
-        f" {number(overruns) if overruns else 'no'} periods were skipped"
+        f"median latency {number(p50, 'µs')};"
+        f" {number(overruns) if overruns else 'no'} periods skipped"
     )
 
 
 def energy_title(run):
     if not len(run.command):
-        return "no command was recorded"
+        return "no command recorded"
     if run.figures["max_energy_j"] is None:
-        return "none of its numbers is one"
+        return "no valid number"
     most, taken = run.figures["max_energy_j"], max(0.0, -run.figures["least_energy_j"])
-    text = f"the hand put in {number(1e3 * most, 'mJ')} at most in one contact, and "
+    text = f"the hand put in at most {number(1e3 * most, 'mJ')} in one contact and "
     return text + f"took out {number(1e3 * taken, 'mJ')} more at most"
 
 
 # What stands under each picture.
 CAPTIONS = {
     "force": (
-        "<b>Force of the contact</b> is what the voxels and shell points give at the scene's own"
-        " stiffness, in the world's axes; it is never displayed as it is. <b>Force returned</b>"
-        " is what"
-        " the coupling made of it for the hand, in the device's axes: capped to the stiffness that"
-        " is certified to be stable, filtered, so that it comes a little later, damped, and with"
-        " what effects add. So the two differ, and the first is usually the larger. A gap is a time"
-        " of which the bag holds nothing."
+        "<b>Force of the contact</b> is the contact force at the scene's stiffness, in world "
+        "axes; it is not displayed directly. <b>Force returned</b>"
+        " is the force on the hand in device axes, after the coupling: capped to the certified "
+        "stiffness, filtered (later) and damped, plus effects. It is usually smaller. A gap is a "
+        "time without recorded messages."
     ),
     "apart": (
-        "Here what touches is not where the hand is (a body, or a virtual tool): the contact acts"
-        " on it, and the hand feels its grip on the body or the spring between."
+        "The contact acts on a body or a virtual tool. The hand receives the grip's or the "
+        "spring's force."
     ),
-    "peak": "The second before and the second after it; every sample is drawn.",
+    "peak": "One second before and after the largest force; every sample is plotted.",
     "distribution": (
-        "Time spent at each size of the force returned; samples without force are left out. The"
-        " scale of time is logarithmic, so that short peaks are seen."
+        "Time at each magnitude of the force returned, without samples of zero force. The time "
+        "scale is logarithmic."
     ),
     "torque": "Torque about the tool's origin.",
     "depth": (
-        "Depth is of the deepest shell point, 0 where nothing touches. The gap is the reference's,"
-        " at the samples that the validator checked; in free air it leaves the plane above. Both"
-        " are positive upwards, so a gap below zero goes with a depth above it."
+        "Depth is that of the deepest shell point, 0 without contact. The gap is the validator's "
+        "reference at checked samples; a negative gap is an overlap."
     ),
     "latency": (
-        "The logger takes each sample and its command as they pass (largest and median of each"
-        " stretch); the time between the two is blurred by its own waking, and a long one may be"
-        " the logger's. The device's own figures are from its write of a sample to its command's"
-        " arrival, over the run so far. Red: periods that the device skipped in the tenth of a"
-        " second before."
+        "The logger's times from sample to command (largest and median of each interval) include "
+        "its own scheduling delay. The device's figures are from its write of a sample to its "
+        "command's arrival, over the run so far. Red: periods skipped in the last 0.1 s."
     ),
     "energy": (
-        "What the hand has put into this contact so far, net, by the coupling's passivity observer;"
-        " each contact begins anew; below zero the contact has given more than it took."
+        "Net energy of the hand into the current contact, from the coupling's passivity "
+        "observer. Each contact starts at zero; below zero the contact has generated energy."
     ),
 }
 
@@ -552,9 +541,9 @@ def picture_sections(runs, progress):
             CAPTIONS["apart"] if any(r.apart for r in runs) else "",
         )
     if any(len(run.command) > 2 * STRETCHES for run in runs):
-        picture("peak", "Sample by sample around the largest force", peak_title, 0.35)
+        picture("peak", "Samples around the largest force", peak_title, 0.35)
     if commands:
-        picture("distribution", "How long which force was displayed", force_title, 0.45)
+        picture("distribution", "Time at each force", force_title, 0.45)
     if any((r.torque != 0).any() for r in runs):
         picture(
             "torque",
@@ -571,20 +560,17 @@ def picture_sections(runs, progress):
         picture(
             "latency",
             "Latency and overruns",
-            lambda r: "none in lockstep" if r.lockstep else latency_title(r),
+            lambda r: "not measured in lockstep" if r.lockstep else latency_title(r),
             0.8,
-            "".join(
-                f"{esc(name)}: the device reported no latency, so its lines are missing. "
-                for name in untold
-            ),
+            "".join(f"{esc(name)}: no latency reported by the device. " for name in untold),
         )
     else:
         out.append(
             section(
                 "Latency and overruns",
                 (
-                    "<p>In lockstep time is simulated: there is no latency to measure, and no"
-                    " period to skip.</p>"
+                    "<p>In lockstep time is simulated: there is no latency and no skipped "
+                    "period.</p>"
                 ),
             )
         )
@@ -601,52 +587,50 @@ def page(runs, progress=lambda fraction: None):
     span = max(run.length_s for run in runs) / STRETCHES
     drawn_from = max(len(run.command) for run in runs)
     decimated = (
-        f"Curves are drawn in {STRETCHES} stretches of {1e3 * span:.2g} ms each, every one from its"
-        " smallest to its largest value, so that no peak is left out. "
+        f"Curves have {STRETCHES} intervals of {1e3 * span:.2g} ms each, plotted from smallest "
+        f"to largest value, so no peak is lost. "
         if drawn_from > 2 * STRETCHES
         else "Curves show every sample. "
     )
     summaries = columns(runs, lambda run: f"<p>{kind_of_run(run)}</p>{verdict(run)}{tiles(run)}")
     parts = [
         f"<header><h1>{esc(names_of_runs)}</h1>{summaries}"
-        + (f"<h3>What is to be known of the bag</h3>{listed(notes)}" if notes else "")
+        + (f"<h3>Notes on the recording</h3>{listed(notes)}" if notes else "")
         + "</header>"
     ]
     parts += picture_sections(runs, progress)
     parts.append(
         section(
-            "Faults and when they came",
+            "Faults",
             columns(runs, fault_rows),
             (
-                "<p class=quiet>Times are of the device's clock since the first sample. Samples of"
-                " one kind that lie closer than 50 ms are one row; the device's own counts come ten"
-                " times a second.</p>"
+                "<p class=quiet>Times are of the device's clock since the first sample. Samples "
+                "of one kind less than 50 ms apart are one row.</p>"
             ),
         )
     )
     parts.append(section("Limits of the run", columns(runs, limit_rows)))
     if any(run.bag.rows["rendering/changed"].times for run in runs):
-        parts.append(section("Changes while it ran", columns(runs, change_rows)))
-    parts.append(section("The coupling", columns(runs, design_words)))
-    parts.append(section("The scene as it was built", columns(runs, plan_words)))
-    parts.append(section("To run it again", columns(runs, repeat)))
+        parts.append(section("Changes during the run", columns(runs, change_rows)))
+    parts.append(section("Coupling", columns(runs, design_words)))
+    parts.append(section("Built scene", columns(runs, plan_words)))
+    parts.append(section("Repeat the run", columns(runs, repeat)))
     parts.append(
         section(
-            "Counted twice",
+            "Counts of recording and nodes",
             (
-                "<p>By this page, sample for sample, in what was recorded; and by the nodes, which"
-                " also count what no bag holds. Where they differ, something was not recorded, or"
-                " came too late to be used.</p>"
+                "<p>Counts from the recorded samples, and as reported by the nodes. A difference "
+                "means that messages were not recorded, or arrived too late.</p>"
             ),
             columns(runs, counted_rows),
         )
     )
     parts.append(section("Nodes", columns(runs, node_rows)))
     parts.append(
-        f"<p class=quiet>{decimated}A triangle at an edge marks a spike that would have squashed"
-        " the rest, with its size. Written by <code>voxtouch report</code> from"
-        f" {esc(', '.join(str(run.bag.path) for run in runs))}; this page loads nothing from"
-        " anywhere.</p>"
+        f"<p class=quiet>{decimated}A triangle at an edge marks a value beyond the plotted "
+        f"range. Written by <code>voxtouch report</code> from"
+        f" {esc(', '.join(str(run.bag.path) for run in runs))}; this page has no external "
+        f"files.</p>"
     )
     data = json.dumps([run.figures for run in runs]).replace("<", "\\u003c")
     return (

@@ -185,9 +185,9 @@ def force_picture(runs):
         return lambda run: dict(zip("xyz", getattr(run, of).T))
 
     rows = (
-        (sizes, "size of the force [N]", None, False),
-        (parts("returned"), "returned, axes of\nthe device [N]", "returned", True),
-        (parts("pushed"), "contact, axes of\nthe world [N]", "contact", True),
+        (sizes, "force magnitude [N]", None, False),
+        (parts("returned"), "returned, device\naxes [N]", "returned", True),
+        (parts("pushed"), "contact, world\naxes [N]", "contact", True),
     )
     for row, (values, label, which, below) in enumerate(rows):
         limit = robust_limit(*(v for run in runs for v in values(run).values()))
@@ -243,7 +243,7 @@ def peak_picture(runs):
         axis.set_xlim(begin, end)
         axis.set_ylim(0.0, limit)
         axis.set_xlabel("time on the device's clock [s]")
-    axes[0][0].set_ylabel("size of the force [N]")
+    axes[0][0].set_ylabel("force magnitude [N]")
     limits(runs, axes[0])
     legends(runs, axes[0])
     return figure
@@ -258,7 +258,7 @@ def torque_picture(runs):
 
     limit = robust_limit(*(v for run in runs for v in parts(run).values()))
     forces(runs, lambda run, key: run.t_command, parts, end, axes[0], limit, "Nm", True)
-    axes[0][0].set_ylabel("torque returned, axes\nof the device [Nm]")
+    axes[0][0].set_ylabel("torque returned,\ndevice axes [Nm]")
     legends(runs, axes[0])
     return figure
 
@@ -275,7 +275,7 @@ def distribution_picture(runs):
         beyond = int((force > limit).sum())
         if beyond:
             axis.annotate(
-                f"{beyond} samples lie beyond: up to {force.max():.3g} N",
+                f"{beyond} samples beyond: up to {force.max():.3g} N",
                 (0.99, 0.96),
                 xycoords="axes fraction",
                 ha="right",
@@ -285,7 +285,7 @@ def distribution_picture(runs):
             )
         if not len(force):
             axis.annotate(
-                "no force was returned",
+                "no force returned",
                 (0.5, 0.5),
                 xycoords="axes fraction",
                 ha="center",
@@ -301,7 +301,7 @@ def distribution_picture(runs):
             )
             top.set_xlabel("fraction of the device's limit [%]")
             top.spines["top"].set_visible(False)
-        axis.set_xlabel("size of the force returned to the hand [N]")
+        axis.set_xlabel("magnitude of the force returned to the hand [N]")
         axis.set_xlim(0.0, limit)
     if any(len(force) for force in returned):
         axes[0][0].set_yscale("log")
@@ -396,7 +396,11 @@ def latency_picture(runs):
                 largest = max(largest, max(r[1] for r in rows))
         if run.lockstep:
             axis.annotate(
-                "none in lockstep", (0.5, 0.5), xycoords="axes fraction", ha="center", color=QUIET
+                "not measured in " "lockstep",
+                (0.5, 0.5),
+                xycoords="axes fraction",
+                ha="center",
+                color=QUIET,
             )
         period_us = 1e6 / (run.description.get("rate_hz") or 1000.0)
         axis.axhline(period_us, color=QUIET, lw=1.2, ls="-.", label="one period")
@@ -406,11 +410,7 @@ def latency_picture(runs):
         )
         if not over:
             below.annotate(
-                (
-                    "no period was skipped"
-                    if run.device_figures
-                    else "the bag does not list skipped periods"
-                ),
+                ("no skipped period" if run.device_figures else "skipped periods are not recorded"),
                 (0.5, 0.4),
                 xycoords="axes fraction",
                 ha="center",

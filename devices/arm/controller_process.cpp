@@ -29,7 +29,7 @@ constexpr int kExecFailed = 127;
 
 std::string words(int status) {
   if (WIFSIGNALED(status))
-    return fmt::format("was ended by signal {}", WTERMSIG(status));
+    return fmt::format("ended by signal {}", WTERMSIG(status));
   return fmt::format("ended with status {}", WEXITSTATUS(status));
 }
 
@@ -56,8 +56,8 @@ std::string words(int status) {
 ControllerProcess::File::File(const char* name, std::string_view device)
     : number(memfd_create(name, MFD_CLOEXEC)) {
   if (number < 0)
-    throw devices::DeviceOpenError(fmt::format("device '{}': no file in memory could be made ({})",
-                                               device, std::strerror(errno)));
+    throw devices::DeviceOpenError(
+        fmt::format("device '{}': cannot create a memory file ({})", device, std::strerror(errno)));
 }
 
 ControllerProcess::File::~File() { close(number); }
@@ -69,12 +69,12 @@ ControllerProcess::ControllerProcess(std::string_view device, const std::string&
       hand_("voxtouch_hand", device),
       log_("voxtouch_controller_log", device) {
   if (pwrite(hand_.number, hand.data(), hand.size(), 0) != static_cast<ssize_t>(hand.size()))
-    refuse(fmt::format(": the hand could not be written ({})", std::strerror(errno)));
+    refuse(fmt::format(": cannot write the hand ({})", std::strerror(errno)));
   const std::string program = (program_folder() / name).string();
   if (access(program.c_str(), X_OK) != 0)
     refuse(
-        fmt::format(": the simulated controller {} cannot be run ({}); build the target {}, and "
-                    "keep it next to this program",
+        fmt::format(": cannot run the simulated controller {} ({}). Build the target {} and keep "
+                    "it in this program's folder",
                     program, std::strerror(errno), name));
   start(program, arguments);
   try {
@@ -103,7 +103,7 @@ void ControllerProcess::start(const std::string& program,
   if (pid_ == 0)
     become(argv.data(), parent, hand_.number, log_.number);
   if (pid_ < 0)
-    refuse(fmt::format(": {} could not be started ({})", program, std::strerror(errno)));
+    refuse(fmt::format(": cannot start {} ({})", program, std::strerror(errno)));
 }
 
 void ControllerProcess::wait_until_ready() {
@@ -113,8 +113,8 @@ void ControllerProcess::wait_until_ready() {
       refuse(fmt::format(" cannot be opened: its simulated controller {}: {}", how, said()));
     if (Clock::now() > give_up)
       refuse(
-          " cannot be opened: its simulated controller did not get ready; is the machine very "
-          "busy?");
+          " cannot be opened: its simulated controller was not ready in time; check the machine's "
+          "load");
     std::this_thread::sleep_for(2ms);
   }
 }

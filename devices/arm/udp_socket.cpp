@@ -47,14 +47,13 @@ std::chrono::nanoseconds age_of(msghdr& message) noexcept {
 std::string advice(int error, std::uint16_t port) {
   if (error == EADDRINUSE)
     return fmt::format(
-        "another program has the port: end it, or give another port here and on the controller "
-        "(who has it: 'ss -ulnp "
-        "sport = {}')",
+        "the port is in use: end that program ('ss -ulnp sport = {}'), or use another port here "
+        "and on the controller",
         port);
   if (error == EADDRNOTAVAIL)
-    return "no network interface of this machine has the address: see 'ip address'";
+    return "no network interface of this machine has this address: see 'ip address'";
   if (error == EACCES)
-    return "ports under 1024 need rights that this process has not: use another";
+    return "ports below 1024 need privileges: use another port";
   return "check the address and the network";
 }
 
@@ -77,11 +76,11 @@ UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
   const auto host = parse_ipv4(address);
   if (!host)
     throw devices::DeviceOpenError(
-        fmt::format("'{}' is no IPv4 address like 192.168.0.10", address));
+        fmt::format("'{}' is not an IPv4 address, such as 192.168.0.10", address));
   file_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (file_ < 0)
     throw devices::DeviceOpenError(
-        fmt::format("the system gives no UDP socket: {}", std::strerror(errno)));
+        fmt::format("cannot create a UDP socket: {}", std::strerror(errno)));
   const int on = 1;
   setsockopt(file_, SOL_SOCKET, SO_TIMESTAMPNS, &on,
              sizeof on);  // without it a packet's age is unknown, and taken as zero

@@ -30,7 +30,7 @@ Fr3Options hardware_options(const devices::DeviceOptions& options) {
   Fr3Options o = driver_options(settings);
   o.address = settings.text("address").value_or(o.address);
   if (!arm::parse_ipv4(o.address))
-    settings.refuse("address", o.address, "the robot's IPv4 address, like 172.16.0.2");
+    settings.refuse("address", o.address, "the robot's IPv4 address, such as 172.16.0.2");
   o.port = static_cast<std::uint16_t>(settings.whole("port", 1, 65535).value_or(o.port));
   o.connect_timeout_s =
       settings.number("connect_timeout_s", 0.0, 3600.0).value_or(o.connect_timeout_s);
@@ -57,7 +57,7 @@ Fr3Options at_port(Fr3Options driver, const std::string& said) {
   const auto port = parse_number<std::uint16_t>(rest.substr(0, rest.find(',')));
   if (!port)
     throw devices::DeviceOpenError(
-        "device 'emulated-fr3': its simulated controller did not say where it listens: " + said);
+        "device 'emulated-fr3': its simulated controller printed no address: " + said);
   driver.port = *port;
   return driver;
 }

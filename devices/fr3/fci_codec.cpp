@@ -272,30 +272,30 @@ std::string_view sentence_of(Outcome outcome) noexcept {
     case kStarted:
       return "the motion has begun";
     case kWrongVersion:
-      return "the robot speaks another version";
+      return "the robot has a different FCI version";
     case kPreempted:
-      return "another command ended the motion";
+      return "the motion was ended by another command";
     case kSafetyFunction:
-      return "a safety function is active: the robot's web page names it, release it there";
+      return "a safety function is active: release it on the robot's web page";
     case kNotPossible:
       return "not possible in this mode: unlock the joints and activate FCI on the robot's web "
              "page";
     case kSingularStart:
-      return "the arm stands at a singular pose: bend its elbow by hand";
+      return "the arm is at a singular pose: bend its elbow by hand";
     case kInvalidArgument:
       return "a value was refused";
     case kReflex:
-      return "a reflex ended the motion";
+      return "the motion was ended by a reflex";
     case kEmergency:
       return "the user stop is pressed";
     case kInputError:
-      return "the robot refused what it was sent";
+      return "the robot refused the command";
     case kAborted:
       return "the robot ended the motion";
     case kManualRecovery:
-      return "a person has to recover the arm on the robot's web page";
+      return "recover the arm manually on the robot's web page";
     case kUnknown:
-      return "an answer without a meaning";
+      return "an unknown reply";
   }
   return "unknown";
 }

@@ -26,7 +26,7 @@ bool wait_for(int file, short what, int milliseconds) noexcept {
 
 std::string advice(int error, const std::string& address) {
   if (error == ECONNREFUSED)
-    return "it is there but does not listen: activate FCI on its web page (https://" + address +
+    return "connection refused: activate FCI on its web page (https://" + address +
            "), with the joints unlocked";
   if (error == ETIMEDOUT || error == EHOSTUNREACH || error == ENETUNREACH)
     return "check the option 'address', the cable, this machine's address in the robot's network, "
@@ -42,12 +42,12 @@ FciLink::FciLink(const std::string& address, std::uint16_t port, double timeout_
   const auto host = arm::parse_ipv4(address);
   if (!host)
     throw devices::DeviceOpenError(
-        fmt::format("device 'fr3': '{}' is no IPv4 address like 172.16.0.2", address));
+        fmt::format("device 'fr3': '{}' is not an IPv4 address, such as 172.16.0.2", address));
   robot_ = {*host, port};
   file_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (file_ < 0)
     throw devices::DeviceOpenError(
-        fmt::format("device 'fr3': the system gives no TCP socket: {}", std::strerror(errno)));
+        fmt::format("device 'fr3': cannot create a TCP socket: {}", std::strerror(errno)));
   const int on = 1;
   setsockopt(file_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   setsockopt(file_, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
@@ -66,7 +66,7 @@ FciLink::FciLink(const std::string& address, std::uint16_t port, double timeout_
       error = ETIMEDOUT;
     if (cancelled && cancelled->load()) {
       close(file_);
-      throw devices::DeviceOpenError("device 'fr3': waiting for the robot was cancelled");
+      throw devices::DeviceOpenError("device 'fr3': cancelled while waiting for the robot");
     }
   }
   if (error == 0)

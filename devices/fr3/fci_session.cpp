@@ -7,38 +7,36 @@ namespace voxtouch::fr3::fci {
 std::string_view sentence_of(Diagnostic diagnostic) noexcept {
   switch (diagnostic) {
     case Diagnostic::kNone:
-      return "nothing is wrong";
+      return "no error";
     case Diagnostic::kStarting:
-      return "no force yet, waiting for the robot to begin torque control";
+      return "no force: waiting for the robot's torque control";
     case Diagnostic::kRecovering:
-      return "no force, the robot recovers from an error";
+      return "no force: the robot recovers from an error";
     case Diagnostic::kLostPackets:
-      return "no force, the robot missed 20 commands in a row: a network card of its own, a "
-             "real-time kernel, no power saving; "
-             "asked again by itself";
+      return "no force: the robot missed 20 consecutive commands. Use a separate network card and "
+             "a real-time kernel. Retrying";
     case Diagnostic::kTorqueJump:
-      return "no force, the robot saw torques jump, as lost commands make them: look at the "
-             "network; asked again by itself";
+      return "no force: the robot detected a torque discontinuity (lost commands). Check the "
+             "network. Retrying";
     case Diagnostic::kReflex:
-      return "no force, a reflex stopped the arm: lead it away from what it met, look at the "
-             "robot's web page, and start anew";
+      return "no force: a reflex stopped the arm. Guide it away from the obstacle, check the "
+             "robot's web page and restart";
     case Diagnostic::kUserStop:
-      return "no force, the user stop is pressed: release it when the arm is free";
+      return "no force: the user stop is pressed. Release it when the arm is free";
     case Diagnostic::kGuiding:
-      return "no force, the arm is being guided by its buttons: let go of them";
+      return "no force: the guiding buttons are pressed. Release them";
     case Diagnostic::kNotReady:
-      return "no force, the robot is not ready: unlock its joints and activate FCI on its web "
+      return "no force: the robot is not ready. Unlock its joints and activate FCI on its web "
              "page, and end other programs there";
     case Diagnostic::kRefused:
-      return "no force, the robot refused torque control";
+      return "no force: the robot refused torque control";
     case Diagnostic::kEnded:
-      return "no force, the robot ended torque control by itself: its web page says why; asked "
-             "again by itself";
+      return "no force: the robot ended torque control (reason on its web page). Retrying";
     case Diagnostic::kTooOften:
-      return "no force, torque control ended too often: see to the network and to the robot's web "
-             "page, and start anew";
+      return "no force: torque control ended too often. Check the network and the robot's web "
+             "page, then restart";
     case Diagnostic::kFast:
-      return "no force, a joint is too fast: hold the arm";
+      return "no force: a joint exceeds its speed limit. Hold the arm";
   }
   return "unknown";
 }

@@ -31,8 +31,8 @@ std::chrono::nanoseconds seconds(double s) {
 std::string_view version_remedy(std::uint16_t theirs) {
   if (theirs < fci::kOldestVersion)
     return "update the robot's system image (version 3 comes with 3.0)";
-  return "no layout of it was public when this driver was written: take a newer voxtouch, or a "
-         "system image with version 10 (5.9)";
+  return "this version is not supported: use a newer voxtouch, or a system image with version 10 "
+         "(5.9)";
 }
 
 }  // namespace
@@ -72,9 +72,8 @@ Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
       refuse_other_client(options);
     if (!received && link->closed())
       refuse(
-          fmt::format("the robot at {} closed the connection at once: another program has it "
-                      "already, or FCI is not activated on "
-                      "its web page",
+          fmt::format("the robot at {} closed the connection: another program uses it, or FCI is "
+                      "not activated on its web page",
                       options.address));
     if (!received)
       refuse(fmt::format("the robot at {} did not answer within {} s: restart it from its web page",
@@ -90,9 +89,8 @@ Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
     }
     if (outcome == fci::Outcome::kUnknown)
       refuse_other_client(options);
-    refuse(
-        fmt::format("the robot at {} refused the version: its server speaks {}, this driver {}; {}",
-                    options.address, theirs, fci::spoken_versions(), version_remedy(theirs)));
+    refuse(fmt::format("the robot at {} refused the version: server {}, this driver {}; {}",
+                       options.address, theirs, fci::spoken_versions(), version_remedy(theirs)));
   }
 }
 
@@ -124,19 +122,19 @@ void Fr3Driver::first_state() {
   for (;;) {
     const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
     if (options_.cancelled && options_.cancelled->load())
-      refuse("waiting for the robot was cancelled");
+      refuse("cancelled while waiting for the robot");
     if (intake == Intake::kNew)
       break;
     if (intake == Intake::kNothing && Clock::now() >= deadline)
-      refuse(counts_.malformed > 0
-                 ? fmt::format("what came from {} is no state of version {}: {} datagrams of "
-                               "another length than {} bytes",
-                               options_.address, dialect_->version, counts_.malformed,
-                               dialect_->state_size)
-                 : fmt::format(
-                       "within {} s no state came from {} to UDP {}: check this machine's firewall",
-                       options_.connect_timeout_s, options_.address,
-                       arm::text_of(socket_->local())));
+      refuse(
+          counts_.malformed > 0
+              ? fmt::format("no valid state from {} (version {}): {} datagrams with a length other "
+                            "than {} bytes",
+                            options_.address, dialect_->version, counts_.malformed,
+                            dialect_->state_size)
+              : fmt::format("no state within {} s from {} on UDP {}: check this machine's firewall",
+                            options_.connect_timeout_s, options_.address,
+                            arm::text_of(socket_->local())));
   }
   started_ = true;
   first_id_ = state_.message_id;
@@ -154,10 +152,9 @@ void Fr3Driver::compare_geometry() const {
   const Vec3 ours = posture_.flange.position + posture_.flange.orientation * state_.ee_in_flange;
   const double apart = (ours - state_.ee_in_base).norm();
   if (!(apart < kOtherGeometryM))
-    refuse(
-        fmt::format("the arm is another than an FR3 or a Panda: its end effector is {:.0f} mm from "
-                    "where their geometry has it",
-                    1e3 * apart));
+    refuse(fmt::format(
+        "the arm is not an FR3 or a Panda: its end effector is {:.0f} mm off their geometry",
+        1e3 * apart));
 }
 
 /// Virtual time stands still meanwhile, so all until torque control fits in here.
@@ -168,7 +165,7 @@ void Fr3Driver::start_in_virtual_time() {
       refuse(fmt::format("the robot in virtual time did not start: {}", last_error()));
     reply_without_force();
     if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
-      refuse(fmt::format("the robot in virtual time at {} went silent during the start",
+      refuse(fmt::format("the robot in virtual time at {} stopped replying during the start",
                          options_.address));
     accept();
   }
@@ -235,22 +232,20 @@ void Fr3Driver::note() noexcept {
 std::string Fr3Driver::last_error() const {
   if (noted_closed_.load(std::memory_order_relaxed))
     return fmt::format(
-        "no force, the robot at {} has closed the connection: it was switched off, FCI was "
-        "deactivated, or its web page "
-        "was given control; start anew",
+        "no force: the robot at {} closed the connection (switched off, FCI deactivated, or web "
+        "page in control). Restart",
         options_.address);
   if (silent_.load(std::memory_order_relaxed)) {
     const auto silence = Clock::now() - received_.load(std::memory_order_relaxed);
-    return fmt::format(
-        "nothing has come from the robot at {} for {:.1f} s: is it on, is the cable plugged in?",
-        options_.address, std::chrono::duration<double>(silence).count());
+    return fmt::format("no message from the robot at {} for {:.1f} s. Check power and cable",
+                       options_.address, std::chrono::duration<double>(silence).count());
   }
   const fci::Diagnostic diagnostic = noted_diagnostic_.load(std::memory_order_relaxed);
   if (diagnostic == fci::Diagnostic::kNone)
     return noted_usable_.load(std::memory_order_relaxed)
                ? std::string()
-               : "no force, the robot's state is not to be trusted: it holds numbers that are none "
-                 "or cannot be; look at its web page";
+               : "no force: the robot's state has NaN, infinity or impossible values. Check its "
+                 "web page";
   std::string text(fci::sentence_of(diagnostic));
   if (diagnostic == fci::Diagnostic::kReflex)
     text += fmt::format(" [{}]", fci::words_of(noted_errors_.load(std::memory_order_relaxed)));

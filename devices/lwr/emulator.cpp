@@ -38,7 +38,7 @@ LwrOptions hardware_options(const devices::DeviceOptions& options) {
   o.port = static_cast<std::uint16_t>(settings.whole("port", 1, 65535).value_or(o.port));
   o.controller = settings.text("controller").value_or("");
   if (!o.controller.empty() && !parse_ipv4(o.controller))
-    settings.refuse("controller", o.controller, "an IPv4 address like 192.168.0.20, or empty");
+    settings.refuse("controller", o.controller, "an IPv4 address, such as 192.168.0.20, or empty");
   o.connect_timeout_s =
       settings.number("connect_timeout_s", 0.0, 3600.0).value_or(o.connect_timeout_s);
   o.cancelled = options.cancelled;

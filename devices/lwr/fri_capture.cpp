@@ -89,7 +89,7 @@ void FriCapture::write(const std::string& path) const {
   file.flush();
   if (!file)
     throw std::runtime_error(fmt::format(
-        "cannot write the capture '{}': check the folder and the space on the disk", path));
+        "cannot write the capture '{}': check the folder and the free disk space", path));
 }
 
 }  // namespace voxtouch::lwr::fri

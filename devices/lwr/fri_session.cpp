@@ -21,41 +21,36 @@ std::string_view sentence_of(Diagnostic diagnostic) noexcept {
     case Diagnostic::kNone:
       return "in command mode";
     case Diagnostic::kQualityTooLowToStart:
-      return "the connection's quality is too low to start: give it some seconds; if it stays, "
-             "free this machine and "
-             "the cable of other load, or open the interface with a longer period (friOpen)";
+      return "the connection quality is too low to start. Reduce other load of machine and "
+             "network, or use a longer period (friOpen)";
     case Diagnostic::kDrivesNotOn:
-      return "the drives are off: switch them on, and start the KRL program";
+      return "the drives are off: switch them on and start the KRL program";
     case Diagnostic::kDrivesWentOff:
-      return "the drives went off (emergency stop, enabling switch, or a stop by the controller): "
-             "acknowledge on the "
-             "panel, switch them on, start again";
+      return "the drives went off (emergency stop, enabling switch or controller stop): "
+             "acknowledge on the panel, switch them on, restart";
     case Diagnostic::kDriveError:
       return "a drive reports an error: read and acknowledge it on the controller's panel";
     case Diagnostic::kProgramStillRuns:
-      return "the KRL program has not yet followed the request to stop ($FRI_FRM_INT[2] = 0): is "
-             "it running?";
+      return "the KRL program has not followed the stop request ($FRI_FRM_INT[2] = 0). Check that "
+             "it runs";
     case Diagnostic::kStarting:
-      return "waiting for the KRL program to call friStart";
+      return "waiting for friStart of the KRL program";
     case Diagnostic::kStartTimedOut:
-      return "the controller did not enter command mode in time: does the KRL program run, in a "
-             "mode that moves the "
-             "arm, and answer $FRI_FRM_INT[2] = 1 with friStart?";
+      return "the controller did not enter command mode in time. Check that the KRL program runs "
+             "and calls friStart at $FRI_FRM_INT[2] = 1";
     case Diagnostic::kDroppedOut:
-      return "the controller left command mode by itself (late answers, or a limit): see its "
-             "panel; it is asked again "
+      return "the controller left command mode (late replies, or a limit; see its panel). Retrying "
              "after a pause";
     case Diagnostic::kTooManyDrops:
       return "the controller left command mode too often: see the messages on its panel, then "
-             "start again";
+             "restart";
     case Diagnostic::kQualityDropped:
-      return "the connection's quality dropped in command mode: force is off until it is back";
+      return "the connection quality dropped in command mode: force is off until it recovers";
     case Diagnostic::kWrongControlMode:
-      return "the controller runs another control mode than the one asked for in $FRI_FRM_INT[1]: "
-             "check that the KRL "
+      return "the controller's control mode differs from $FRI_FRM_INT[1]: check that the KRL "
              "program sets $stiffness.strategy from it";
     case Diagnostic::kTooFast:
-      return "a joint is over its speed limit: force is off until it is slower";
+      return "a joint exceeds its speed limit: force is off until it is slower";
     case Diagnostic::kClosed:
       return "the controller closed the interface (friClose)";
     case Diagnostic::kStopping:

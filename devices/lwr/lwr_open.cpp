@@ -70,7 +70,7 @@ void LwrDriver::connect() {
   for (bool good = false; !good;) {
     const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
     if (options_.cancelled && options_.cancelled->load())
-      throw devices::DeviceOpenError("device 'lwr': waiting for its controller was cancelled");
+      throw devices::DeviceOpenError("device 'lwr': cancelled while waiting for its controller");
     if (intake == Intake::kNothing && Clock::now() >= deadline)
       throw devices::DeviceOpenError(nothing_came());
     good = intake == Intake::kNew &&
@@ -79,10 +79,9 @@ void LwrDriver::connect() {
   steps_ = 0;
   const double period_s = msr_.interface.msr_period_s;
   if (!(period_s > 0.5e-3 && period_s < 0.11))
-    throw devices::DeviceOpenError(
-        fmt::format("device 'lwr': the controller at {} announces a period of {} s, but friOpen "
-                    "knows 1 to 100 ms",
-                    text_of(controller_), period_s));
+    throw devices::DeviceOpenError(fmt::format(
+        "device 'lwr': the controller at {} announces a period of {} s, valid: 1 to 100 ms",
+        text_of(controller_), period_s));
   period_ns_ =
       std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is a little off
   virtual_time_ = msr_.krl.integer[fri::kToIntSimulated] == fri::kVirtualTime;
@@ -98,32 +97,25 @@ void LwrDriver::connect() {
 }
 
 std::string LwrDriver::nothing_came() const {
-  const std::string where =
-      fmt::format("device 'lwr': within {} s no FRI measurement came to UDP {}",
-                  options_.connect_timeout_s, text_of(socket_->local()));
+  const std::string where = fmt::format("device 'lwr': no FRI measurement within {} s on UDP {}",
+                                        options_.connect_timeout_s, text_of(socket_->local()));
   if (counts_.untrusted)
-    return fmt::format(
-        "{} that can be mirrored: its numbers are not finite, or its state is undefined ({} from "
-        "{})",
-        where, name_of(last_fault_), text_of(last_bad_from_));
+    return fmt::format("{} with valid numbers and state ({} from {})", where, name_of(last_fault_),
+                       text_of(last_bad_from_));
   if (sequence_.counts().accepted > counts_.untrusted)
-    return fmt::format(
-        "{} of an open interface, only of one that is closed: call friOpen on the controller",
-        where);
+    return fmt::format("{} of an open interface: call friOpen on the controller", where);
   if (counts_.malformed)
     return fmt::format(
-        "{}: what came is none ({} bytes from {}, wrong {}; FRI 1.0 has {} bytes); is it another "
-        "controller or FRI "
-        "version?",
+        "{}: {} bytes from {} with wrong {} (FRI 1.0 has {} bytes). Check controller and FRI "
+        "version",
         where, last_bad_size_, text_of(last_bad_from_), name_of(last_fault_), fri::kMsrSize);
   if (counts_.foreign)
     return fmt::format(
         "{} from {}, but {} datagrams from other addresses: check the option 'controller'", where,
         options_.controller, counts_.foreign);
   return fmt::format(
-      "{}: check on the controller that the KRL program runs and has called friOpen, that friSetup "
-      "names this "
-      "machine's address and port {}, and check the cable, the network interface and the firewall",
+      "{}. Check that the KRL program has called friOpen, that friSetup has this machine's address "
+      "and port {}, and check cable and firewall",
       where, socket_->local().port);
 }
 
@@ -139,7 +131,7 @@ void LwrDriver::start_in_virtual_time() {
     reply_without_force();
     if (wait_and_take(Clock::now() + seconds(options_.virtual_timeout_s)) != Intake::kNew)
       throw devices::DeviceOpenError(fmt::format(
-          "device 'lwr': the controller in virtual time at {} went silent during the start",
+          "device 'lwr': the controller in virtual time at {} stopped replying during the start",
           text_of(controller_)));
     accept();
   }
@@ -204,9 +196,8 @@ std::string LwrDriver::last_error() const {
   if (silent_.load(std::memory_order_relaxed)) {
     const auto silence = Clock::now() - received_.load(std::memory_order_relaxed);
     return fmt::format(
-        "nothing has come from the controller to UDP {} for {:.1f} s: is it on, is the cable "
-        "plugged in, does the KRL "
-        "program run?",
+        "no message from the controller on UDP {} for {:.1f} s. Check power, cable and the KRL "
+        "program",
         text_of(socket_->local()), std::chrono::duration<double>(silence).count());
   }
   const Noted noted = noted_.load(std::memory_order_relaxed);
@@ -214,9 +205,8 @@ std::string LwrDriver::last_error() const {
     return sentence_for(noted);
   if (noted.usable)
     return {};
-  return "no force, the controller's measurement is not to be trusted: it holds numbers that are "
-         "none or cannot be; "
-         "look at its messages and the arm's sensors";
+  return "no force: the controller's measurement has NaN, infinity or impossible values. Check its "
+         "messages and the arm's sensors";
 }
 
 }  // namespace voxtouch::lwr

@@ -46,10 +46,9 @@ constexpr std::array kGrips{
 
 double checked_step(double step_s, double bandwidth_hz) {
   if (!(step_s > 0.0 && step_s <= 0.01))
-    throw std::runtime_error("simulated hand: the step has to be in (0, 0.01] s");
+    throw std::runtime_error("simulated hand: the step must be in (0, 0.01] s");
   if (!(bandwidth_hz > 0.0))
-    throw std::runtime_error(
-        "simulated hand: the bandwidth has to be over 0 Hz (infinity for none)");
+    throw std::runtime_error("simulated hand: the bandwidth must be > 0 Hz (infinity: unlimited)");
   return step_s;
 }
 
@@ -63,27 +62,26 @@ const sim::OperatorConfig& checked_grip(const sim::OperatorConfig& grip) {
 Motion checked_motion(Motion motion) {
   const auto finite = [](const Vec3& point) { return point.allFinite(); };
   if (motion.path.empty() || !std::all_of(motion.path.begin(), motion.path.end(), finite))
-    throw std::runtime_error(
-        "simulated hand: the motion needs at least one way point, and all of them finite");
+    throw std::runtime_error("simulated hand: the motion needs at least one way point, all finite");
   if (!(motion.speed_m_per_s > 0.0 && std::isfinite(motion.speed_m_per_s)))
-    throw std::runtime_error("simulated hand: the motion's speed has to be over 0 and finite");
+    throw std::runtime_error("simulated hand: the motion's speed must be > 0 and finite");
   if (!(motion.hold_s >= 0.0 && std::isfinite(motion.hold_s)))
-    throw std::runtime_error("simulated hand: the motion's hold has to be 0 or more and finite");
+    throw std::runtime_error("simulated hand: the motion's hold must be >= 0 and finite");
   if (motion.repeat_from && *motion.repeat_from >= motion.path.size())
     throw std::runtime_error(
-        "simulated hand: the motion repeats from a way point that it has not got");
+        "simulated hand: the motion repeats from a way point that does not exist");
   if (motion.circle_centre &&
       !(motion.circle_centre->allFinite() && std::abs(motion.circle_axis.norm() - 1.0) < 1e-6))
     throw std::runtime_error(
-        "simulated hand: the motion's circle needs a finite centre and an axis of length 1");
+        "simulated hand: the motion's circle needs a finite centre and an axis of norm 1");
   if (const MotionTurn& t = motion.turn;
       !(std::isfinite(t.angle_rad) && std::isfinite(t.from_s) && t.to_s > t.from_s &&
         std::abs(t.axis.norm() - 1.0) < 1e-6))
     throw std::runtime_error(
-        "simulated hand: the motion's turn needs a finite angle, an end after its begin and an "
-        "axis of length 1");
+        "simulated hand: the motion's rotation needs a finite angle, an end after its start and an "
+        "axis of norm 1");
   if (!normalise_within(motion.orientation, 1e-3, 1e3))
-    throw std::runtime_error("simulated hand: the motion's orientation is no rotation");
+    throw std::runtime_error("simulated hand: the motion's orientation is not a rotation");
   return motion;
 }
 

@@ -63,7 +63,7 @@ class Reader {
   void read(const YAML::Node& node, bool& value) const {
     value = node.Scalar() == "true";
     if (!value && node.Scalar() != "false")
-      refuse(node.Mark(), fmt::format("'{}' is neither true nor false", node.Scalar()));
+      refuse(node.Mark(), fmt::format("'{}' is not true or false", node.Scalar()));
   }
   template <Number T>
   void read(const YAML::Node& node, T& value) const {
@@ -81,7 +81,7 @@ class Reader {
   template <class T>
   void read(const YAML::Node& node, std::vector<T>& values) const {
     if (!node.IsSequence())
-      refuse(node.Mark(), "expected a list");
+      refuse(node.Mark(), "this must be a list");
     for (const YAML::Node& item : node)
       read(item, values.emplace_back());
   }
@@ -91,13 +91,13 @@ class Reader {
     read_numbers(node, wxyz, 4);
     value = Quat(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
     if (!(std::abs(value.norm() - 1.0) < 1e-6))
-      refuse(node.Mark(), "the quaternion's length is not 1");
+      refuse(node.Mark(), "an orientation must have norm 1");
   }
 
  private:
   void read_numbers(const YAML::Node& node, double* values, std::size_t count) const {
     if (!node.IsSequence() || node.size() != count)
-      refuse(node.Mark(), fmt::format("expected {} numbers", count));
+      refuse(node.Mark(), fmt::format("this must be {} numbers", count));
     for (std::size_t i = 0; i < count; ++i)
       read(node[i], values[i]);
   }
@@ -148,8 +148,8 @@ HandFile parse_hand(std::string_view text, std::string_view name) {
     // Behind a map in braces, or a mark between documents, anything could follow unread.
     if (!root.IsMap() || root.Style() == YAML::EmitterStyle::Flow ||
         text.find("\n---") != text.npos || text.find("\n...") != text.npos)
-      throw std::runtime_error(
-          fmt::format("{}: a hand file is one map with one key per line", name));
+      throw std::runtime_error(fmt::format(
+          "{}: a hand file is one map with one key a line (path_m ... tremor_bandwidth_hz)", name));
     for (const auto& entry : root) {
       const std::string& key = entry.first.Scalar();
       if (!places.emplace(key, entry.first.Mark()).second)
@@ -183,7 +183,7 @@ HandFile read_hand(const std::filesystem::path& path) {
   text << in.rdbuf();
   if (!in)
     throw std::runtime_error(
-        fmt::format("'{}' cannot be read: check its name and rights", path.string()));
+        fmt::format("cannot read '{}': check its name and permissions", path.string()));
   return parse_hand(text.str(), path.string());
 }
 

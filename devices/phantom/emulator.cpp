@@ -125,8 +125,8 @@ const HdSimHooks& hooks_of(const HdLibrary& library) {
   if (library.hooks().complete())
     return library.hooks();
   throw devices::DeviceOpenError(
-      fmt::format("device '{}': {} is no simulated library (it has no hdsim_ functions); leave out "
-                  "the option library, or open 'phantom'",
+      fmt::format("device '{}': {} is not a simulated library (no hdsim_ functions). Remove option "
+                  "library, or open 'phantom'",
                   kWire, library.name()));
 }
 

@@ -43,7 +43,7 @@ std::string HdLibrary::open(const std::string& file) {
   const std::string_view missing =
       hd::resolve_api(api_, [library](const char* function) { return dlsym(library, function); });
   if (!missing.empty())
-    return fmt::format("{} has no function {}: it is no HDAPI library", file, missing);
+    return fmt::format("{} has no function {}: it is not an HDAPI library", file, missing);
   hooks_ = find_hooks(library);
   name_ = file;
   return {};
@@ -58,7 +58,7 @@ const HdLibrary& HdLibrary::load(const std::string& path) {
     if (path.empty() || path == loaded->name_)
       return *loaded;
     throw devices::DeviceOpenError(
-        fmt::format("device 'phantom': this process has loaded {} and cannot change to {}; start "
+        fmt::format("device 'phantom': this process has loaded {} and cannot switch to {}. Start "
                     "another process",
                     loaded->name_, path));
   }
@@ -70,11 +70,10 @@ const HdLibrary& HdLibrary::load(const std::string& path) {
       return *(loaded = new HdLibrary(std::move(candidate)));
     reasons.push_back(reason);
   }
-  throw devices::DeviceOpenError(fmt::format(
-      "device 'phantom': the vendor's library cannot be loaded ({}). Install OpenHaptics and the "
-      "device's "
-      "driver, or set the option library to the file; the simulated one is libHD_sim.so",
-      fmt::join(reasons, "; ")));
+  throw devices::DeviceOpenError(
+      fmt::format("device 'phantom': cannot load the vendor's library ({}). Install OpenHaptics "
+                  "and the device's driver, or set option library (simulated: libHD_sim.so)",
+                  fmt::join(reasons, "; ")));
 }
 
 }  // namespace voxtouch::phantom

@@ -46,9 +46,8 @@ hd::HDenum style_of(int bits) noexcept {  // the last that is supported wins, in
 HdSession::Claim::Claim(const hd::Api& functions) : api(functions) {
   if (g_in_use.exchange(true))
     throw devices::DeviceOpenError(
-        "device 'phantom': a Phantom is open in this process already, and its servo loop serves "
-        "one; close it first, "
-        "or start another process");
+        "device 'phantom': a Phantom is already open in this process, limit 1. Close it, or start "
+        "another process");
 }
 
 HdSession::Claim::~Claim() {
@@ -97,9 +96,8 @@ void HdSession::initiate() {
     if (initiate(name, tried))
       return;
   throw devices::DeviceOpenError(
-      fmt::format("device 'phantom': no device could be initiated ({}). Is it plugged in and "
-                  "switched on, set up with "
-                  "the vendor's tool under that name, and may this user read and write its port?",
+      fmt::format("device 'phantom': cannot initialise a device ({}). Check power, cable, its name "
+                  "in the vendor's tool, and the permissions of its port",
                   tried));
 }
 
@@ -115,14 +113,13 @@ bool HdSession::initiate(const char* name, std::string& tried) {
     api_.hdDisableDevice(device);
   take_errors(api_);
   if (code == hd::kDeviceAlreadyInitiated)
-    throw devices::DeviceOpenError(
-        fmt::format("device 'phantom': error {}: it is in use; end what else holds the device, and "
-                    "open it again",
-                    error_text(api_, code)));
+    throw devices::DeviceOpenError(fmt::format(
+        "device 'phantom': error {}: it is in use. End the other program and open it again",
+        error_text(api_, code)));
   if (code == hd::kInvalidLicense)
     throw devices::DeviceOpenError(
         fmt::format("device 'phantom': error {}: install the licence file of OpenHaptics, or set "
-                    "OH_SDK_LICENSE_PATH to it",
+                    "OH_SDK_LICENSE_PATH",
                     error_text(api_, code)));
   tried += fmt::format("{}{}: {}", tried.empty() ? "" : "; ", name != nullptr ? name : "no name",
                        code != hd::kSuccess ? error_text(api_, code) : "no handle");
@@ -181,7 +178,7 @@ void HdSession::start(hd::HDSchedulerCallback callback, void* data) {
     const double mm_per_s = *options_.max_speed_m_per_s / kMilli;
     api_.hdSetDoublev(hd::kSoftwareVelocityLimit, &mm_per_s);
     api_.hdEnable(hd::kSoftwareVelocityLimit);
-    must("setting the limit of speed");
+    must("setting the speed limit");
   }
   if (!needs_servo)
     enable_forces();
@@ -216,9 +213,8 @@ void HdSession::calibrate_encoders() {
   must("setting the encoders to zero");
   if (api_.hdCheckCalibration() != hd::kCalibrationOk)
     throw devices::DeviceOpenError(
-        "device 'phantom': it is not calibrated after its encoders were set to zero; hold all "
-        "links at right angles "
-        "and open it again");
+        "device 'phantom': not calibrated after setting the encoders to zero. Hold all links at "
+        "right angles and open it again");
   must("checking the calibration");
 }
 
@@ -235,10 +231,10 @@ void HdSession::calibrate_running(hd::HDenum style) {
     }
     if (waited_s >= options_.calibration_timeout_s)
       throw devices::DeviceOpenError(
-          fmt::format("device 'phantom': it was not calibrated within {} s; {}, and open it again",
+          fmt::format("device 'phantom': not calibrated within {} s; {}, and open it again",
                       options_.calibration_timeout_s,
                       style == hd::kCalibrationInkwell ? "put the stylus into its inkwell"
-                                                       : "move the arm about slowly"));
+                                                       : "move the arm slowly"));
     pause();
   }
 }

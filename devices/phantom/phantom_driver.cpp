@@ -44,13 +44,12 @@ PhantomDriver::~PhantomDriver() { stop(); }
 void PhantomDriver::wait_for_first_tick() {
   if (!servo_->take(sample_, Clock::now() + kFirstTick))
     throw devices::DeviceOpenError(
-        "device 'phantom': its servo loop started and does not tick; end other programs that use "
-        "the device, and look "
-        "at the cable and at the vendor's diagnostic tool");
+        "device 'phantom': its servo loop does not tick. End other programs that use the device, "
+        "and check cable and the vendor's diagnostic tool");
   if (const hd::HDerror fatal = servo_->errors().fatal(); fatal != hd::kSuccess)
-    throw devices::DeviceOpenError(fmt::format(
-        "device 'phantom': it failed in its first tick with error {}; look at cable and power",
-        error_text(library_.api(), fatal)));
+    throw devices::DeviceOpenError(
+        fmt::format("device 'phantom': error {} in its first tick. Check cable and power",
+                    error_text(library_.api(), fatal)));
 }
 
 std::optional<devices::DeviceError> PhantomDriver::ended() const noexcept {
@@ -152,22 +151,21 @@ std::string PhantomDriver::last_error() const {
   const HdErrorLog& last_error = servo_->errors();
   if (const hd::HDerror fatal = last_error.fatal(); fatal != hd::kSuccess) {
     const bool gone = classify(fatal).error == devices::DeviceError::kDisconnected;
-    return fmt::format("error {} ended it; {}, and open it again",
+    return fmt::format("ended by error {}; {}, and open it again",
                        error_text(library_.api(), fatal),
-                       gone ? "look at cable and power" : "look at the device and restart it");
+                       gone ? "check cable and power" : "check the device and restart it");
   }
   const Clock::duration silence = servo_->silence();
   if (!virtual_time_ && silence > kLongSilence)
     return fmt::format(
-        "its servo loop has not ticked for {:.1f} s; look at the device and the vendor's "
-        "diagnostic tool, and open it "
-        "again",
+        "its servo loop has not ticked for {:.1f} s. Check the device and the vendor's diagnostic "
+        "tool, and open it again",
         std::chrono::duration<double>(silence).count());
   if (last_error.count() != known_errors_.load(std::memory_order_relaxed))
-    return fmt::format("force dropped by error {}; it comes back with the next commands",
+    return fmt::format("force dropped by error {}; it returns with the next commands",
                        error_text(library_.api(), last_error.newest()));
   if (pose_lost_.load(std::memory_order_relaxed))
-    return "no force, its pose is not to be trusted; look at encoders and cable";
+    return "no force: its pose is invalid. Check encoders and cable";
   return {};
 }
 

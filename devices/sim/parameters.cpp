@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 void require(bool good, std::string_view field, double value, std::string_view rule) {
   if (!good)
     throw std::runtime_error(
-        fmt::format("simulated device: {} is {}, but has to be {}", field, value, rule));
+        fmt::format("simulated device: {} is {}; it must be {}", field, value, rule));
 }
 void require_in(double value, double low, double high, std::string_view field) {
   require(value >= low && value <= high, field, value, fmt::format("in [{}, {}]", low, high));
@@ -97,10 +97,9 @@ SimParameters sim_lwr() {
 }
 
 void OperatorConfig::validate() const {
-  require(release_time_s >= 0.0, "release_time_s", release_time_s,
-          "0 or more (infinity for never)");
+  require(release_time_s >= 0.0, "release_time_s", release_time_s, ">= 0 (infinity: never)");
   require(grip_change_time_s >= 0.0, "grip_change_time_s", grip_change_time_s,
-          "0 or more (infinity for never)");
+          ">= 0 (infinity: never)");
   require_in(grip_factor, 1e-3, 1e3, "grip_factor");
   require_in(mass_kg, 0.0, 1e3, "hand mass_kg");
   require_in(damping_ns_per_m, 0.0, 1e6, "hand damping_ns_per_m");

@@ -38,10 +38,9 @@ std::string other_layout_error(const std::filesystem::path& bag, const HashOf& h
     return {};
   const std::string by = text_in(recording, "voxtouch");
   return fmt::format(
-      "'{}' was recorded by voxtouch {}, whose {} {} laid out otherwise than in this version {}: "
-      "read it with the version that recorded "
-      "it. deploy/CHANGELOG.md says what has changed.",
-      bag.string(), by.empty() ? "of an unknown version" : by, fmt::join(changed, ", "),
+      "'{}' was recorded by voxtouch {}, where {} {} laid out differently than in version {}. Read "
+      "it with the recording version (deploy/CHANGELOG.md lists the changes).",
+      bag.string(), by.empty() ? "(unknown version)" : by, fmt::join(changed, ", "),
       changed.size() == 1 ? "is" : "are", version());
 }
 

@@ -92,21 +92,21 @@ Result<BagReader> BagReader::open(const fs::path& path) {
     described = read_metadata<Described>(path / "metadata.yaml");
     if (described && !described->compression.empty() && described->compression != "NONE" &&
         described->compression != "none")
-      return refuse("The bag '{}' is compressed ({}). Uncompress it with ros2 bag convert.",
+      return refuse("Recording '{}' is compressed ({}). Uncompress it with `ros2 bag convert`.",
                     path.string(), described->compression);
     if (described && !described->storage.empty() && !storage_named(described->storage))
       return refuse(
-          "The bag '{}' is stored as {}, and only sqlite3 and mcap are read. Convert it with ros2 "
-          "bag convert.",
+          "Recording '{}' has storage format {}, supported: sqlite3 and mcap. Convert it with "
+          "`ros2 bag convert`.",
           path.string(), described->storage);
     files = files_of(path, described ? described->files : std::vector<std::string>());
     if (files.empty())
-      return refuse("'{}' holds no .db3 file and no .mcap file. Name a folder that holds a bag.",
+      return refuse("'{}' has no .db3 and no .mcap file. Choose the folder of a recording.",
                     path.string());
   } else if (fs::is_regular_file(status)) {
     files = {path};
   } else {
-    return refuse("'{}' is not there. Name a folder that holds a bag.", path.string());
+    return refuse("'{}' does not exist. Choose the folder of a recording.", path.string());
   }
   for (const auto& file : files)
     if (auto added = reader.add_file(file); !added)
@@ -125,15 +125,16 @@ void BagReader::compare(const fs::path& folder, const Described& metadata) {
     const auto file = std::ranges::find(files_, folder / name, &File::path);
     if (file == files_.end() && stated > 0 && message_count_ < metadata.messages)
       losses_.push_back(
-          fmt::format("'{}' is missing from the bag: {} messages are lost.", name, stated));
+          fmt::format("'{}' is missing in the recording: {} messages are lost.", name, stated));
     const auto found = file == files_.end() ? std::nullopt : file->reader->message_count();
     if (found && *found < stated)
-      losses_.push_back(fmt::format("'{}' holds {} of {} recorded messages: the others are lost.",
+      losses_.push_back(fmt::format("'{}' has {} of {} recorded messages; the others are lost.",
                                     name, *found, stated));
   }
   if (losses_.empty() && metadata.in_file.empty() && message_count_ < metadata.messages)
-    losses_.push_back(fmt::format("The bag holds {} of {} recorded messages: the others are lost.",
-                                  message_count_, metadata.messages));
+    losses_.push_back(
+        fmt::format("The recording has {} of {} recorded messages; the others are lost.",
+                    message_count_, metadata.messages));
 }
 
 Result<void> BagReader::add_file(const fs::path& path) {

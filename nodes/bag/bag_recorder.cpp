@@ -27,8 +27,8 @@ BagRecorder::~BagRecorder() { (void)stop(); }
 Result<TopicId> BagRecorder::add_topic(const TopicInfo& topic) {
   const std::scoped_lock lock(table_mutex_);
   if (topics_.size() >= counts_.size())
-    return refuse("'{}' is topic number {} and the recorder was made for {}. Raise max_topics.",
-                  topic.name, topics_.size() + 1, counts_.size());
+    return refuse("'{}' is topic number {}, limit {}. Raise max_topics.", topic.name,
+                  topics_.size() + 1, counts_.size());
   topics_.push_back(topic);
   disk_counts_.push_back({.name = topic.name});
   const auto id = static_cast<TopicId>(topics_.size() - 1);

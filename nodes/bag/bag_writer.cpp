@@ -27,18 +27,15 @@ Result<void> make_folder(const std::filesystem::path& folder, bool is_made) {
   if (folder.has_parent_path())
     std::filesystem::create_directories(folder.parent_path(), error);
   if (error)
-    return refuse("'{}' cannot be made: {}. Choose another folder.", folder.parent_path().string(),
+    return refuse("Cannot create '{}': {}. Choose another folder.", folder.parent_path().string(),
                   error.message());
   const bool made = std::filesystem::create_directory(folder, error);
   if (made)
     return {};
   if (!error || error == std::errc::file_exists)
-    return refuse(
-        "'{}' exists already and a bag is never written over another one. Choose another folder or "
-        "remove it.",
-        folder.string());
-  return refuse("'{}' cannot be made: {}. Choose another folder.", folder.string(),
-                error.message());
+    return refuse("'{}' exists and is not overwritten. Choose another folder or remove it.",
+                  folder.string());
+  return refuse("Cannot create '{}': {}. Choose another folder.", folder.string(), error.message());
 }
 
 }  // namespace
@@ -81,9 +78,8 @@ Result<void> BagWriter::open_file() {
                   names_of(options_.storage).extension);
   std::error_code ignored;
   if (std::filesystem::exists(folder_ / name, ignored))  // another program's
-    return refuse(
-        "'{}' exists already and is left as it is; the bag goes on in the file that it has.",
-        (folder_ / name).string());
+    return refuse("'{}' exists and is not overwritten; recording continues in the current file.",
+                  (folder_ / name).string());
   auto made = make_file(name);
   Result<void> result;
   if (!made)
@@ -138,11 +134,11 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
   if (!file_)
     return refuse("The bag is closed.");
   if (id >= topics_.size())
-    return refuse("Topic number {} was never added to the bag.", id);
+    return refuse("Topic number {} is not in the bag.", id);
   Topic& topic = topics_[id];
   if (time_ns < 0) {  // rosbag2 reads its times as unsigned and would refuse the whole bag
     ++topic.lost;
-    return refuse("A message on '{}' has the time {} ns; a bag holds none before 1970.",
+    return refuse("A message on '{}' has time {} ns; times before 1970 are not supported.",
                   metadata_.topics[id].name, time_ns);
   }
   if (metadata_.message_count + pending_.messages == 0)
@@ -244,9 +240,9 @@ Result<void> BagWriter::check_files() {
       metadata_.topics[topic].message_count -= made.messages[topic];
     }
     metadata_.message_count -= file.message_count;
-    result =
-        refuse("'{}' was {} while recording: {} messages are lost.", (folder_ / file.path).string(),
-               there ? "cut" : "removed or replaced", std::exchange(file.message_count, 0));
+    result = refuse("'{}' was {} during recording: {} messages are lost.",
+                    (folder_ / file.path).string(), there ? "cut" : "removed or replaced",
+                    std::exchange(file.message_count, 0));
   }
   return result;
 }

@@ -54,7 +54,7 @@ Result<void> write_atomically(const std::filesystem::path& path, std::string_vie
   if (good)
     return {};
   ::unlink(temporary.c_str());
-  return refuse("'{}' cannot be written: {}. Make room or choose another folder.", path.string(),
+  return refuse("Cannot write '{}': {}. Free disk space or choose another folder.", path.string(),
                 std::strerror(error));
 }
 

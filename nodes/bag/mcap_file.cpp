@@ -113,8 +113,7 @@ class McapFile final : public BagFile {
 
   Result<void> begin() {
     if (zstd_ == nullptr)
-      return refuse("'{}' cannot be written: there is no memory for its compression.",
-                    path_.string());
+      return refuse("Cannot write '{}': out of memory for the compression.", path_.string());
     Bytes out;
     put_header(out);
     // Jazzy takes QoS texts for its newest form where no metadata says otherwise. That of the end,
@@ -127,7 +126,7 @@ class McapFile final : public BagFile {
 
   Result<void> add_topic(const TopicInfo& topic) override {
     if (topics_.size() >= std::numeric_limits<std::uint16_t>::max())
-      return refuse("'{}' cannot hold more than {} topics.", path_.string(), topics_.size());
+      return refuse("'{}': too many topics, limit {}.", path_.string(), topics_.size());
     const auto known =
         std::ranges::find(topics_, topic.type, [](const Topic& one) { return one.info.type; });
     const bool is_new = known == topics_.end();
@@ -213,8 +212,8 @@ class McapFile final : public BagFile {
     return static_cast<std::uint16_t>(topic + 1);
   }  // 0 is none to some readers
   std::unexpected<BagError> refused(std::string_view what) const {
-    return refuse("'{}' cannot be {}: {}. Make room or choose another folder.", path_.string(),
-                  what, std::strerror(errno));
+    return refuse("'{}' cannot be {}: {}. Free disk space or choose another folder.",
+                  path_.string(), what, std::strerror(errno));
   }
 
   /// `out`, at the end of the data. Error: the file is as before.
@@ -241,7 +240,7 @@ class McapFile final : public BagFile {
   }
   Result<void> write_at(std::uint64_t at, std::span<const std::byte> bytes) const {
     if (max_bytes_ > 0 && at + bytes.size() > max_bytes_)
-      return refuse("'{}' is full: it may have {} bytes.", path_.string(), max_bytes_);
+      return refuse("'{}' is full, limit {} bytes.", path_.string(), max_bytes_);
     while (!bytes.empty()) {
       const ssize_t n = ::pwrite(file_, bytes.data(), bytes.size(), static_cast<off_t>(at));
       if (n < 0 && errno == EINTR)
@@ -260,7 +259,7 @@ class McapFile final : public BagFile {
     const std::size_t compressed = ZSTD_compressCCtx(
         zstd_, compressed_.data(), bound, messages_.view().data(), messages_.size(), kZstdLevel);
     if (ZSTD_isError(compressed))
-      return refuse("'{}' cannot be written: {}.", path_.string(), ZSTD_getErrorName(compressed));
+      return refuse("Cannot write '{}': {}.", path_.string(), ZSTD_getErrorName(compressed));
     Chunk chunk{.start = std::numeric_limits<std::uint64_t>::max(),
                 .end = 0,
                 .at = end_of_data_,
@@ -428,7 +427,7 @@ Result<std::unique_ptr<BagFile>> make_mcap_file(const std::filesystem::path& pat
                                                 std::uint64_t max_bytes) {
   const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (descriptor < 0)
-    return refuse("'{}' cannot be made: {}. Choose another folder.", path.string(),
+    return refuse("Cannot create '{}': {}. Choose another folder.", path.string(),
                   std::strerror(errno));
   auto file = std::make_unique<McapFile>(path, descriptor, max_bytes);
   if (auto begun = file->begin(); !begun)

@@ -100,9 +100,9 @@ class McapReader final : public FileReader {
     Cursor cursor(head.view());
     const auto magic = cursor.take(mcap::kMagic.size());
     if (!std::ranges::equal(magic, std::as_bytes(std::span(mcap::kMagic))))
-      return damaged("it does not begin as an MCAP does");
+      return damaged("no MCAP magic at the start");
     if (static_cast<Op>(cursor.number<std::uint8_t>()) != Op::kHeader)
-      return damaged("it has no header");
+      return damaged("no header");
     data_start_ = head.size + cursor.number<std::uint64_t>();
     if (!read_summary()) {
       topics_.clear(), topic_of_.clear(), schemas_.clear(), pieces_.clear(), messages_ = 0;
@@ -177,8 +177,9 @@ class McapReader final : public FileReader {
 
  private:
   std::unexpected<BagError> damaged(std::string_view how) const {
-    return refuse("'{}' is damaged, or no MCAP: {}. `mcap recover` saves what is whole.",
-                  path_.string(), how);
+    return refuse(
+        "'{}' is damaged or not an MCAP file: {}. `mcap recover` restores intact messages.",
+        path_.string(), how);
   }
   Result<void> read_at(std::uint64_t at, Buffer& into) const {
     for (std::size_t done = 0; done < into.size;) {
@@ -187,9 +188,9 @@ class McapReader final : public FileReader {
       if (n < 0 && errno == EINTR)
         continue;
       if (n < 0)
-        return refuse("'{}' cannot be read: {}.", path_.string(), std::strerror(errno));
+        return refuse("Cannot read '{}': {}.", path_.string(), std::strerror(errno));
       if (n == 0)
-        return damaged("it ends too soon");
+        return damaged("truncated");
       done += static_cast<std::size_t>(n);
     }
     return {};
@@ -293,7 +294,7 @@ class McapReader final : public FileReader {
         break;
       if (op == Op::kSchema || op == Op::kChannel) {
         if (length > kMaxDescriptionBytes)
-          return damaged("a description is too long");
+          return damaged("description too long");
         Buffer content(length);
         if (auto read = read_at(at + mcap::kRecordHead, content); !read)
           return read;
@@ -339,7 +340,7 @@ class McapReader final : public FileReader {
   /// The records of a piece, uncompressed.
   Result<Buffer> contents(const Piece& piece) const {
     if (piece.size > kMaxChunkBytes)
-      return damaged("a chunk is too large");
+      return damaged("chunk too large");
     Buffer raw(piece.size);
     if (auto read = read_at(piece.at, raw); !read)
       return std::unexpected(read.error());
@@ -348,7 +349,7 @@ class McapReader final : public FileReader {
     Cursor cursor(raw.view());
     const auto record = mcap::next_record(cursor);
     if (!record || record->op != Op::kChunk)
-      return damaged("no chunk stands where its index says");
+      return damaged("no chunk at the indexed position");
     Cursor in(record->content);
     in.take(8 + 8);
     const auto size = in.number<std::uint64_t>();
@@ -356,25 +357,25 @@ class McapReader final : public FileReader {
     const auto compression = in.text();
     const auto packed = in.take(in.number<std::uint64_t>());
     if (!in.good() || size > kMaxChunkBytes)
-      return damaged("a chunk is not whole");
+      return damaged("incomplete chunk");
     Buffer out(size);
     if (compression.empty()) {
       if (packed.size() != size)
-        return damaged("a chunk is not whole");
+        return damaged("incomplete chunk");
       std::ranges::copy(packed, out.data.get());
     } else if (compression == "zstd") {
       const std::size_t got =
           ZSTD_decompress(out.data.get(), out.size, packed.data(), packed.size());
       if (ZSTD_isError(got) || got != size)
-        return damaged("a chunk cannot be uncompressed");
+        return damaged("chunk cannot be uncompressed");
     } else {
       return refuse(
-          "'{}' is compressed by {}, and zstd alone is read. `mcap compress --compression zstd` "
-          "makes one that is.",
+          "'{}' has compression {}, supported: zstd. Convert it with `mcap compress --compression "
+          "zstd`.",
           path_.string(), compression);
     }
     if (crc != 0 && ::crc32_z(0, reinterpret_cast<const Bytef*>(out.data.get()), out.size) != crc)
-      return damaged("a chunk does not have its checksum");
+      return damaged("chunk checksum mismatch");
     return out;
   }
 
@@ -434,7 +435,7 @@ Result<std::unique_ptr<FileReader>> open_mcap_file(const std::filesystem::path& 
   Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   struct stat about {};
   if (file.get() < 0 || ::fstat(file.get(), &about) != 0)
-    return refuse("'{}' cannot be read: {}.", path.string(), std::strerror(errno));
+    return refuse("Cannot read '{}': {}.", path.string(), std::strerror(errno));
   auto reader = std::make_unique<McapReader>(path, std::move(file),
                                              static_cast<std::uint64_t>(about.st_size));
   if (auto opened = reader->open(); !opened)

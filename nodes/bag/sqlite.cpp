@@ -83,13 +83,13 @@ Result<std::string> Database::value(std::string_view sql) const {
 BagError Database::error(std::string_view doing) const {
   const int code = handle_ ? sqlite3_extended_errcode(handle_.get()) : SQLITE_NOMEM;
   const char* text = handle_ ? sqlite3_errmsg(handle_.get()) : "out of memory";
-  std::string_view advice = "Check that the file is there and not damaged.";
+  std::string_view advice = "Check that the file exists and is not damaged.";
   if ((code & 0xff) == SQLITE_FULL || (code & 0xff) == SQLITE_IOERR)
-    advice = "Make room on the disk.";
+    advice = "Free disk space.";
   if ((code & 0xff) == SQLITE_READONLY || (code & 0xff) == SQLITE_PERM)
-    advice = "Check the rights on the folder.";
+    advice = "Check the permissions of the folder.";
   if ((code & 0xff) == SQLITE_BUSY)
-    advice = "Close the program that has it open.";
+    advice = "Close the program that uses it.";
   return {fmt::format("sqlite cannot {} '{}': {} (code {}). {}", doing, file_.string(), text, code,
                       advice)};
 }

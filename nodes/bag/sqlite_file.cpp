@@ -48,8 +48,8 @@ class SqliteFile final : public BagFile {
       return std::unexpected(mode.error());
     if (*mode != "wal")
       return refuse(
-          "The file system of '{}' cannot share a write-ahead log (journal mode stays {}). Record "
-          "to a local disk.",
+          "The file system of '{}' does not support a write-ahead log (journal mode {}). Record to "
+          "a local disk.",
           path_.string(), *mode);
     // Nothing is flushed to the disk before the bag is closed: see BagWriter.
     if (auto set = database_->run("PRAGMA synchronous=OFF"); !set)
@@ -148,8 +148,8 @@ class SqliteFile final : public BagFile {
       then(std::unexpected(mode.error()));
     if (mode && *mode != "delete")
       then(
-          refuse("The bag '{}' is complete, but another program has it open, so its -wal file "
-                 "stays; keep the two together.",
+          refuse("Recording '{}' is complete, but another program has it open: keep its -wal file "
+                 "next to it.",
                  path_.parent_path().string()));
     database_.reset();
     return result;

@@ -14,7 +14,7 @@ Entity make_topic(const Participant& participant, const qos::Topic& row, std::st
                 std::string(type.ros_name));
   return Entity(
       dds_create_topic(participant.get(), type.descriptor, name.c_str(), nullptr, nullptr),
-      "topic " + name + " could not be made");
+      "topic " + name + " cannot be created");
 }
 
 qos::Qos qos_of(const qos::Topic& row, const qos::Profile& profile, qos::Endpoint endpoint,
@@ -68,7 +68,7 @@ EndpointEntities make_writer(const Participant& participant, const qos::Topic& r
   Entity topic = make_topic(participant, row, rig, type);
   const qos::Qos qos = qos_of(row, profile, qos::Endpoint::kWriter, type);
   Entity writer(dds_create_writer(participant.get(), topic.get(), qos.get(), nullptr),
-                "a writer on " + qos::dds_name(row, rig) + " could not be made");
+                "a writer on " + qos::dds_name(row, rig) + " cannot be created");
   GraphEntry entry = participant.enter(writer.get(), qos::Endpoint::kWriter);
   return {std::move(topic), std::move(writer), std::move(entry)};
 }
@@ -81,11 +81,11 @@ EndpointEntities make_reader(const Participant& participant, const qos::Topic& r
     const dds_topic_filter filter = following->filter();
     if (dds_set_topic_filter_extended(topic.get(), &filter) != DDS_RETCODE_OK)
       throw Error("the reader on " + qos::dds_name(row, rig) +
-                  " could not be set to follow one writer");
+                  " cannot be set to follow one writer");
   }
   const qos::Qos qos = qos_of(row, profile, qos::Endpoint::kReader, type);
   Entity reader(dds_create_reader(participant.get(), topic.get(), qos.get(), nullptr),
-                "a reader on " + qos::dds_name(row, rig) + " could not be made");
+                "a reader on " + qos::dds_name(row, rig) + " cannot be created");
   if (following)
     following->attach(reader.get());
   GraphEntry entry = participant.enter(reader.get(), qos::Endpoint::kReader);

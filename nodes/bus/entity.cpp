@@ -5,7 +5,7 @@ namespace voxtouch::bus {
 Entity::Entity(dds_entity_t handle, const std::string& what) : handle_(handle) {
   if (handle < 0) {
     handle_ = 0;
-    throw Error(what + " (DDS says: " + dds_strretcode(-handle) + ")");
+    throw Error(what + " (DDS: " + dds_strretcode(-handle) + ")");
   }
 }
 

@@ -88,13 +88,13 @@ bool unicast_returns(const Card& card) {
 std::string deafness_cause(std::string_view interface_name, std::uint32_t domain,
                            std::string_view added) {
   if (const std::string lost = lost_address(); !lost.empty())
-    return lost + "; start the ring again";
+    return lost + "; restart the ring";
   if (turns_multicast_off(added))
-    return "CYCLONEDDS_URI turns multicast off (AllowMulticast) and names no peer: remove that, or "
-           "name hosts by --discovery-peer";
+    return "CYCLONEDDS_URI disables multicast (AllowMulticast) and lists no peer: remove that, or "
+           "use --discovery-peer";
   if (names_cards(added))
-    return "CYCLONEDDS_URI names network cards: check that all processes have the same ones, and "
-           "that they are up";
+    return "CYCLONEDDS_URI selects network cards: check that they are up and the same for all "
+           "processes";
   std::vector<Card> cards = network_cards();
   if (interface_name == kThisHost)
     cards = cards_of_this_host(cards);
@@ -104,21 +104,21 @@ std::string deafness_cause(std::string_view interface_name, std::uint32_t domain
     });
   if (cards.empty())
     return fmt::format(
-        "no network card of '{}' is up: `ip link set lo up`, or choose another --interface",
+        "no network card of '{}' is up: run `ip link set lo up`, or choose another --interface",
         interface_name);
   for (const Card& card : cards) {
     const std::string name = fmt::format("{} ({})", card.name, to_text(card.address));
     if (!unicast_returns(card))
       return fmt::format(
-          "UDP to this machine's own address does not arrive on {}: a firewall drops it", name);
+          "UDP to this machine's own address does not arrive on {}: check the firewall", name);
     if (!multicast_returns(card))
-      return fmt::format("multicast to 239.255.0.1 does not arrive on {}: a firewall drops it",
+      return fmt::format("multicast to 239.255.0.1 does not arrive on {}: check the firewall",
                          name);
   }
   const std::uint32_t port = 7400 + 250 * domain;
   return fmt::format(
-      "a firewall may drop UDP to ports {} to {}, or the other processes are in another domain, "
-      "container or network namespace",
+      "check that the firewall passes UDP ports {} to {}, and that all processes use the same "
+      "domain and network namespace",
       port, port + 249);
 }
 
@@ -138,7 +138,7 @@ std::string lost_address() {
   const std::vector<std::uint32_t> here = own_addresses();
   for (const Card& card : used)
     if (std::ranges::find(here, card.address) == here.end())
-      return fmt::format("address {} of {} is gone from this machine", to_text(card.address),
+      return fmt::format("address {} of {} was removed from this machine", to_text(card.address),
                          card.name);
   return {};
 }

@@ -24,7 +24,7 @@ void Following::attach(dds_entity_t reader) {
       dds_create_listener(this), dds_delete_listener);
   dds_lset_subscription_matched(listener.get(), on_matched);
   if (dds_set_listener(reader, listener.get()) != DDS_RETCODE_OK)
-    throw Error("a reader could not be set to watch departing writers");
+    throw Error("cannot set a reader to watch departing writers");
 }
 
 void Following::see_go(dds_instance_handle_t writer) noexcept {

@@ -63,14 +63,14 @@ Graph::Graph(dds_entity_t participant, RosNode node)
   type.m_typename =
       msg::Type<IronInfo>::descriptor->m_typename;  // Humble gives its layout the same name
   topic_ = Entity(dds_create_topic(participant, &type, "ros_discovery_info", nullptr, nullptr),
-                  "the ROS graph's topic could not be made");
+                  "cannot create the ROS graph topic");
   const qos::Qos qos =
       qos::make_qos(qos::profile(qos::ProfileId::kLatched), qos::Endpoint::kWriter, 0.0);
   if (node_.graph != RosGraph::kHumble)
     announce(qos.get(),
              {msg::Type<IronInfo>::ros_name, msg::Type<IronInfo>::descriptor, kInfoHash});
   writer_ = Entity(dds_create_writer(participant, topic_.get(), qos.get(), nullptr),
-                   "the ROS graph's writer could not be made");
+                   "cannot create the ROS graph writer");
   write();
 }
 
@@ -146,12 +146,12 @@ void Graph::read_names() {
   type.m_typename = msg::Type<IronInfo>::descriptor->m_typename;
   names_topic_ = Entity(dds_create_topic(dds_get_participant(topic_.get()), &type,
                                          "ros_discovery_info", nullptr, nullptr),
-                        "the ROS graph's topic could not be made");
+                        "cannot create the ROS graph topic");
   dds_topic_filter filter{};
   filter.mode = DDS_TOPIC_FILTER_SAMPLE;
   filter.f.sample = humble ? fits<HumbleInfo> : fits<IronInfo>;
   if (dds_set_topic_filter_extended(names_topic_.get(), &filter) != DDS_RETCODE_OK)
-    throw Error("the reader of the ROS graph could not be set to refuse requests");
+    throw Error("cannot set the ROS graph reader to refuse requests");
   const qos::Qos qos =
       qos::make_qos(qos::profile(qos::ProfileId::kStatus), qos::Endpoint::kReader, 0.0);
   if (!humble)
@@ -159,7 +159,7 @@ void Graph::read_names() {
              {msg::Type<IronInfo>::ros_name, msg::Type<IronInfo>::descriptor, kInfoHash});
   names_ = Entity(
       dds_create_reader(dds_get_participant(topic_.get()), names_topic_.get(), qos.get(), nullptr),
-      "the ROS graph's reader could not be made");
+      "cannot create the ROS graph reader");
 }
 
 void Graph::take_names() {

@@ -147,15 +147,14 @@ Network network_of(std::string_view interface_name, const std::vector<std::strin
                    std::string_view added) {
   const bool own_cards = !names_cards(added), is_closed = own_cards && interface_name == kThisHost;
   if (is_closed && !peers.empty())
-    throw Error(fmt::format(
-        "--discovery-peer {} is another host, and --interface {} receives none: name the "
-        "network card that leads there",
-        peers.front(), kThisHost));
+    throw Error(
+        fmt::format("--discovery-peer {} is another host, unreachable from --interface {}. Choose "
+                    "the network card of that network",
+                    peers.front(), kThisHost));
   if (any_part(added, enables_shared_memory))
     throw Error(
-        "CYCLONEDDS_URI enables SharedMemory, which voxtouch does not use: without its server DDS "
-        "stops each node after 60 s. "
-        "Set its Enable to false");
+        "CYCLONEDDS_URI enables SharedMemory, which voxtouch does not support. Set its Enable to "
+        "false");
   std::string xml(qos::kNetworkXml), peers_xml;
   for (const std::string& peer : peers)
     peers_xml += fmt::format(R"(<Peer address="{}"/>)", peer);
@@ -254,9 +253,8 @@ void close_to_other_hosts(const std::vector<int>& sockets) {
   const sock_fprog filter{static_cast<unsigned short>(program.size()), program.data()};
   for (const int socket : sockets)
     if (setsockopt(socket, SOL_SOCKET, SO_ATTACH_FILTER, &filter, sizeof filter) != 0)
-      throw Error(fmt::format(
-          "DDS could not be closed to other machines ({}); --interface lo keeps to loopback",
-          std::strerror(errno)));
+      throw Error(fmt::format("Cannot restrict DDS to this machine ({}). Use --interface lo",
+                              std::strerror(errno)));
 }
 
 }  // namespace voxtouch::bus

@@ -74,7 +74,7 @@ void say(void*, const dds_log_data_t* data) {
   const auto [is_said, skipped] =
       few.take(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
   if (skipped > 0)
-    console::log("({} more lines of DDS are left out here)\n", skipped);
+    console::log("({} more lines of DDS skipped)\n", skipped);
   if (!is_said && (data->priority & DDS_LC_FATAL) == 0)
     return;
   console::log("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
@@ -99,10 +99,10 @@ void require_descriptors() {
   for (const int one : taken)
     close(one);
   if (taken.size() < kNeeded || fd >= FD_SETSIZE)
-    throw Error("this process can open " + std::to_string(taken.size()) +
-                " more files and sockets, and DDS needs " + std::to_string(kNeeded) +
-                ": allow it more (`ulimit -n` says how many; " + std::to_string(limit.rlim_max) +
-                " is the most here) or have fewer open when it starts");
+    throw Error("This process can open " + std::to_string(taken.size()) +
+                " more files and sockets, DDS needs " + std::to_string(kNeeded) +
+                ". Raise the limit (`ulimit -n`, at most " + std::to_string(limit.rlim_max) +
+                ") or close files before the start");
 }
 
 /// DDS aborts the process if the system refuses it a thread.
@@ -126,26 +126,26 @@ void require_threads() {
     pthread_join(thread, nullptr);
   pthread_attr_destroy(&small);
   if (started.size() < kNeeded)
-    throw Error("this process can start " + std::to_string(started.size()) +
-                " more threads, and DDS needs " + std::to_string(kNeeded) +
-                ": raise the limit of processes (`ulimit -u`), or pids.max of the container");
+    throw Error("This process can start " + std::to_string(started.size()) +
+                " more threads, DDS needs " + std::to_string(kNeeded) +
+                ". Raise the process limit (`ulimit -u`) or pids.max of the container");
 }
 
 /// Which setting to change, by what DDS printed.
 std::string start_remedy(std::string_view cause) {
   if (cause.contains("receive buffer"))
-    return "allow larger socket buffers (`sysctl net.core.rmem_max`) or ask for less in "
+    return "allow larger socket buffers (`sysctl net.core.rmem_max`) or request less in "
            "CYCLONEDDS_URI";
   if (cause.contains("config: ") || cause.contains("CycloneDDS/") ||
       cause.contains("configuration file"))
     return "correct CYCLONEDDS_URI, or unset it";
   if (cause.contains("out of range"))
-    return "choose a smaller --domain, or ports for it in CYCLONEDDS_URI (Discovery/Ports)";
+    return "choose a smaller --domain, or set its ports in CYCLONEDDS_URI (Discovery/Ports)";
   if (cause.contains("participant index"))
     return "end other DDS processes of this domain, or choose another --domain";
   if (cause.contains("bind") || cause.contains("port"))
-    return "another process has the port: end it, or choose another --domain";
-  return "`ip link` lists the interfaces, --interface chooses one";
+    return "the port is in use: end that process, or choose another --domain";
+  return "`ip link` lists the interfaces, --interface selects one";
 }
 
 /// DDS says of each card that it cannot use the same.
@@ -161,8 +161,8 @@ std::optional<CardFault> card_fault(const std::string& name) {
   if (std::ranges::find(up, name, &Card::name) != up.end())
     return std::nullopt;
   if (if_nametoindex(name.c_str()) == 0)
-    return CardFault{"there is no network card of that name",
-                     "`ip link` lists the interfaces, --interface chooses one"};
+    return CardFault{"there is no network card of this name",
+                     "`ip link` lists the interfaces, --interface selects one"};
   return CardFault{"the network card is down or has no IPv4 address",
                    "`ip link set " + name + " up`, and `ip addr` lists its addresses"};
 }
@@ -170,8 +170,9 @@ std::optional<CardFault> card_fault(const std::string& name) {
 std::string start_fault(const ParticipantOptions& options, const std::string& cause) {
   const std::optional<CardFault> card =
       cause.contains("interface") ? card_fault(options.network_interface) : std::nullopt;
-  return "DDS could not start '" + options.name + "' on domain " + std::to_string(options.domain) +
-         ", interface '" + options.network_interface + "': " + (card ? card->cause : cause) +
+  return "Cannot start DDS participant '" + options.name + "' on domain " +
+         std::to_string(options.domain) + ", interface '" + options.network_interface +
+         "': " + (card ? card->cause : cause) +
          ". Remedy: " + (card ? card->remedy : start_remedy(cause));
 }
 
@@ -191,9 +192,10 @@ void configure_domain(const ParticipantOptions& options) {
     // One with DDS Security together with one without crashes in Cyclone DDS 0.10.2, and of two
     // certificates the second has the first one's rights.
     if (settings(known->second) != settings(options))
-      throw Error("domain " + std::to_string(options.domain) +
-                  " already runs in this process with other network settings or keys than on '" +
-                  options.network_interface + "'");
+      throw Error(
+          "domain " + std::to_string(options.domain) +
+          " already runs in this process with different network settings or keys than on '" +
+          options.network_interface + "'");
     return;
   }
   const char* const uri = std::getenv("CYCLONEDDS_URI");

@@ -17,7 +17,7 @@ class Reader {
          const qos::Profile& profile, Following* following = nullptr)
       : entities_(make_reader(participant, row, rig, profile, msg::kAnyType<T>, following)),
         unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE),
-                "a read condition could not be made") {}
+                "cannot create a read condition") {}
 
   /// Takes the oldest waiting sample, if there is one, into `sample`; `writer` (if given) gets the
   /// handle of its writer. Only for fixed-size types. Real-time safe apart from what DDS itself

@@ -41,9 +41,9 @@ RosDiscovery::RosDiscovery(const Participant& own)
     : own_(own),
       participants_(
           dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr),
-          "participants could not be asked for"),
+          "cannot list participants"),
       readers_(dds_create_reader(own.get(), DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
-               "readers could not be asked for") {}
+               "cannot list readers") {}
 
 void RosDiscovery::poll() {
   each_announced<dds_builtintopic_participant_t>(
@@ -64,13 +64,13 @@ void RosDiscovery::poll() {
 
 std::string RosDiscovery::mismatch(RosGraph graph) const {
   if (has_humble_ && has_later_)
-    return "Humble and a later ROS 2 share the domain: one of them does not see a ring's nodes";
-  if (has_humble_ && graph != RosGraph::kHumble)
-    return "a ROS 2 Humble is on the domain: start with --ros humble, or it does not see the "
+    return "ROS 2 Humble and a later release share the domain: one of them does not list the "
            "ring's nodes";
+  if (has_humble_ && graph != RosGraph::kHumble)
+    return "ROS 2 Humble is on the domain: use --ros humble to list the ring's nodes there";
   if (has_later_ && graph == RosGraph::kHumble)
-    return "a ROS 2 later than Humble is on the domain: start without --ros humble, or it does "
-           "not see the ring's nodes";
+    return "ROS 2 later than Humble is on the domain: remove --ros humble to list the ring's nodes "
+           "there";
   return {};
 }
 

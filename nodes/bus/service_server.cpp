@@ -23,7 +23,7 @@ Entity make_topic(const Participant& participant, const std::string& name,
                   const msg::AnyType& type) {
   return Entity(
       dds_create_topic(participant.get(), type.descriptor, name.c_str(), nullptr, nullptr),
-      "topic " + name + " could not be made");
+      "topic " + name + " cannot be created");
 }
 
 /// What a client reports of itself: its participant, and the name that its two endpoints share.
@@ -68,19 +68,19 @@ ServiceEndpoints::ServiceEndpoints(const Participant& participant, const qos::Se
   filter.mode = DDS_TOPIC_FILTER_SAMPLE;
   filter.f.sample = fits;
   if (dds_set_topic_filter_extended(requests_.topic.get(), &filter) != DDS_RETCODE_OK)
-    throw Error("the reader on " + asked + " could not be set to refuse requests");
+    throw Error("the reader on " + asked + " cannot be set to refuse requests");
   requests_.endpoint =
       Entity(dds_create_reader(participant.get(), requests_.topic.get(),
                                service_qos(qos::Endpoint::kReader, server, request).get(), nullptr),
-             "a reader on " + asked + " could not be made");
+             "a reader on " + asked + " cannot be created");
   requests_.entry = participant.enter(requests_.endpoint.get(), qos::Endpoint::kReader);
   unread_ = Entity(dds_create_readcondition(requests_.endpoint.get(), DDS_ANY_STATE),
-                   "a read condition could not be made");
+                   "cannot create a read condition");
   replies_.topic = make_topic(participant, answered, response);
   replies_.endpoint = Entity(
       dds_create_writer(participant.get(), replies_.topic.get(),
                         service_qos(qos::Endpoint::kWriter, server, response).get(), nullptr),
-      "a writer on " + answered + " could not be made");
+      "a writer on " + answered + " cannot be created");
   replies_.entry = participant.enter(replies_.endpoint.get(), qos::Endpoint::kWriter);
 }
 

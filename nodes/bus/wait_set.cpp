@@ -3,13 +3,13 @@
 namespace voxtouch::bus {
 
 WaitSet::WaitSet(const Participant& participant)
-    : entity_(dds_create_waitset(participant.get()), "a wait set could not be made") {}
+    : entity_(dds_create_waitset(participant.get()), "cannot create a wait set") {}
 
 void WaitSet::attach(dds_entity_t condition) {
   const dds_return_t code = dds_waitset_attach(entity_.get(), condition, 0);
   if (code != DDS_RETCODE_OK)
-    throw Error(std::string("a reader could not be attached to a wait set (DDS says: ") +
-                dds_strretcode(-code) + ")");
+    throw Error(std::string("cannot attach a reader to a wait set (DDS: ") + dds_strretcode(-code) +
+                ")");
 }
 
 bool WaitSet::wait(dds_duration_t timeout) noexcept {

@@ -9,7 +9,7 @@ class WriterDiscovery {
   /// Throws Error.
   explicit WriterDiscovery(dds_entity_t participant)
       : reader_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
-                "the writers on the network could not be asked for") {}
+                "cannot list the writers on the network") {}
 
   /// Calls f(const dds_builtintopic_endpoint_t&) for each writer that has come or changed since the
   /// last call, also those of this process; what it is given belongs to DDS. Does not block.

@@ -42,9 +42,8 @@ Files write_files(const BuildOptions& o, const voxmap::Voxmap& voxmap,
   std::error_code refused;
   std::filesystem::create_directories(o.out, refused);
   if (refused)
-    throw std::runtime_error(
-        fmt::format("{} could not be made ({}); choose another folder with --out", o.out.string(),
-                    refused.message()));
+    throw std::runtime_error(fmt::format("Cannot create {} ({}). Choose another folder with --out",
+                                         o.out.string(), refused.message()));
   const std::string stem = o.mesh.stem().string();
   const Files files{o.out / (stem + "_surface.csv"), o.out / (stem + "_interior.csv"),
                     o.out / (stem + "_shell.ply")};
@@ -113,16 +112,17 @@ void add_build(CLI::App& app, Action& action) {
   verb->add_option("--voxel", o->voxel_m, "Voxel edge [m]")
       ->required()
       ->check(runtime::require_positive);
-  verb->add_option("--origin", o->origin,
-                   "Origin of the grid X,Y,Z [m]; default: one voxel before the mesh")
+  verb->add_option(
+          "--origin", o->origin,
+          "Origin of the grid X,Y,Z [m]; default: one voxel outside the mesh's bounding box")
       ->delimiter(',')
       ->expected(3);
   verb->add_option("--scale", o->scale,
-                   "Metres for one unit of the file, such as 0.001 for millimetres")
+                   "Metres per unit of the file, such as 0.001 for millimetres")
       ->capture_default_str()
       ->check(runtime::require_positive);
-  verb->add_option("--out", o->out, "Folder for the files")->required();
-  verb->add_flag("--json", o->json, "Result as one JSON object on stdout");
+  verb->add_option("--out", o->out, "Output folder")->required();
+  verb->add_flag("--json", o->json, "Prints one JSON object on stdout");
   verb->callback([o, &action] { action = [o] { return build(*o); }; });
 }
 

@@ -48,19 +48,19 @@ void add_change(CLI::App& app, Action& action) {
                    "EFFECT on|off, EFFECT gain X, or EFFECT PARAMETER=VALUE[,V,V] ...")
       ->option_text("EFFECT ...");
   verb->add_flag("--reload", o->reload,
-                 "Reads the scene file again, builds it next to the loop and swaps it in");
+                 "Reads the scene file again, builds it in the background and swaps it in");
   verb->add_option("--voxel-size", o->voxel_size_m,
                    "With --reload: voxel edge [m] instead of the file's")
       ->check(runtime::require_positive);
   verb->add_option("--model", o->model, "With --reload: contact model instead of the file's")
       ->check(CLI::IsMember({"original", "adapted", "field"}));
   verb->add_option("--from-sample", o->from_sample,
-                   "Sequence number of the first device sample that the change holds for; a run in "
-                   "lockstep then gives bit-identical results\neach time. Refused where it has "
-                   "passed. Default: the next one")
+                   "Sequence number of the first device sample with the change; runs in lockstep "
+                   "are then bit-identical.\n"
+                   "Refused if that sample has passed. Default: the next sample")
       ->check(runtime::require_whole);
   runtime::add_rig_options(*verb, o->node);
-  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+  verb->add_flag("--json", o->json, "Prints one JSON object on stdout, the rest on stderr");
   verb->callback([o, &action] { action = [o] { return change(*o); }; });
 }
 

@@ -27,7 +27,7 @@ MemoryFile memory_file(const std::string& content) {
   if (!file || std::fwrite(content.data(), 1, content.size(), file.get()) != content.size() ||
       std::fflush(file.get()) != 0)
     throw std::runtime_error(
-        fmt::format("no memory for what another program reads and says: {}", std::strerror(errno)));
+        fmt::format("Cannot create a pipe to a child process: {}", std::strerror(errno)));
   std::rewind(file.get());
   return file;
 }
@@ -62,8 +62,7 @@ pid_t start(std::vector<std::string> words, int input, int output, bool by_itsel
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0)
-    throw std::runtime_error(
-        fmt::format("{} could not be started: {}", argv[0], std::strerror(error)));
+    throw std::runtime_error(fmt::format("Cannot start {}: {}", argv[0], std::strerror(error)));
   return child;
 }
 
@@ -89,7 +88,7 @@ std::optional<Ended> run_program(const ChildProgram& program) {
       return Ended{status, text_of(out.get())};
     if (ended < 0 && errno != EINTR)
       throw std::runtime_error(
-          fmt::format("{} was lost: {}", program.words.front(), std::strerror(errno)));
+          fmt::format("Lost child process {}: {}", program.words.front(), std::strerror(errno)));
     if (program.patience && std::chrono::steady_clock::now() - begun > *program.patience)
       return std::nullopt;
     notify_listener(program, ::fileno(out.get()));

@@ -10,8 +10,7 @@ namespace voxtouch::cli {
 /// For a device that returns no torque: what a turn of the tool does
 /// (core/rendering/latched_rotation.hpp).
 inline constexpr std::string_view kTurnsAreHeld =
-    "The device returns no torque: a contact holds the tool against being turned into it; moving "
-    "the hand presses on.";
+    "The device returns no torque: only translation of the hand is resisted, rotation is not.";
 
 /// Where the tool rotates under the contact's lever: what is displayed at its reach; and where a
 /// body's grip is limited, by how much. Empty where neither is so.

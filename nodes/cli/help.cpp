@@ -31,7 +31,7 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
      {"Touch a scene or a mesh with mouse, touch, keys or gamepad",
       "Starts `voxtouch up SCENE --hand-from page`, without a recording unless --record is given, "
       "and opens the\n"
-      "page in the browser, if there is one. Of a mesh a scene is made first, as by `voxtouch "
+      "page in the browser, if available. For a mesh, a scene is made first, as by `voxtouch "
       "new`.\n"
       "\n"
       "Examples:\n"
@@ -76,8 +76,8 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "  voxtouch design --device mine.yaml --scene cup --plot region.png"}},
     {"identify",
      {"Measure mass, friction, delay and encoder step of a device",
-      "The device moves by itself, at most --box from where it stands, for 20 s an axis. Ctrl-C "
-      "ends in zero\n"
+      "The device moves by itself, at most --box from its start, for 20 s an axis. Ctrl-C ends "
+      "with zero\n"
       "force. Exit status 1 if an axis is not measured. Steps: deploy/doc/howto/identify.md\n"
       "\n"
       "Example:\n"
@@ -111,7 +111,7 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
      {"List what a scene builds and computes, with time and memory",
       "Lists each part with its reason, its bytes, and its time per frame: bound, expected, "
       "measured. Also\n"
-      "topics, nodes, and what is left out. Exit status 1 if --device cannot run the scene.\n"
+      "topics, nodes, and what is not built. Exit status 1 if --device cannot run the scene.\n"
       "\n"
       "Example:\n"
       "  voxtouch plan cup --device sim-phantom"}},
@@ -185,7 +185,7 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "device's\n"
       "limit, or after a command that the driver refused. Find the cause first (voxtouch status, "
       "fault\n"
-      "records) and let go of the device. Then the force ramps in. Exit status 1 if nothing is "
+      "records) and release the device. Then the force ramps in. Exit status 1 if nothing is "
       "latched or no\n"
       "node replies.\n"
       "\n"

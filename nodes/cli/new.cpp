@@ -48,11 +48,11 @@ ReadMesh read_mesh(const fs::path& file, const std::string& unit) {
   if (unit == scene_proposal::kMetre.name)
     guess = scene_proposal::kMetre;
   read.scale = guess.metres;
-  read.unit = fmt::format(
-      "{} is {:.4g} {} at its largest{}.", file.filename().string(), extent, guess.name,
-      !unit.empty() ? ""
-      : declared    ? ", by the file's own unit"
-                    : ", if its numbers are in that unit: --unit and --tool-unit say otherwise");
+  read.unit =
+      fmt::format("{}: largest extent {:.4g} {}{}.", file.filename().string(), extent, guess.name,
+                  !unit.empty() ? ""
+                  : declared    ? ", in the file's own unit"
+                                : ", unit guessed from the size (--unit and --tool-unit set it)");
   if (read.scale != 1.0)
     read.mesh = mesh::import_mesh(file, {.scale = read.scale}, reader);
   return read;
@@ -71,8 +71,8 @@ void write_new(const fs::path& file, const std::string& text) {
   out.close();
   if (!out)
     throw std::runtime_error(
-        fmt::format("{} cannot be written: is it there already, is there room, and may you write "
-                    "there? --out FILE is another",
+        fmt::format("Cannot write {}. Check that it does not exist, the free space and the "
+                    "permissions, or choose another file with --out",
                     file.string()));
 }
 
@@ -114,13 +114,13 @@ std::vector<std::string> tried(const scene::Scene& scene,
   std::vector<std::string> said;
   const auto built = scene_build::build_here(scene, {.who = "new"});
   if (const std::string wrong = scene_proposal::validate(scene, *built); !wrong.empty())
-    said.push_back("To be mended by hand: " + wrong + ".");
+    said.push_back("Correct by hand: " + wrong + ".");
   const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m,
                                           built->plan().contact_nm_per_rad};
   const device_fit::FittedCoupling fitted =
       device_fit::fit_coupling(scene, device, bounds.translation, bounds.rotation);
   if (!fitted.refusal.empty())
-    said.push_back("To be mended by hand: " + fitted.refusal);
+    said.push_back("Correct by hand: " + fitted.refusal);
   if (const auto preview =
           device_fit::force_preview(fitted, scene, device, bounds, built->plan().tool_reach_m))
     said.push_back(force_line(*preview, device.name));
@@ -132,7 +132,7 @@ std::vector<std::string> write_scene(const NewOptions& o, const fs::path& out) {
   const coupling::design::DeviceModel device = find_device(o.device);
   if (fs::exists(out))
     throw std::runtime_error(fmt::format(
-        "{} is there already and is left as it is; --out FILE is another", out.string()));
+        "{} exists and is not overwritten. Choose another file with --out", out.string()));
   Meshes meshes = read_meshes(o, out);
   const mesh::MeshReport& report = meshes.part.mesh.report;
   for (const std::string& sentence : meshes.part.mesh.warnings)
@@ -159,7 +159,9 @@ int make_new(const NewOptions& o) {
   for (const std::string& reason : write_scene(o, out))
     console::print_result("{}\n", reason);
   console::print_result(
-      "\n{} is written. Feel it, and see it:\n  voxtouch up {} --device {} --motion press --view\n",
+      "\n"
+      "Wrote {}. To run it:\n"
+      "  voxtouch up {} --device {} --motion press --view\n",
       out.string(), o.out.empty() ? out.filename().string() : out.string(),
       device_argument(o.device));
   return 0;
@@ -180,13 +182,12 @@ void add_new(CLI::App& app, Action& action) {
   verb->add_option("PART", o->part, "Mesh of the part: OBJ, STL, PLY, glTF/GLB, COLLADA")
       ->required()
       ->check(CLI::ExistingFile);
-  verb->add_option("TOOL", o->tool, "Mesh of the tool, gripped at its origin; default: a sphere")
+  verb->add_option("TOOL", o->tool, "Mesh of the tool, gripped at its origin; default: sphere")
       ->check(CLI::ExistingFile);
-  verb->add_option("--device", o->device, "A device by name, or a file that describes one")
-      ->capture_default_str();
+  verb->add_option("--device", o->device, "Device name or device file")->capture_default_str();
   const CLI::IsMember units({scene_proposal::kMillimetre.name, scene_proposal::kMetre.name});
   verb->add_option("--unit", o->part_unit,
-                   "Unit of the part's file; default: the file's own, else guessed from its size")
+                   "Unit of the part's file; default: the file's unit, else guessed from the size")
       ->check(units);
   verb->add_option("--tool-unit", o->tool_unit, "Unit of the tool's file")->check(units);
   verb->add_option("--out", o->out,

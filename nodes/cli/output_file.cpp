@@ -9,7 +9,7 @@ namespace {
 
 [[noreturn]] void refuse(const std::filesystem::path& file) {
   throw std::runtime_error(fmt::format(
-      "{} could not be written: is its folder there, is there room, and may you write there?",
+      "Cannot write {}. Check that its folder exists, the free space and the permissions",
       file.string()));
 }
 

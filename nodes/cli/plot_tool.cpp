@@ -55,7 +55,7 @@ std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
   const std::filesystem::path tool = program_folder() / "voxtouch_plot";
   if (!std::filesystem::exists(tool))
     throw std::runtime_error(
-        fmt::format("{} is not there, which draws pictures: build or install anew", tool.string()));
+        fmt::format("Plot program {} not found. Build or install voxtouch again", tool.string()));
   const auto log_line = console::log_each_second("report");
   ChildProgram program{
       {::access(kDebianPython, X_OK) == 0 ? kDebianPython : "python3", "-I", tool.string()},
@@ -71,8 +71,8 @@ std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
     ended = run_program(program);
   } catch (const std::runtime_error& error) {
     throw std::runtime_error(
-        fmt::format("Pictures are drawn by Python 3 with matplotlib: install python3 and "
-                    "python3-matplotlib (deploy/setup does). {}",
+        fmt::format("Plots need Python 3 with matplotlib. Install python3 and python3-matplotlib "
+                    "(deploy/setup does). {}",
                     error.what()));
   }
   if (!ended)
@@ -80,9 +80,9 @@ std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
   const std::string said = without_progress(ended->said);
   if (WIFSIGNALED(ended->status))
     throw std::runtime_error(
-        fmt::format("voxtouch_plot was ended by signal {}. {}", WTERMSIG(ended->status), said));
+        fmt::format("voxtouch_plot ended by signal {}. {}", WTERMSIG(ended->status), said));
   if (ended->status != 0)
-    throw std::runtime_error(said.empty() ? "voxtouch_plot failed without a word" : said);
+    throw std::runtime_error(said.empty() ? "voxtouch_plot failed without a message" : said);
   return said;
 }
 

@@ -90,20 +90,20 @@ int recover(const RecoverOptions& o) {
   nlohmann::ordered_json opened = nlohmann::ordered_json::array();
   if (!recovery.receives_from_any())
     problems.push_back(
-        fmt::format("no node of rig '{}' is received on domain {}", o.node.rig, o.node.domain));
+        fmt::format("No node of rig '{}' found on domain {}", o.node.rig, o.node.domain));
   const std::vector<Lock> locks = recovery.locks();
   if (problems.empty() && locks.empty())
-    problems.push_back("nothing is locked: the nodes of rig '" + o.node.rig +
-                       "' say in voxtouch status what they do");
+    problems.push_back("No fault latch is set in rig '" + o.node.rig +
+                       "'; `voxtouch status` lists the nodes' states");
   for (const Lock& lock : locks) {
     if (!recovery.open(lock)) {
       problems.push_back(
-          fmt::format("the {} is still locked two seconds later: {}", lock.node, lock.reason));
+          fmt::format("The {} is still latched after 2 s: {}", lock.node, lock.reason));
       continue;
     }
     opened.push_back({{"node", lock.node}, {"reason", lock.reason}});
     if (!o.json)
-      console::print_result("the {} was locked because {}; force ramps in again\n", lock.node,
+      console::print_result("{} reset; force ramps in. Cause of the latch: {}\n", lock.node,
                             lock.reason);
   }
   if (o.json)
@@ -123,7 +123,7 @@ void add_recover(CLI::App& app, Action& action) {
   auto o = std::make_shared<RecoverOptions>();
   CLI::App* verb = app.add_subcommand("recover");
   runtime::add_rig_options(*verb, o->node);
-  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+  verb->add_flag("--json", o->json, "Prints one JSON object on stdout, the rest on stderr");
   verb->callback([o, &action] { action = [o] { return recover(*o); }; });
 }
 

@@ -36,7 +36,7 @@ class OwnFolder {
   OwnFolder() {
     std::string name = (std::filesystem::temp_directory_path() / "voxtouch_replay_XXXXXX").string();
     if (!::mkdtemp(name.data()))
-      throw std::runtime_error(fmt::format("no folder can be made in {}: {}",
+      throw std::runtime_error(fmt::format("Cannot create a folder in {}: {}",
                                            std::filesystem::temp_directory_path().string(),
                                            std::strerror(errno)));
     path = name;
@@ -56,7 +56,7 @@ std::filesystem::path program_of(const std::filesystem::path& build) {
     if (std::filesystem::is_regular_file(program))
       return std::filesystem::absolute(program);
   throw std::runtime_error(fmt::format(
-      "{} has no program 'voxtouch': --against takes a build's folder, or the program itself",
+      "No program 'voxtouch' in {}. --against takes a build folder or the program itself",
       build.string()));
 }
 
@@ -76,13 +76,13 @@ void replay_by_other(const ReplayVerb& o, const std::filesystem::path& made) {
   };
   const Ended ended = *run_program(child);
   if (WIFSIGNALED(ended.status))
-    throw std::runtime_error(fmt::format("{} was ended by signal {} while it replayed. {}", program,
+    throw std::runtime_error(fmt::format("{} ended by signal {} during the replay. {}", program,
                                          WTERMSIG(ended.status), last_line(ended.said)));
   if (!std::filesystem::exists(
           made / "metadata.yaml"))  // its exit status states the verdict on the recording
-    throw std::runtime_error(fmt::format(
-        "{} made nothing of the recording (a build from before `replay --write` cannot): {}",
-        program, last_line(ended.said)));
+    throw std::runtime_error(
+        fmt::format("{} wrote no replay of the recording (it may lack `replay --write`): {}",
+                    program, last_line(ended.said)));
 }
 
 replay::Replayed replay_once(const ReplayVerb& o) {
@@ -124,27 +124,25 @@ int replay_bag(ReplayVerb o) {
 void add_replay(CLI::App& app, Action& action) {
   auto o = std::make_shared<ReplayVerb>();
   CLI::App* verb = app.add_subcommand("replay");
-  verb->add_option("BAG", o->options.bag, "A bag's folder, or one of its files")
+  verb->add_option("BAG", o->options.bag, "Folder of a recording, or one of its files")
       ->required()
       ->check(CLI::ExistingPath);
   verb->add_option("--scene", o->options.scene,
-                   "This scene instead of the one that the bag names: a file, or the name of one "
-                   "that comes with voxtouch")
+                   "Scene instead of the recorded one: a file, or the name of a shipped scene")
       ->transform(runtime::scene_argument());
   verb->add_option("--rig", o->options.rig,
-                   "Rig, where a bag holds several; default: the one that is there");
-  auto* write =
-      verb->add_option("--write", o->answers,
-                       "Folder for a copy of the bag in which this build's contacts and commands "
-                       "stand in the place of the recorded ones; it must not exist");
+                   "Rig, if the recording holds several; default: the only one");
+  auto* write = verb->add_option("--write", o->answers,
+                                 "Folder for a copy of the recording with this build's contacts "
+                                 "and commands; it must not exist");
   verb->add_option("--against", o->against,
-                   "Another build, its folder or its program: what it makes of the recorded hand "
-                   "is compared instead of what was recorded")
+                   "Compares with the replay of another build (its folder or program), not with "
+                   "the recorded values")
       ->check(CLI::ExistingPath)
       ->excludes(write);
   verb->add_option("--plot", o->picture,
-                   "Draws recorded and replayed forces over time: .png, .svg or .pdf");
-  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+                   "Plots recorded and replayed forces over time (.png, .svg or .pdf)");
+  verb->add_flag("--json", o->json, "Prints one JSON object on stdout, the rest on stderr");
   verb->callback([o, &action] {
     action = [o] {
       try {

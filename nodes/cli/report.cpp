@@ -26,11 +26,11 @@ int report(Report o) {
 void add_report(CLI::App& app, Action& action) {
   auto o = std::make_shared<Report>();
   CLI::App* verb = app.add_subcommand("report");
-  verb->add_option("BAG", o->bag, "A bag's folder")->required()->check(CLI::ExistingPath);
-  verb->add_option("--compare-with", o->compared, "A second recording, drawn next to the first")
+  verb->add_option("BAG", o->bag, "Folder of a recording")->required()->check(CLI::ExistingPath);
+  verb->add_option("--compare-with", o->compared, "Second recording, plotted next to the first")
       ->check(CLI::ExistingPath);
   verb->add_option("--out", o->page,
-                   "Page to write, .html; default: report.html in the bag's folder");
+                   "Page to write (.html); default: report.html in the recording's folder");
   verb->add_option("--rig", o->rig,
                    "Rig, if the recording holds several; default: haptic, or the only one");
   verb->callback([o, &action] { action = [o] { return report(*o); }; });

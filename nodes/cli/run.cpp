@@ -38,8 +38,8 @@ int fail(const CLI::App& app, const std::exception& error) {
 int run(int argc, char** argv, std::span<AddVerb* const> verbs) {
   console::guard_standard_streams();
   CLI::App app(
-      "voxtouch lets a person feel a mesh scene through a force-feedback device, over a ring of "
-      "DDS processes.\n"
+      "voxtouch renders contact with a mesh scene on a force-feedback device, in a ring of DDS "
+      "processes.\n"
       "Try: voxtouch up cup_virtual_tool --motion slide --view");
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string(version()));

@@ -87,11 +87,11 @@ bool is_well(const Rows& rigs) {
 
 std::string to_text(const Rows& rigs, std::uint32_t domain) {
   if (rigs.empty())
-    return fmt::format("no node is received on domain {}\n", domain);
+    return fmt::format("No node found on domain {}\n", domain);
   std::string text;
   for (const auto& [name, rows] : rigs) {
     text += fmt::format("rig {}, domain {}\n  {:<10} {:<9} {:>16} {:>9}  {}\n", name, domain,
-                        "node", "state", "rate", "answered", "last sentence");
+                        "node", "state", "rate", "answered", "last message");
     for (const view::NodeRow& row : rows)
       text += fmt::format(
           "  {:<10} {:<9} {:>16} {:>9}  {}\n", row.report.node, row.state,
@@ -140,8 +140,9 @@ void add_status(CLI::App& app, Action& action) {
   auto o = std::make_shared<StatusOptions>();
   CLI::App* verb = app.add_subcommand("status");
   runtime::add_rig_options(*verb, o->node);
-  verb->add_flag("--watch", o->watch, "Prints it once a second until Ctrl-C");
-  verb->add_flag("--json", o->json, "One JSON object on stdout, with --watch one each second");
+  verb->add_flag("--watch", o->watch, "Prints the list every second until Ctrl-C");
+  verb->add_flag("--json", o->json,
+                 "Prints one JSON object on stdout; with --watch one every second");
   verb->callback([o, verb, &action] {
     o->one_rig = verb->get_option("--rig")->count() > 0;
     action = [o] { return status(*o); };

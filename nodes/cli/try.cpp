@@ -78,7 +78,7 @@ int become_up(const TryOptions& o) {
   const fs::path program = program_folder() / "voxtouch";
   ::execv(program.c_str(), argv.data());
   throw std::runtime_error(
-      fmt::format("{} cannot be started ({})", program.string(), std::strerror(errno)));
+      fmt::format("Cannot start {} ({})", program.string(), std::strerror(errno)));
 }
 
 }  // namespace
@@ -86,11 +86,12 @@ int become_up(const TryOptions& o) {
 void add_try(CLI::App& app, Action& action) {
   auto o = std::make_shared<TryOptions>();
   CLI::App* verb = app.add_subcommand("try");
-  verb->add_option("SHOWN", o->shown, "A scene as for `up`, or a mesh as for `new`")
+  verb->add_option("SHOWN", o->shown, "Scene as for `up`, or mesh as for `new`")
       ->capture_default_str()
       ->option_text("[SCENE|MESH]");
-  verb->add_option("--device", o->device, "A simulated device")->capture_default_str();
-  verb->add_flag("--no-browser", o->no_browser, "Prints the page's address and opens no browser");
+  verb->add_option("--device", o->device, "Simulated device")->capture_default_str();
+  verb->add_flag("--no-browser", o->no_browser,
+                 "Prints the page's address without opening a browser");
   verb->add_option("--record", o->record, "Folder of a recording; default: none");
   runtime::add_rig_options(*verb, o->node);
   verb->callback([o, &action] { action = [o] { return become_up(*o); }; });

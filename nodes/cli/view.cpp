@@ -28,8 +28,8 @@ void add_view(CLI::App& app, Action& action) {
   auto o = std::make_shared<ViewOptions>();
   CLI::App* verb = app.add_subcommand("view");
   verb->add_option("SHOWN", o->shown,
-                   "A bag's folder, a scene file (YAML) or the name of a scene that comes with "
-                   "voxtouch; default: the scene that the ring itself names")
+                   "Folder of a recording, scene file (YAML) or name of a shipped scene; default: "
+                   "the running ring's scene")
       ->transform(CLI::Validator(
           [](std::string& shown) {
             std::error_code error;
@@ -39,20 +39,21 @@ void add_view(CLI::App& app, Action& action) {
       ->option_text("[BAG|SCENE]");
   runtime::add_rig_options(*verb, o->node);
   verb->add_option("--address", o->server.address,
-                   "IPv4 address to serve at; another than 127.0.0.1 shows the page to a network")
+                   "IPv4 address of the server; other than 127.0.0.1, the page is reachable from "
+                   "the network")
       ->capture_default_str();
   CLI::Option* port =
       verb->add_option(
               "--port", o->server.port,
-              "Port to serve at; 0: any that is free. Default: 8765, or any where that is taken")
+              "Port of the server; 0: any free one. Default: 8765, or any free one if it is in use")
           ->check(CLI::Range(0, 65535));
-  verb->add_flag("--lead-hand", o->leads_hand,
-                 "Pages move the hand of the ring's device, which runs with --hand-from page "
-                 "(voxtouch up sets this)");
-  verb->add_flag("--browser", o->opens_browser, "Opens the page in the browser, if there is one");
-  verb->add_option("--with-parent", o->parent,
-                   "Stop when this parent process dies, and print the address on stderr (voxtouch "
-                   "up sets this)");
+  verb->add_flag(
+      "--lead-hand", o->leads_hand,
+      "The page moves the simulated hand of a ring with --hand-from page (set by voxtouch up)");
+  verb->add_flag("--browser", o->opens_browser, "Opens the page in the browser, if available");
+  verb->add_option(
+      "--with-parent", o->parent,
+      "Stops when this parent process ends, and prints the address on stderr (set by voxtouch up)");
   verb->callback([o, port, &action] {
     o->server.port_is_requested = port->count() > 0;
     o->to_stderr = o->parent != 0;

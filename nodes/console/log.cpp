@@ -74,8 +74,7 @@ class StderrSink final : public spdlog::sinks::sink {
     const std::size_t overrun = pool ? pool->overrun_counter() : 0;
     if (overrun == logged_overrun_)
       return;
-    write_all(fmt::format("({} lines are missing here: stderr was blocked)\n",
-                          overrun - logged_overrun_));
+    write_all(fmt::format("({} lines skipped: stderr was blocked)\n", overrun - logged_overrun_));
     logged_overrun_ = overrun;
   }
   std::weak_ptr<spdlog::details::thread_pool> pool_;
@@ -205,7 +204,7 @@ bool has_results() noexcept { return results_begun; }
 
 void finish_results() {
   if (std::fflush(stdout) != 0 || std::ferror(stdout))
-    throw std::runtime_error("standard output could not be written: is the disk full?");
+    throw std::runtime_error("cannot write to standard output; check the free disk space");
 }
 
 void guard_standard_streams() noexcept {

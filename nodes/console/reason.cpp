@@ -29,7 +29,7 @@ std::string_view remedy_for(const std::filesystem::filesystem_error& error) {
   if (error.path1().string().starts_with("/proc/"))
     return ": mount /proc (proc(5))";
   if (current_folder_is_gone())
-    return ": the current folder was deleted; change to another one";
+    return ": the current folder is deleted; change to another one";
   return "";
 }
 
@@ -41,8 +41,8 @@ std::string reason_of(const std::exception& error) {
                        remedy_for(*files));
   const auto* system = dynamic_cast<const std::system_error*>(&error);
   if (system && system->code() == std::errc::resource_unavailable_try_again)
-    return "the system refuses another thread: raise the limit of processes (`ulimit -u`), or "
-           "pids.max of the container";
+    return "the system refused a new thread: raise the process limit (`ulimit -u`) or pids.max of "
+           "the container";
   if (dynamic_cast<const std::bad_alloc*>(&error))
     return "out of memory";
   return error.what();

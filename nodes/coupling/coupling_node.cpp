@@ -107,7 +107,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   /// which fades its force. `anew`: it does not go on from the one before.
   void adopt(device_fit::FittedCoupling fitted, bool anew = false) {
     if (coupling_.runs() && !fitted.refusal.empty())
-      watch_.keep("what came did not fit the device any more");
+      watch_.keep("the new design or plan does not fit the device");
     TakenUp use{host_.session_in_loop(), host_.next_sample(), anew,
                 adopted(fitted, scene_.device, fitting_.device()), coupling_.period_s()};
     coupling_.adopt(use.coupling);
@@ -157,7 +157,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
     report.values["foreign_writers"] =
         of_device + (of_device.empty() || of_rendering.empty() ? "" : " and ") + of_rendering;
     status.say(StatusPriority::kFault, rendering_.diagnostic(registry));
-    constexpr char kBoth[] = "a device and its scene's plan";
+    constexpr char kBoth[] = "a device and its scene plan";
     std::string missing =
         host_.report_session(registry, report, kBoth, counters_[CouplingCounter::kSamples] > 0);
     if (missing.empty() && !host_.session().stopped() &&

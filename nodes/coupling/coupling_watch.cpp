@@ -59,7 +59,7 @@ CouplingWatch::CouplingWatch(const bus::Participant& participant, const std::str
 
 bool CouplingWatch::opened() noexcept {
   if (device_fault_.exchange(false, std::memory_order_relaxed))
-    records_.keep_too("a fault that the device saw");
+    records_.keep_too("a fault reported by the device");
   return lock_.opened();
 }
 
@@ -72,20 +72,19 @@ void CouplingWatch::end_sample(const ContactSeen& seen, const coupling::Coupling
   constexpr double kNoticeableJ = 0.01;   // a stylus of 50 g at 0.6 m/s
   records_.push(seen);
   if (now.faults != before_.faults)
-    keep("a contact came late or could not be used");
+    keep("a late or unusable contact message");
   if (now.not_finite != before_.not_finite)
-    keep("a command was no number");
+    keep("a command with NaN or infinity");
   if (now.swing.swings != before_.swing.swings)
-    keep("the device swings by itself");
+    keep("a self-sustained oscillation of the device");
   if (now.growing && !before_.growing)
-    lock_.engage(
-        "force grew over three periods without the hand's work, so the contact is unstable");
+    lock_.engage("unstable contact: the force grew over three periods without work of the hand");
   const double energy_j = seen.command.energy_j + seen.command.energy_rotation_j;
   const double bound_j = bounds.translation_j + bounds.rotation_j;
   if (energy_j < -kNoticeableJ && energy_j < -kUnstableRatio * bound_j)
     lock_.engage(
-        "the coupling gave five times the energy that a sound contact may show, so the "
-        "contact is unstable");
+        "unstable contact: the coupling generated five times the energy allowed for a stable "
+        "contact");
 }
 
 /// A device that hangs, or has gone without a last status, reports no fault.

@@ -43,15 +43,15 @@ std::vector<std::string> notes_on(const device_fit::FittedCoupling& fitted, doub
   if (!fitted.designed)
     notes.push_back(
         fitted.design.status == coupling::design::DesignStatus::kInfeasible
-            ? "set by hand in the scene; the designer does not vouch for it: the reasons say why"
-            : "set by hand in the scene; the designer's certificates hold for it");
+            ? "set by hand in the scene; not certified by the designer (see the reasons)"
+            : "set by hand in the scene; certified by the designer");
   for (const std::string& more : {coupling::design::describe_slow_velocity(fitted.design.spec),
                                   coupling::design::describe_bound(fitted.design.spec)})
     if (!more.empty())
       notes.push_back("injected damping " + more);
   if (const std::string& forbids = fitted.design.floors.out_of_reach; !forbids.empty())
     notes.push_back(
-        fmt::format("a damping ratio of {:.2g} released and {:.2g} held is out of reach: {}",
+        fmt::format("damping ratios of {:.2g} released and {:.2g} gripped are out of reach: {}",
                     fitted.design.floors.released, fitted.design.floors.held, forbids));
   if (!fitted.refusal.empty())
     notes.push_back(fitted.refusal);

@@ -9,10 +9,9 @@ int coupling(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "coupling",
-       .about = "voxtouch coupling node: shapes the contact wrench so that device, hand and "
-                "contact stay stable "
-                "together, and commands the\n"
-                "device."},
+       .about = "voxtouch coupling node: shapes the contact wrench for a stable loop of device, "
+                "hand and contact, and commands\n"
+                "the device."},
       options, [&](CLI::App& app) { voxtouch::faults::add_option(app, options.fault_records); },
       [&](const std::atomic<bool>& stop) { return voxtouch::coupling_node::run(options, stop); });
 }

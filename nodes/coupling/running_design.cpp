@@ -31,13 +31,14 @@ void RunningDesign::report_to(double contact_n_per_m, runtime::NodeReport& repor
     return;
   describe(report);
   if (displayed_n_per_m > device_max_n_per_m_)
-    status.say(StatusPriority::kProgress,
-               fmt::format("the contact shows up to {:.0f} N/m, more than the device's {:.0f} N/m: "
-                           "lower the contact's stiffness or coupling.gain, or let it be designed "
-                           "(coupling: {{design: auto}})",
-                           displayed_n_per_m, device_max_n_per_m_));
+    status.say(
+        StatusPriority::kProgress,
+        fmt::format(
+            "Contact stiffness at the hand up to {:.0f} N/m, device limit {:.0f} N/m. Reduce the "
+            "contact stiffness or coupling.gain, or use coupling: {{design: auto}}",
+            displayed_n_per_m, device_max_n_per_m_));
   status.say(StatusPriority::kProgress,
-             fmt::format("{} runs, {}", fitted_.spec.kind, status_word(fitted_)));
+             fmt::format("running {}, {}", fitted_.spec.kind, status_word(fitted_)));
   runtime::report_refusal(fitted_.refusal, report, status);
 }
 

@@ -29,9 +29,9 @@ std::optional<scene::DeviceFile> described_device(const std::string& device) {
     return scene::load_device_file(name);
   const std::vector<std::string> names = shipped_devices();
   if (!std::ranges::binary_search(names, name))
-    throw std::runtime_error(fmt::format(
-        "'{}' is no file, and no device file of this name comes with voxtouch. These do: {}",
-        name.substr(0, kShown), fmt::join(names, ", ")));
+    throw std::runtime_error(
+        fmt::format("'{}' is neither a file nor a shipped device file. Shipped device files: {}",
+                    name.substr(0, kShown), fmt::join(names, ", ")));
   return scene::load_device_file(shipped_file("devices", name));
 }
 

@@ -18,14 +18,14 @@ constexpr std::int64_t kPollNs = 50'000'000;
 const char* reason_of(devices::DeviceError error) noexcept {
   switch (error) {
     case devices::DeviceError::kTimeout:
-      return "the device gave no sample in time";
+      return "the device sent no sample in time";
     case devices::DeviceError::kDisconnected:
-      return "the device went away";
+      return "the device disconnected";
     case devices::DeviceError::kNotFinite:
     case devices::DeviceError::kLimit:
       return "the driver refused a command";
     case devices::DeviceError::kProtocol:
-      return "the device broke its protocol";
+      return "the device violated its protocol";
     case devices::DeviceError::kRecoverable:
       return "the device dropped its force";
     case devices::DeviceError::kFault:
@@ -113,7 +113,7 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   ++sequence_;
   progress_.counters.note(DeviceCounter::kSamples);
   if (stood_still()) {
-    faults_.keep("its process was kept from running");
+    faults_.keep("a stall of the device process");
     let_go();
     return End::kNone;
   }
@@ -151,7 +151,7 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
     return End::kDeviceFault;
   // The guard lets nothing through that the driver has to refuse: one of the two is wrong.
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
-    progress_.lock.engage("the driver refused a command that the force guard had let through");
+    progress_.lock.engage("the driver refused a command that the force guard accepted");
   let_go();
   progress_.has_error.store(true, kRelaxed);
   gaps_.restart();  // at zero force, a gap means nothing
@@ -302,16 +302,16 @@ void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before)
   faults_.push(seen_);
   const devices::GuardCounts& now = guard_.counts();
   if (now.refused_not_finite != before.refused_not_finite)
-    faults_.keep("a command was no number");
+    faults_.keep("a command with NaN or infinity");
   const bool cut =
       now.clamped_force != before.clamped_force || now.clamped_torque != before.clamped_torque;
   if (cut)
-    faults_.keep("a command was above the device's limit");
+    faults_.keep("a command above the device's limit");
   lock_where_cut(cut);
   if (now.faded != before.faded)
-    faults_.keep("commands stopped coming and the force faded");
+    faults_.keep("a loss of commands, the force faded");
   if (requests_.coupling_fault.exchange(false, kRelaxed))
-    faults_.keep_too("a fault that the coupling saw");
+    faults_.keep_too("a fault reported by the coupling");
 }
 
 /// One command above the limit is cut and counted. Where more than a tenth of a second's are, the
@@ -322,7 +322,7 @@ void DeviceLoop::lock_where_cut(bool cut) noexcept {
   if (cut_samples_ < 0.1 * second)
     return;
   cut_samples_ = 0.0;
-  progress_.lock.engage("more than a tenth of a second's commands were above the device's limit");
+  progress_.lock.engage("more than 10 % of the commands of a second were above the device's limit");
 }
 
 void DeviceLoop::note(const Wrench& force) noexcept {

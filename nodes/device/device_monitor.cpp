@@ -23,16 +23,15 @@ void LateCommands::look(const Progress& progress, double rate_hz) {
   if (designed_ms_ > 0.0 && !lockstep_ && std::abs(met_ms - met_ms_) > 0.2 * met_ms_) {
     met_ms_ = met_ms;
     network_ = fmt::format(
-        "; the coupling is designed for {:.4g} ms of network, commands come after {:.1f} ms, "
-        "99 of 100 within {:.0f} ms",
+        "; coupling designed for {:.4g} ms of network delay; command latency p50 {:.1f} ms, p99 "
+        "{:.0f} ms",
         designed_ms_, met_ms, std::ceil(1e-3 * progress.latency.quantile_us(0.99)));
   }
   reason_.clear();
   if (late)
     reason_ = fmt::format(
-        "commands come {:.1f} ms after the samples that they answer, too late for any force: the "
-        "coupling was designed for {:.4g} ms of network. A shorter way, or --network-delay {:.0f} "
-        "and less stiffness",
+        "No force: commands arrive {:.1f} ms after their samples, the design assumes {:.4g} ms of "
+        "network delay. Use a faster network, or --network-delay {:.0f}",
         met_ms, designed_ms_, std::ceil(1e-3 * progress.latency.quantile_us(0.9)));
 }
 
@@ -60,24 +59,24 @@ std::string DeviceMonitor::sentence(End end) const {
     case End::kFinished:
       return "finished; the device is at zero force";
     case End::kPeersLate:
-      return "not every node that takes part was ready within 60 s; missing: " + peers_.missing();
+      return "not ready within 60 s: " + peers_.missing();
     case End::kPeerSilent:
-      return fmt::format("no command came for 5 s: {}; the device is at zero force",
-                         late_peer_.empty() ? "is the coupling node alive?" : late_peer_);
+      return fmt::format("no command for 5 s: {}; the device is at zero force",
+                         late_peer_.empty() ? "check that the coupling node runs" : late_peer_);
     case End::kPeerGone:
       return peers_.lost() + "; the device is at zero force";
     case End::kDeviceGone:
-      return fmt::format("{} does not answer any more, zero force was its last command: {}", model,
+      return fmt::format("{} does not respond; its last command was zero force: {}", model,
                          last_error.empty() ? "check its cable and power" : last_error);
     case End::kDeviceFault:
       return fmt::format(
-          "{} reported a fault and needs a person; it was commanded to zero force{}{}", model,
+          "{} reported a fault and needs a manual reset; it was commanded to zero force{}{}", model,
           last_error.empty() ? "" : ": ", last_error);
     case End::kRigClaimed:
-      return "another device runs in this rig and stays; this one is at zero force. Choose another "
+      return "another device already runs in this rig; this one is at zero force. Choose another "
              "--rig or --domain";
     case End::kWriteBlocked:
-      return "a sample could not be handed to DDS; the device is at zero force";
+      return "DDS did not accept a sample; the device is at zero force";
   }
   return "unknown";
 }
@@ -91,7 +90,7 @@ void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry
   keeper_.listen(session, progress_.lock);
   // In a ring that was started by hand a lost role ends the session.
   if (coupling_.lost_session() == session)
-    peers_.lose("the coupling of this session has gone");
+    peers_.lose("the coupling of this session has left");
   if (coupling && coupling->state == NodeState::kFailed && coupling->session_id == 0)
     peers_.lose("the coupling has left this session: " + coupling->message);
   peers_.update(host_, registry, session, coupling_.bound());
@@ -112,8 +111,8 @@ std::string DeviceMonitor::find_late_peer(const runtime::NodeRegistry& registry)
       continue;
     if (const double stalled_s = runtime::value_of(report->figures, runtime::kStalledFor);
         stalled_s > 0.0)
-      return fmt::format("{} has stood still for {:.1f} s, and the others wait for it",
-                         report->node, stalled_s);
+      return fmt::format("{} is stalled for {:.1f} s and blocks the other nodes", report->node,
+                         stalled_s);
     const bool answers = report->node == "rendering" || report->node == "coupling";
     if (answers && runtime::value_of(report->figures, "samples") <= samples &&
         behind != "rendering")
@@ -128,13 +127,13 @@ void DeviceMonitor::note_error(End end) {
   if (end == End::kNone && progress_.has_error.load()) {
     const std::string text = driver_.last_error();
     diagnostic_ = !text.empty() ? text
-                                : fmt::format("the last call of its driver ended as '{}'",
+                                : fmt::format("the last driver call returned '{}'",
                                               devices::name_of(progress_.last_error.load()));
   }
   const double gap_ms = progress_.counters[DeviceCounter::kLongestGap];
   if (gap_ms > reported_gap_ms_) {
     reported_gap_ms_ = gap_ms;
-    diagnostic_ = fmt::format("its process was kept from running for {:.0f} ms", gap_ms);
+    diagnostic_ = fmt::format("the device process stalled for {:.0f} ms", gap_ms);
   }
 }
 
@@ -157,7 +156,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
   status.say(StatusPriority::kForeign, coupling_.diagnostic(registry));
   if (!rig_.conflicting().empty())
     status.say(StatusPriority::kConflict,
-               "another device runs in this rig, one of the two goes: " + rig_.conflicting());
+               "another device runs in this rig; one of the two will stop: " + rig_.conflicting());
   status.say(StatusPriority::kNetwork, late_.reason());
   if (progress_.has_error.load())
     status.say(StatusPriority::kFault,

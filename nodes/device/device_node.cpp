@@ -63,9 +63,8 @@ std::optional<std::uint64_t> require_free_rig(const bus::Participant& participan
     for (const runtime::NodeReport& other : registry.reports())
       if (other.node == "device" && !other.final())
         throw std::runtime_error(
-            fmt::format("a device already runs in rig '{}' on domain {} (process {} on {}). Stop "
-                        "it, or choose another "
-                        "--rig or --domain",
+            fmt::format("A device already runs in rig '{}' on domain {} (process {} on {}). Stop "
+                        "it, or choose another --rig or --domain",
                         options.rig, options.domain, other.pid, other.host));
     if (looked)
       return runtime::sessions_seen(registry);
@@ -90,11 +89,11 @@ std::unique_ptr<devices::Driver> open_driver(const Options& options, const scene
   device.cancelled = &stop;
   if (options.lockstep && !devices::has_simulated_hand(options.device))
     throw devices::DeviceOpenError(options.device +
-                                   " lives in real time: --lockstep needs a simulated device");
+                                   " runs in real time: --lockstep needs a simulated device");
   std::unique_ptr<devices::Driver> driver = devices::open_device(options.device, device);
   if (options.lockstep && !driver->simulated())
     throw devices::DeviceOpenError(driver->description().model +
-                                   " did not take up virtual time, which --lockstep needs");
+                                   " does not support virtual time, which --lockstep needs");
   return driver;
 }
 
@@ -240,7 +239,7 @@ std::string check_duration(const std::string& text) {
   const double seconds = parse_finite(text).value_or(-1.0);
   if (seconds == 0.0 || (seconds >= 1e-6 && seconds <= 1e8))
     return {};
-  return "'" + text.substr(0, 64) + "' is no duration: 0 (no end), or seconds from 1e-6 to 1e8";
+  return "'" + text.substr(0, 64) + "' is not a duration: 0 (unlimited), or 1e-6 to 1e8 seconds";
 }
 
 }  // namespace
@@ -248,22 +247,21 @@ std::string check_duration(const std::string& text) {
 void add_device_options(CLI::App& app, Options& options) {
   app.add_option(
          "--device", options.device,
-         fmt::format("{}; sim:FILE, or sim: and one of {}: as a file describes it",
+         fmt::format("{}; sim:FILE simulates a device file, or sim: and a shipped one: {}",
                      fmt::join(devices::device_names(), ", "), fmt::join(shipped_devices(), ", ")))
       ->capture_default_str();
-  app.add_option(
-         "--device-option", options.settings,
-         "KEY=VALUE of this device (deploy/devices/*.md list them); may be given more than once")
+  app.add_option("--device-option", options.settings,
+                 "KEY=VALUE of this device (see deploy/devices/*.md); repeatable")
       ->allow_extra_args(false);
   faults::add_option(app, options.fault_records);
   app.add_option("--network-delay", options.network_delay_ms,
-                 "Milliseconds that the network between device and coupling takes, there and back: "
-                 "the coupling is designed for them, which costs\n"
+                 "Round-trip network delay between device and coupling [ms]. The coupling is "
+                 "designed for it, with less\n"
                  "stiffness. Default 0: one host, or a switch")
       ->check(CLI::Range(0.0, 100.0));
   app.add_option("--motion", options.motion,
-                 "What the simulated hand does: a motion of the scene (hit, slide, circle, free)");
-  app.add_option("--duration", options.duration_s, "Seconds of device time; 0 = until stopped")
+                 "Motion of the simulated hand: one of the scene's (hit, slide, circle, free)");
+  app.add_option("--duration", options.duration_s, "Duration in device time [s]; 0: until stopped")
       ->capture_default_str()
       ->check(check_duration);
   add_hand_options(app, options.hand);
@@ -271,9 +269,8 @@ void add_device_options(CLI::App& app, Options& options) {
 
 Motion choose_motion(const scene::Scene& scene, const std::string& name) {
   if (scene.motions.empty() && !name.empty())
-    throw std::runtime_error(
-        fmt::format("{}: the scene has no motions, so there is no '{}'; add it under `motions:`",
-                    scene.file.string(), name));
+    throw std::runtime_error(fmt::format(
+        "{}: the scene has no motion '{}'. Add it under `motions:`", scene.file.string(), name));
   if (scene.motions.empty()) {
     Motion rest;
     rest.path = {Vec3::Zero()};
@@ -293,7 +290,7 @@ Motion choose_motion(const scene::Scene& scene, const std::string& name) {
   std::string known;
   for (const auto& [key, motion] : scene.motions)
     known += (known.empty() ? "" : ", ") + key;
-  throw std::runtime_error(fmt::format("{}: there is no motion '{}'; this scene has {}",
+  throw std::runtime_error(fmt::format("{}: unknown motion '{}'. Motions of this scene: {}",
                                        scene.file.string(), name, known));
 }
 

@@ -12,21 +12,22 @@ namespace voxtouch::device_node {
 
 void add_hand_options(CLI::App& app, HandChoice& choice) {
   app.add_option("--hand", choice.grip,
-                 fmt::format("Grip of the simulated hand: {}; default: that of the device",
+                 fmt::format("Grip of the simulated hand: {}; default: the device's",
                              fmt::join(hand::grip_names(), ", ")));
   app.add_option_function<std::string>(
          "--hand-from", [&choice](const std::string& from) { choice.from_page = from == "page"; },
-         "What moves the simulated hand: `motion`, the one of --motion, or `page`: a page of `up "
-         "--view`, by mouse, touch, keys or gamepad")
+         "Source of the simulated hand's motion: `motion` (see --motion) or `page` (mouse, touch, "
+         "keys or gamepad on the page of `up --view`)")
       ->check(CLI::IsMember({"motion", "page"}))
       ->default_str("motion");
   app.add_option("--release-time", choice.release_time_s,
                  "Device time at which the simulated hand releases the device [s]")
       ->check(runtime::require_positive);
   app.add_option("--grip-change-time", choice.grip_change_time_s,
-                 "Device time at which it grips harder [s]")
+                 "Device time at which the grip stiffness changes [s]")
       ->check(runtime::require_positive);
-  app.add_option("--grip-factor", choice.grip_factor, "Stiffness of that grip over the first")
+  app.add_option("--grip-factor", choice.grip_factor,
+                 "Ratio of the new grip stiffness to the first")
       ->capture_default_str()
       ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1e-3, 1e3));
@@ -41,7 +42,7 @@ std::optional<sim::OperatorConfig> choose_hand(const std::string& device, const 
   if (!choice.grip.empty()) {
     const std::optional<sim::OperatorConfig> named = hand::grip(choice.grip);
     if (!named)
-      throw devices::DeviceOpenError(fmt::format("there is no hand '{}'; --hand takes {}",
+      throw devices::DeviceOpenError(fmt::format("Unknown hand '{}'. --hand accepts {}",
                                                  choice.grip, fmt::join(hand::grip_names(), ", ")));
     const bool carries = hand.carries_tool;
     hand = *named;
@@ -74,8 +75,8 @@ void check_hand_from(const std::string& device, const HandChoice& choice, bool l
   devices::require_led(device);
   if (lockstep)
     throw devices::DeviceOpenError(
-        "--hand-from page moves the hand by the wall's time, and no two runs would be the same: "
-        "start without --lockstep, or with --motion");
+        "--hand-from page runs in wall time and is not repeatable. Start without --lockstep, or "
+        "with --motion");
 }
 
 std::string to_text(const HandChoice& choice) {

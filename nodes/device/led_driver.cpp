@@ -34,7 +34,7 @@ void LedDriver::report_to(const runtime::NodeRegistry& registry, runtime::NodeRe
       page_.participant() ? registry.name_of(*page_.participant()) : std::string("no page");
   if (const std::string others = page_.refused_writers(); !others.empty())
     status.say(runtime::StatusPriority::kForeign,
-               fmt::format("targets of {} are refused: {} leads the hand", others,
+               fmt::format("hand targets from {} are refused: {} moves the hand", others,
                            report.values["hand_from"]));
 }
 

@@ -17,10 +17,10 @@ std::string loss_of(const bus::Guid& partner, const runtime::NodeRegistry& regis
   // DDS takes one that stands still for gone after some seconds.
   const bool gone = !registry.is_here(partner), silent = hung != all_hung.end();
   if (report && report->state == runtime::NodeState::kFailed)
-    return node + " takes part and has failed";
+    return node + " has failed";
   if (silent && (gone || hung->for_s * 1e9 >= runtime::kGivenUpNs))
-    return fmt::format("{} has given no sign of life for {:.1f} s", node, hung->for_s);
-  return gone ? node + " takes part and has gone" : "";
+    return fmt::format("{} is silent for {:.1f} s", node, hung->for_s);
+  return gone ? node + " has left" : "";
 }
 
 }  // namespace

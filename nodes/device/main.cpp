@@ -8,10 +8,9 @@ int device(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "device",
-       .about = "voxtouch device node: reads a haptic device (or simulates one with a hand on it), "
-                "publishes its "
-                "state, and gives it the\n"
-                "commanded force through the force guard. Ends with the device at zero force."},
+       .about = "voxtouch device node: reads a haptic device (or simulates a device and hand), "
+                "publishes its state and commands\n"
+                "forces through the force guard. It ends with the device at zero force."},
       options, [&](CLI::App& app) { voxtouch::device_node::add_device_options(app, options); },
       [&](const std::atomic<bool>& stop) { return voxtouch::device_node::run(options, stop); });
 }

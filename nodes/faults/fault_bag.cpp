@@ -70,19 +70,19 @@ std::vector<std::string> fault_records_in(const std::filesystem::path& folder) {
     std::ifstream file(entry.path() / "fault.json");
     const auto json = nlohmann::json::parse(file, nullptr, false);
     if (json.is_object())
-      sentences.push_back(fmt::format(
-          "what the {} saw in the last {:.1f} s before {} is in {}", json.value("node", "node"),
-          1e-9 * (json.value("last_time_ns", 0.0) - json.value("first_time_ns", 0.0)),
-          json.value("reason", "a fault"), entry.path().string()));
+      sentences.push_back(
+          fmt::format("fault record of {}: {:.1f} s before {}, in {}", json.value("node", "node"),
+                      1e-9 * (json.value("last_time_ns", 0.0) - json.value("first_time_ns", 0.0)),
+                      json.value("reason", "a fault"), entry.path().string()));
   }
   std::ranges::sort(sentences);
   return sentences;
 }
 
 void add_option(CLI::App& app, std::filesystem::path& folder) {
-  app.add_option("--fault-records", folder,
-                 "Folder for what this node saw in the last 2 s before a fault, a bag each; "
-                 "default: nothing is kept");
+  app.add_option(
+      "--fault-records", folder,
+      "Folder for fault records: one recording of the last 2 s before each fault; default: none");
 }
 
 }  // namespace voxtouch::faults

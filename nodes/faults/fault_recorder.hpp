@@ -109,10 +109,9 @@ class FaultRecorder {
     std::string where, diagnostic;
     try {
       where = write_fault_bag(folder_, context_, topics_, messages_(rows)).string();
-      console::log("{}: what it saw before {} is in {}\n", context_.node, reason, where);
+      console::log("{}: fault record of {}: {}\n", context_.node, reason, where);
     } catch (const std::exception& error) {
-      diagnostic =
-          fmt::format("what it saw before {} is not on the disk: {}", reason, error.what());
+      diagnostic = fmt::format("cannot write the fault record of {}: {}", reason, error.what());
       console::log("warning: {}: {}\n", context_.node, diagnostic);
     }
     const std::lock_guard lock(mutex_);

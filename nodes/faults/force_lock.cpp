@@ -55,7 +55,7 @@ void ForceLock::report_to(runtime::NodeReport& report, bool runs) const {
   report.values[kNumber] = fmt::to_string(number);
   report.values[kReason] = reason;
   report.message = fmt::format(
-      "locked at zero force: {}. Find the cause, let go of the device, then run voxtouch recover",
+      "latched at zero force: {}. Find the cause, release the device, then run `voxtouch recover`",
       reason);
 }
 

@@ -62,8 +62,7 @@ class LoggerNode {
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
         console::log(
-            "warning: logger: {} of {} messages of {} are not in the bag: the disk was too slow or "
-            "full\n",
+            "warning: logger: {} of {} messages of {} dropped: the disk is too slow or full\n",
             t.dropped + t.lost, t.received, t.name);
     return lost_messages(final_) == 0 && final_.errors.empty() ? peer_lost : 1;
   }
@@ -120,7 +119,7 @@ class LoggerNode {
     const std::uint64_t lost = lost_messages(now);
     status.say(StatusPriority::kProgress, finished ? "the bag is closed" : "recording");
     if (lost)
-      status.say(StatusPriority::kNetwork, "the disk is too slow: messages are being dropped");
+      status.say(StatusPriority::kNetwork, "messages are being dropped: the disk is too slow");
     if (!now.errors.empty())
       status.say(StatusPriority::kFault, now.errors.front());
     report.values = {{"bag", options_.bag.string()}};
@@ -165,9 +164,8 @@ class LoggerNode {
     if (refused + skipped == 0)
       return;
     report.values["refused_writers"] = refused_from_.text();
-    status.append(
-        fmt::format("; {} messages are not in the bag: {}, which play no role of this session",
-                    refused + skipped, refused_from_.text()));
+    status.append(fmt::format("; {} messages of unauthorised writers not recorded: {}",
+                              refused + skipped, refused_from_.text()));
   }
 
   const Options& options_;

@@ -12,15 +12,15 @@ void add_format_options(CLI::App& app, RecordFormat& format) {
   for (const bag::StorageName& one : bag::kStorages)
     names.emplace(one.name, one.storage);
   app.add_option("--record-format", format.storage,
-                 "How the bag is stored: mcap (default), compressed, with the types of its "
-                 "messages; sqlite3 for ROS 2 Humble")
+                 "Storage format: mcap (default; compressed, with message types) or sqlite3 (for "
+                 "ROS 2 Humble)")
       ->transform(CLI::CheckedTransformer(names))
       ->option_text("mcap|sqlite3");
   app.add_option("--record-split-mb", format.split_mb,
-                 "The bag goes on in another file before one is larger than this [MB]")
+                 "Starts a new file before one exceeds this size [MB]")
       ->check(runtime::require_positive);
   app.add_option("--record-split-s", format.split_s,
-                 "The bag goes on in another file when one covers this time [s]")
+                 "Starts a new file when one covers this time [s]")
       ->check(runtime::require_positive);
 }
 

@@ -133,8 +133,7 @@ std::vector<std::string> RecordedTopics::discover() {
     });
     if (type == std::end(msg::kAllTypes)) {
       sentences.push_back(fmt::format(
-          "topic {} is not recorded: its type {} is none of those compiled in, which idl lists",
-          name, type_name));
+          "topic {} is not recorded: its type {} is not compiled in (see idl/)", name, type_name));
       return;
     }
     try {

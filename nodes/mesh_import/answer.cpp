@@ -57,7 +57,7 @@ mesh::FileTriangles decode(std::string_view answer) {
       std::max({head.text, head.vertices, head.triangles}) > answer.size() ||
       answer.size() !=
           head.vertices * sizeof(Vec3) + head.triangles * sizeof(Triangle) + head.text) {
-    throw std::runtime_error("it gave no whole answer");
+    throw std::runtime_error("incomplete reply of the reader process");
   }
   std::string text(answer.substr(answer.size() - head.text));
   if (head.refused != 0)
@@ -76,7 +76,7 @@ mesh::FileTriangles decode(std::string_view answer) {
       read.mesh.triangles, [&](const Triangle& t) { return std::ranges::max(t) < head.vertices; });
   if (!finite || !there)
     throw std::runtime_error(
-        "it gave a vertex that is not finite, or a triangle without its vertex");
+        "the reader process returned NaN, infinity or an invalid vertex index");
   for (std::size_t end; (end = text.find('\n')) != std::string::npos; text.erase(0, end + 1)) {
     read.warnings.push_back(text.substr(0, end));
   }

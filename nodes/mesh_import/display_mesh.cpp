@@ -80,7 +80,7 @@ std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene,
     if (counts[n] <= quotas[n])
       continue;
     coarsen(all[n], quotas[n]);
-    all[n].note = fmt::format("{} is drawn with {} of its {} triangles; all are rendered.",
+    all[n].note = fmt::format("{} is displayed with {} of {} triangles; contact uses all of them.",
                               specs[n]->path.filename().string(), all[n].triangles(), counts[n]);
   }
   return all;

@@ -59,8 +59,7 @@ pid_t spawn(const std::vector<std::string>& words, int shared) {
   posix_spawn_file_actions_destroy(&files);
   posix_spawnattr_destroy(&attributes);
   if (error != 0)
-    throw std::runtime_error(
-        fmt::format("{} could not be started: {}", words[0], std::strerror(error)));
+    throw std::runtime_error(fmt::format("cannot start {}: {}", words[0], std::strerror(error)));
   return child;
 }
 
@@ -71,7 +70,8 @@ mesh::FileTriangles read_apart(const std::filesystem::path& path, const std::str
       ::fdopen(::memfd_create("mesh", MFD_CLOEXEC), "r+"), ::fclose);
   if (!shared || std::fwrite(bytes.data(), 1, bytes.size(), shared.get()) != bytes.size() ||
       std::fflush(shared.get()) != 0) {
-    throw std::runtime_error(fmt::format("no memory for its bytes: {}", std::strerror(errno)));
+    throw std::runtime_error(
+        fmt::format("cannot allocate shared memory: {}", std::strerror(errno)));
   }
   const std::filesystem::path program =
       limits.program.empty() ? program_folder() / "voxtouch_import_mesh" : limits.program;
@@ -84,15 +84,16 @@ mesh::FileTriangles read_apart(const std::filesystem::path& path, const std::str
     continue;
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (signal == SIGXCPU || signal == SIGALRM) {
-    mesh::import::refuse(path, fmt::format("took longer than {} s to read", limits.cpu_s),
+    mesh::import::refuse(path, fmt::format("reading exceeded the limit of {} s", limits.cpu_s),
                          "reduce the mesh, or export it again");
   }
   if (signal != 0) {
-    mesh::import::refuse(path, fmt::format("broke its reader ({})", ::strsignal(signal)),
+    mesh::import::refuse(path, fmt::format("the reader process crashed ({})", ::strsignal(signal)),
                          "the file is damaged: export it again");
   }
   if (status != 0)
-    throw std::runtime_error(fmt::format("its reader ended with status {}", WEXITSTATUS(status)));
+    throw std::runtime_error(
+        fmt::format("the reader process ended with status {}", WEXITSTATUS(status)));
   return decode(mesh::read_mesh_bytes(fmt::format("/proc/self/fd/{}", ::fileno(shared.get())),
                                       ~std::uintmax_t{0}));
 }
@@ -106,8 +107,8 @@ mesh::FileTriangles read_or_refuse(const std::filesystem::path& path, const std:
   } catch (const mesh::MeshError&) {
     throw;
   } catch (const std::exception& error) {
-    mesh::import::refuse(path, fmt::format("was not read: {}", error.what()),
-                         "see that voxtouch_import_mesh stands next to this program");
+    mesh::import::refuse(path, fmt::format("cannot be read: {}", error.what()),
+                         "check that voxtouch_import_mesh is in the same folder as this program");
   }
 }
 

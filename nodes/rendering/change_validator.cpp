@@ -43,39 +43,37 @@ void ChangeValidator::set_plan(const rendering::BuiltScene& built) {
 std::string ChangeValidator::check(const msg::EffectChange& m, std::uint64_t session,
                                    std::uint64_t sample, const PendingChanges& pending) const {
   if (too_long(m.effect) || too_long(m.parameter) || too_long(m.model))
-    return fmt::format("a name is longer than {} characters", kMaxNameBytes);
+    return fmt::format("name too long, limit {} characters", kMaxNameBytes);
   if (m.action < kActionSwitch || m.action > kActionReload)
     return fmt::format(
-        "there is no action {}; 1 switches, 2 sets a gain, 3 a parameter, 4 builds the scene anew",
-        m.action);
+        "unknown action {}; valid: 1 switch, 2 gain, 3 parameter, 4 rebuild the scene", m.action);
   if (m.session_id != 0 && m.session_id != session)
-    return fmt::format(
-        "session {} does not run{}; 0 means whichever does", m.session_id,
-        session == 0 ? ", no device has begun one" : fmt::format(" ({} does)", session));
+    return fmt::format("session {} is not running{}; 0 selects the running session", m.session_id,
+                       session == 0 ? ", none is" : fmt::format(" ({} does)", session));
   const double period_s = std::clamp(on_device_.period_s(), 1e-5, 1.0);
   const auto farthest = static_cast<std::uint64_t>(kMaxWaitS / period_s);
   if (m.from_sample > sample + farthest)
     return fmt::format(
-        "sample {} is more than {} samples away, {:g} s: changes are made in order, "
-        "and all others would wait",
+        "sample {} is too far ahead, limit {} samples ({:g} s): changes are applied in order and "
+        "all later ones would wait",
         m.from_sample, farthest, kMaxWaitS);
   if (m.from_sample > 0 && m.from_sample < pending.last_sample())
-    return fmt::format(
-        "a change asked for earlier waits for sample {}, and changes are made in order",
-        pending.last_sample());
+    return fmt::format("an earlier request waits for sample {}, and changes are applied in order",
+                       pending.last_sample());
   return {};
 }
 
 std::string ChangeValidator::check_reload(const msg::EffectChange& m,
                                           const PendingChanges& pending) {
   if (m.voxel_size_m != 0.0 && !(std::isfinite(m.voxel_size_m) && m.voxel_size_m > 0.0))
-    return "'voxel_size_m' must be a number above 0 [m], or 0 for the scene's own";
+    return "'voxel_size_m' must be a number > 0 [m], or 0 for the scene's value";
   contact::ContactModelKind kind{};
   if (!view(m.model).empty() && !contact::parse_contact_model(view(m.model), kind))
-    return fmt::format("there is no contact model '{}'; there are original, adapted and field",
+    return fmt::format("unknown contact model '{}'; valid: original, adapted, field",
                        effects::quotable(view(m.model)));
   if (pending.last_sample() > 0)
-    return fmt::format("a change waits for sample {}; ask again after it", pending.last_sample());
+    return fmt::format("a change is pending until sample {}; repeat the request after it",
+                       pending.last_sample());
   return {};
 }
 

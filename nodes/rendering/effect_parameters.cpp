@@ -44,20 +44,20 @@ RosParameter parameter_of(const effects::EffectSpec& effect, const EffectParamet
     case ParameterShape::kVector:
       out.value = std::vector(value.begin(), value.end());
       out.constraints = fmt::format(
-          "Three numbers; their vector's length is {:g}{}.", parameter.low,
-          std::isinf(parameter.high) ? " at least" : fmt::format(" to {:g}", parameter.high));
+          "Three numbers; norm {:g}{}.", parameter.low,
+          std::isinf(parameter.high) ? " or more" : fmt::format(" to {:g}", parameter.high));
       break;
     case ParameterShape::kDirection:
       out.value = std::vector(value.begin(), value.end());
-      out.constraints = "Three numbers, not all 0: they are brought to unit length.";
+      out.constraints = "Three numbers, not all 0; normalised to unit length.";
       break;
     case ParameterShape::kWord:
       out.value = word_at(parameter, value[0]), out.read_only = true;
-      out.constraints = fmt::format("One of: {}. It cannot change while running.", parameter.words);
+      out.constraints = fmt::format("One of: {}. Read-only while running.", parameter.words);
       break;
     case ParameterShape::kText:
       out.value = effect.text, out.read_only = true;
-      out.constraints = "It cannot change while running.";
+      out.constraints = "Read-only while running.";
       break;
   }
   return out;
@@ -67,11 +67,11 @@ void add_effect(std::vector<RosParameter>& all, const effects::EffectSpec& effec
   if (!effect.kind->everywhere) {
     all.push_back({.name = effect.name + ".on",
                    .value = effect.on,
-                   .meaning = "Whether the effect is displayed: " + std::string(effect.kind->says),
+                   .meaning = "Effect on or off: " + std::string(effect.kind->says),
                    .effect = effect.name});
     all.push_back({.name = effect.name + ".gain",
                    .value = effect.gain,
-                   .meaning = "Fraction of the effect that is displayed [1].",
+                   .meaning = "Gain of the effect, 0 to 1 [1].",
                    .low = 0.0,
                    .high = 1.0,
                    .effect = effect.name});
@@ -104,7 +104,7 @@ std::vector<RosParameter> parameters_of(const scene::Scene& scene,
                                         std::span<const effects::EffectSpec> effects) {
   std::vector<RosParameter> all{{.name = "scene",
                                  .value = scene.name,
-                                 .meaning = "Name of the scene that runs.",
+                                 .meaning = "Name of the running scene.",
                                  .read_only = true},
                                 {.name = "voxel_size_m",
                                  .value = scene.voxel_size_m,
@@ -112,7 +112,7 @@ std::vector<RosParameter> parameters_of(const scene::Scene& scene,
                                  .read_only = true},
                                 {.name = "contact_model",
                                  .value = scene.contact.model,
-                                 .meaning = "How forces of the contact are found.",
+                                 .meaning = "Contact model.",
                                  .read_only = true}};
   for (const effects::EffectSpec& effect : effects)
     add_effect(all, effect);
@@ -137,12 +137,11 @@ std::expected<ParameterChange, std::string> change_of(std::span<const RosParamet
   if (known ? known->effect.empty() : dot == std::string::npos) {
     if (known)
       return std::unexpected(
-          fmt::format("'{}' is of the scene and cannot change while running; `voxtouch change "
-                      "--reload` reads another",
+          fmt::format("'{}' belongs to the scene and is read-only while running; use `voxtouch "
+                      "change --reload`",
                       name));
     return std::unexpected(
-        fmt::format("there is no parameter '{}'; parameters are called as EFFECT.on, EFFECT.gain "
-                    "or EFFECT.PARAMETER",
+        fmt::format("unknown parameter '{}'; valid names: EFFECT.on, EFFECT.gain, EFFECT.PARAMETER",
                     effects::quotable(name)));
   }
   ParameterChange change{.action = kActionValue,
@@ -156,7 +155,7 @@ std::expected<ParameterChange, std::string> change_of(std::span<const RosParamet
   }
   if (change.action == kActionSwitch) {
     if (asked.value.type != kBool)
-      return std::unexpected(fmt::format("'{}' takes true or false", effects::quotable(name)));
+      return std::unexpected(fmt::format("'{}' must be true or false", effects::quotable(name)));
     change.value[0] = asked.value.bool_value ? 1.0 : 0.0;
     return change;
   }
@@ -167,7 +166,7 @@ std::expected<ParameterChange, std::string> change_of(std::span<const RosParamet
       known && std::holds_alternative<std::vector<double>>(known->value) ? 3 : 1;
   if (known && numbers.size() != count)
     return std::unexpected(
-        fmt::format("'{}' takes {}", name, count == 3 ? "three numbers" : "a number"));
+        fmt::format("'{}' must be {}", name, count == 3 ? "three numbers" : "a number"));
   std::copy_n(numbers.begin(), std::min<std::size_t>(numbers.size(), 3), change.value);
   return change;
 }

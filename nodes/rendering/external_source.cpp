@@ -35,14 +35,13 @@ bus::Reader<msg::geometry_msgs_WrenchStamped> reader_of(const bus::Participant& 
   const std::string name = qos::dds_name(row, options.rig);
   for (const qos::Topic& own : qos::kTopics)
     if (own.path != qos::kExternalWrench.path && qos::dds_name(own, options.rig) == name)
-      throw bus::Error(
-          fmt::format("the effect 'external' cannot follow {}, which the ring itself writes or "
-                      "reads; name another topic",
-                      name.substr(2)));
+      throw bus::Error(fmt::format(
+          "Effect 'external' cannot read {}: the ring uses this topic. Choose another topic",
+          name.substr(2)));
   if (!options.security.empty() && !text.empty())
     throw bus::Error(
-        fmt::format("the keys of --security give the rendering no right to read {}; leave `topic` "
-                    "out, and write {} with the tool's keys",
+        fmt::format("The rendering's keys do not permit to read {}. Remove `topic`, and write {} "
+                    "with the tool's keys",
                     text, topic_of("", options.rig)));
   return {participant, row, options.rig, qos::profile(row.profile), following};
 }
@@ -178,16 +177,16 @@ void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::N
 
 std::string ExternalSource::diagnostic(const runtime::NodeRegistry& registry) const {
   if (!conflicting_.empty())
-    return fmt::format("{} writers are on {}, and none is used: {}; stop all but one",
+    return fmt::format("{} writers on {}, limit 1; none is used: {}. Stop all but one",
                        conflicting_.size(), topic_, names_of(registry, conflicting_));
   if (!others_.empty() && bound_)
     return fmt::format(
-        "what {} sends on {} is refused: the external wrench of this session comes from {}",
+        "wrenches of {} on {} are refused: this session's external wrench comes from {}",
         names_of(registry, others_), topic_, registry.name_of(*bound_));
   if (frame_.empty())
     return {};
-  return fmt::format("a wrench on {} in the frame '{}' is refused; it must be in '{}' or '{}'",
-                     topic_, frame_, kWorldFrame, device_frame_);
+  return fmt::format("wrench on {} in frame '{}' refused; valid frames: '{}' or '{}'", topic_,
+                     frame_, kWorldFrame, device_frame_);
 }
 
 }  // namespace voxtouch::rendering_node

@@ -58,7 +58,7 @@ inline std::string in_words(const msg::EffectChange& m) {
     case kActionValue:
       return fmt::format("'{}' of '{}'", effects::quotable(m.parameter ? m.parameter : ""), effect);
     default:
-      return "the scene, built anew";
+      return "the rebuilt scene";
   }
 }
 

@@ -8,9 +8,8 @@ int rendering(int argc, char** argv) {
   return voxtouch::runtime::node_main(
       argc, argv,
       {.name = "rendering",
-       .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and answers "
-                "every device sample "
-                "with the contact wrench."},
+       .about = "voxtouch rendering node: builds the scene's voxmap and pointshell and computes "
+                "the contact wrench of each device sample."},
       options, [](CLI::App&) {},
       [&](const std::atomic<bool>& stop) { return voxtouch::rendering_node::run(options, stop); });
 }

@@ -37,7 +37,7 @@ SceneReloader::Result SceneReloader::build(const scene::Scene& running, double v
     if (voxel_size_m > 0.0)
       out.scene.voxel_size_m = voxel_size_m;
     if (!model.empty() && out.scene.virtual_tool() && model != out.scene.contact.model) {
-      out.refusal = fmt::format("a virtual tool goes with the contact model {}, not with {}",
+      out.refusal = fmt::format("A virtual tool requires contact model {}, not {}",
                                 out.scene.contact.model, model);
       return out;
     }

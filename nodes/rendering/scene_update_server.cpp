@@ -8,7 +8,7 @@ namespace voxtouch::rendering_node {
 namespace {
 
 namespace result = msg::effect_changed;
-constexpr const char* kTooMany = "too many changes wait already; wait for their answers";
+constexpr const char* kTooMany = "too many pending changes; wait for their replies";
 
 }  // namespace
 
@@ -98,7 +98,7 @@ std::string SceneUpdateServer::check(std::span<const msg::EffectChange> changes,
                                      bool together) const {
   for (const msg::EffectChange& m : changes) {
     if (together && m.action == msg::effect_change::kActionReload)
-      return "a scene is built anew by itself, and not together with other changes";
+      return "a scene reload cannot be combined with other changes";
     std::string why = validator_.check(m, publisher_.session(), line_.answering(), pending_);
     if (!why.empty())
       return why;
@@ -129,7 +129,7 @@ void SceneUpdateServer::receive_effects(std::span<const msg::EffectChange> chang
   const std::uint64_t from_sample = requests.front().from_sample;
   std::string why;
   if (reloader_.request() && reloader_.request()->from_sample > 0) {
-    why = fmt::format("the scene is being built anew for sample {}; ask again after it",
+    why = fmt::format("the scene is being rebuilt for sample {}; repeat the request after it",
                       reloader_.request()->from_sample);
   } else if (!pause_before(from_sample)) {
     why = fmt::format("sample {} has passed", from_sample);
@@ -166,23 +166,19 @@ std::string SceneUpdateServer::wait_text(const ChangeRequest& request) const {
   const double wait_s =
       sample > now ? static_cast<double>(sample - now) * validator_.on_device().period_s() : 0.0;
   return fmt::format(
-      "{}: waits for sample {}, {:.1f} s of the device's time from now{}", request.what, sample,
-      wait_s,
-      request.from_sample > 0
-          ? ""
-          : ", behind a change that was asked for earlier: changes are made in order");
+      "{}: pending until sample {} ({:.1f} s of device time){}", request.what, sample, wait_s,
+      request.from_sample > 0 ? "" : ", after an earlier request (changes are applied in order)");
 }
 
 void SceneUpdateServer::receive_reload(const msg::EffectChange& m, ChangeRequest request) {
-  std::string why = reloader_.request()
-                        ? "the scene is being built anew already; wait for its answer"
-                        : ChangeValidator::check_reload(m, pending_);
+  std::string why = reloader_.request() ? "a scene reload is already running; wait for its reply"
+                                        : ChangeValidator::check_reload(m, pending_);
   if (why.empty() && !pause_before(request.from_sample))
     why = fmt::format("sample {} has passed", request.from_sample);
   if (!why.empty())
     return inbox_.refuse(request, why);
   inbox_.answer(request, result::kResultWaiting, request.from_sample,
-                "the scene is being built next to the loop");
+                "building the scene in the background");
   reloader_.start(std::move(request), validator_.scene(), m.voxel_size_m, m.model ? m.model : "");
 }
 
@@ -205,7 +201,7 @@ void SceneUpdateServer::finish_reload() {
     pending_.hand_over(std::move(swap), line_);  // nothing else is there: it has room
   } else {
     reloader_.finish();
-    inbox_.refuse(request, "the old scene goes on: " + built.refusal);
+    inbox_.refuse(request, "the current scene stays active: " + built.refusal);
   }
   line_.resume();
 }
@@ -229,13 +225,13 @@ void SceneUpdateServer::handle_report(const ChangeReport& report) {
     reloader_.release(report.scene);
     reloader_.finish();
   }
-  inbox_.refuse(done.request,
-                !done.refusal.empty() ? done.refusal
-                : report.what == What::kLate
-                    ? fmt::format("sample {} has passed, the next one is {}",
-                                  done.request.from_sample, report.sample)
-                    : "another session has begun, or a change asked for before this one was not "
-                      "made; ask again");
+  inbox_.refuse(
+      done.request,
+      !done.refusal.empty() ? done.refusal
+      : report.what == What::kLate
+          ? fmt::format("sample {} has passed; the next sample is {}", done.request.from_sample,
+                        report.sample)
+          : "a new session began, or an earlier change was not applied; repeat the request");
 }
 
 void SceneUpdateServer::show(std::uint64_t from_sample, bool another_scene) {
@@ -270,7 +266,7 @@ void SceneUpdateServer::applied(PendingChange& done, const ChangeReport& report)
   }
   inbox_.record(done.request, report.session, report.sample);
   inbox_.answer(done.request, result::kResultDone, report.sample,
-                fmt::format("{}: holds from sample {} on", done.request.what, report.sample));
+                fmt::format("{}: active from sample {}", done.request.what, report.sample));
   line_.settle(done.change.ticket);
 }
 

@@ -24,7 +24,8 @@ void CouplingReplay::begin_session(const RecordedSession& session,
   as_recorded_ = recorded_scene_ && !session.designs.empty();
   if (recorded_scene_ && !as_recorded_)
     notes_.push_back(fmt::format(
-        "No design of session {} is in the bag: its coupling is designed again.", session.id));
+        "The recording has no coupling design of session {}: the coupling is designed again.",
+        session.id));
   fits_.assign(1, fit(bounds, demand));
   coupling_.begin_session(device_.timing);
   if (!as_recorded_)
@@ -75,8 +76,8 @@ void CouplingReplay::compare(const coupling_node::AdoptedCoupling& recorded) {
     return void(fits_.erase(fits_.begin(), made));
   ++differ_;
   if (!fits_.back().refusal.empty())
-    notes_.push_back(
-        fmt::format("Design {} ran, and is refused now: {}", next_design_, fits_.back().refusal));
+    notes_.push_back(fmt::format("Design {} was active in the recording and is refused now: {}",
+                                 next_design_, fits_.back().refusal));
   for (const std::string& difference : coupling_node::differences(
            recorded, coupling_node::adopted(fits_.back(), scene_.device, device_)))
     notes_.push_back(fmt::format("Design {}: {}", next_design_, difference));

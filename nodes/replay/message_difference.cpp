@@ -49,7 +49,7 @@ constexpr MessageField field(std::string_view name, std::size_t offset) {
     out.word = Word::kFloat;
   static_assert(std::is_same_v<Field, std::uint32_t> || std::is_same_v<Field, float> ||
                     sizeof(Field) % 8 == 0,
-                "a word of another size");
+                "a word of different size");
   if constexpr (std::is_same_v<Field, msg::geometry_msgs_Vector3> ||
                 std::is_same_v<Field, msg::geometry_msgs_Point>)
     out.parts = kVectorParts;

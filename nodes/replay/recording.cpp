@@ -68,15 +68,12 @@ std::string chosen_rig(const bag::BagReader& bag, const std::filesystem::path& p
         !rig.empty() && topic.type == qos::kDeviceState.type)
       rigs.insert(rig);
   if (rigs.empty())
-    cannot(
-        "{} has no device samples (a topic /<rig>/{}): it is not the recording of a ring, and "
-        "nothing can be replayed.",
-        path.string(), qos::kDeviceState.path);
+    cannot("{} has no device samples (topic /<rig>/{}): it is not the recording of a ring.",
+           path.string(), qos::kDeviceState.path);
   if (!asked.empty() && !rigs.contains(asked))
-    cannot("{} holds no rig '{}', but {}.", path.string(), asked, fmt::join(rigs, ", "));
+    cannot("{} has no rig '{}'. Recorded rigs: {}.", path.string(), asked, fmt::join(rigs, ", "));
   if (asked.empty() && rigs.size() > 1)
-    cannot("{} holds several rigs: {}. Choose one with --rig.", path.string(),
-           fmt::join(rigs, ", "));
+    cannot("{} has several rigs: {}. Choose one with --rig.", path.string(), fmt::join(rigs, ", "));
   return asked.empty() ? *rigs.begin() : asked;
 }
 
@@ -131,13 +128,13 @@ class Collector {
                                   [](const auto& one) { return one.second.state.has_value(); });
     });
     if (out_.sessions.empty())
-      cannot("{} holds no device samples: nothing can be replayed.", path_.string());
+      cannot("{} has no device samples to replay.", path_.string());
     for (RecordedSession& session : out_.sessions) {
       const auto described = devices_.find(session.id);
       if (described == devices_.end())
         cannot(
-            "{} has no description of the device (/{}/{}) for session {}: the coupling is made for "
-            "it, and cannot be made again.",
+            "{} has no device description (/{}/{}) for session {}: the coupling cannot be "
+            "designed.",
             path_.string(), out_.rig, qos::kDeviceDescription.path, session.id);
       session.device = described->second;
       session.described_anew = anew_.contains(session.id);
@@ -152,8 +149,8 @@ class Collector {
     out_.designs = designs_.size();
     if (doubled_ > 0)
       out_.warnings.push_back(
-          fmt::format("{} messages bear a number that was there before: DDS gave something twice. "
-                      "What was commanded again is made again, of all else the first counts.",
+          fmt::format("{} duplicate sequence numbers. Repeated commands are replayed; of other "
+                      "messages the first is used.",
                       doubled_));
     return std::move(out_);
   }
@@ -169,7 +166,7 @@ class Collector {
 
   [[noreturn]] void strange(std::string_view type) const {
     cannot(
-        "{} holds a {} that this version does not read: it was recorded by another version of "
+        "{} has a {} that this version cannot read: it was recorded by another version of "
         "voxtouch, or is damaged.",
         path_.string(), type);
   }
@@ -199,7 +196,7 @@ class Collector {
     DeviceDescription device = runtime::from_msg(m);
     const std::string wrong = validate(device);
     if (!wrong.empty())
-      return void(out_.warnings.push_back("A description of the device was refused: " + wrong));
+      return void(out_.warnings.push_back("Device description refused: " + wrong));
     devices_.try_emplace(m.session_id, device);
     if (!std::ranges::equal(
             described_.try_emplace(m.session_id, bytes.begin(), bytes.end()).first->second, bytes))
@@ -218,7 +215,7 @@ class Collector {
     for (const coupling::CouplingIssue& issue :
          coupling::validate(design.spec, design.limits, m.sample_time_s))
       if (issue.refuse)
-        cannot("{} holds a coupling that cannot run: {}", path_.string(), issue.sentence);
+        cannot("{} has a coupling that cannot run: {}", path_.string(), issue.sentence);
   }
 
   static RecordedChange asked_by(const msg::EffectChange& m) {
@@ -237,7 +234,7 @@ class Collector {
     RecordedChange done = asked_by(m);
     done.session = m.session_id, done.from_sample = m.from_sample;
     done.sentence =
-        fmt::format("{}: holds from sample {} on", rendering_node::in_words(m), m.from_sample);
+        fmt::format("{}: active from sample {}", rendering_node::in_words(m), m.from_sample);
     out_.changes.push_back(std::move(done));
   }
 

@@ -30,14 +30,12 @@ scene::Scene scene_of(const ReplayOptions& options, const Recording& recording) 
   if (!options.scene.empty())
     return scene::load_scene(options.scene);
   if (recording.scene_file.empty())
-    throw std::runtime_error(
-        fmt::format("{} does not say which scene file was rendered: no status of the rendering is "
-                    "in it. Name it with --scene.",
-                    options.bag.string()));
+    throw std::runtime_error(fmt::format(
+        "{} does not contain the scene file's name (no status of the rendering). Use --scene.",
+        options.bag.string()));
   if (!std::filesystem::exists(recording.scene_file))
-    throw std::runtime_error(
-        fmt::format("the scene file that the bag names, {}, is not there; name it with --scene",
-                    recording.scene_file.string()));
+    throw std::runtime_error(fmt::format("Recorded scene file {} not found. Use --scene",
+                                         recording.scene_file.string()));
   return scene::load_scene(recording.scene_file);
 }
 
@@ -93,9 +91,8 @@ class Run {
     out_.device = session.device->model;
     if (session.described_anew)
       out_.missing.push_back(
-          fmt::format("The device described itself anew in session {}. The bag does not say from "
-                      "which sample on that held: the first description is used "
-                      "throughout.",
+          fmt::format("Session {} has several device descriptions without sample numbers: the "
+                      "first is used throughout.",
                       session.id));
     change(session.id, std::nullopt);
     rendering_.begin_session(coupling::design::model_of(*session.device), begin_of(session));
@@ -149,14 +146,13 @@ class Run {
     ++out_.changes;
     if (!made.asked)
       return out_.missing.push_back(
-          fmt::format("The change that holds from sample {} on (\"{}\") was answered, and what was "
-                      "asked for is not in the bag: from there on bits cannot "
-                      "be compared.",
+          fmt::format("The request of the change at sample {} (\"{}\") is missing in the "
+                      "recording: later samples cannot be compared.",
                       made.from_sample, made.sentence));
     if (const std::string why = rendering_.apply(together); !why.empty())
       return out_.missing.push_back(
-          fmt::format("The change that holds from sample {} on (\"{}\") cannot be made again: {}",
-                      made.from_sample, made.sentence, why));
+          fmt::format("The change at sample {} (\"{}\") cannot be replayed: {}", made.from_sample,
+                      made.sentence, why));
     if (made.action != msg::effect_change::kActionReload)
       return;
     const auto plan = std::ranges::find_if(recording_.plans, [&](const RecordedPlan& p) {
@@ -164,13 +160,13 @@ class Run {
     });
     if (plan == recording_.plans.end())
       out_.missing.push_back(
-          fmt::format("Which scene was built anew for sample {} is not in the bag: the file is "
-                      "taken as it is now.",
+          fmt::format("The scene reloaded at sample {} is not identified in the recording: the "
+                      "current file is used.",
                       made.from_sample));
     else if (plan->scene_hash != rendering_.scene_hash())
       out_.missing.push_back(
-          fmt::format("The scene that was built anew for sample {} had the hash {}, and the file "
-                      "has {} now: from there on bits cannot be compared.",
+          fmt::format("The scene reloaded at sample {} had hash {}, the file has {} now: later "
+                      "samples cannot be compared.",
                       made.from_sample, plan->scene_hash, rendering_.scene_hash()));
   }
 
@@ -178,8 +174,8 @@ class Run {
     if (!sample.state) {
       if (++out_.lost_states == 1)
         out_.missing.push_back(
-            fmt::format("The device's sample {} was answered and is not in the bag: from there on "
-                        "the rendering may give other bits.",
+            fmt::format("Device sample {} is missing in the recording, its reply is not: later "
+                        "contacts may differ.",
                         number));
     } else if (!sample.rendered() && !recording_.lockstep) {
       return void(++out_.skipped);
@@ -200,9 +196,10 @@ class Run {
       return;  // in lockstep every contact is answered
     const std::optional<msg::ForceCommand> command = coupling_.answer(*contact);
     if (!command)
-      return say_once(fmt::format(
-          "From sample {} of session {} on commands were recorded, and here no coupling may run.",
-          number, session.id));
+      return say_once(
+          fmt::format("From sample {} of session {} the recording has commands, but no coupling is "
+                      "allowed now.",
+                      number, session.id));
     if (sample.command)
       compare(*sample.command, *command);
     for (const msg::ForceCommand& more : sample.again)
@@ -283,9 +280,9 @@ class Run {
   void say_lost(const std::string& node, std::string_view what, const Held& held) {
     const auto figures = recording_.figures.find(node);
     if (figures == recording_.figures.end())
-      return out_.missing.push_back(
-          fmt::format("The {} has left no status: whether all its {} are in the bag is not known.",
-                      node, what));
+      return out_.missing.push_back(fmt::format(
+          "The recording has no status of the {}: it is unknown whether all its {} are recorded.",
+          node, what));
     const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "samples"));
     if (made <= held.count)
       return;
@@ -298,12 +295,12 @@ class Run {
         runtime::as_count(runtime::value_of(figures->second, runtime::kSessions)) == 1 &&
         held.first && began < *held.first;
     const std::string begin =
-        came_late ? fmt::format("its first for sample {}, and the bag's first is for sample {}",
+        came_late ? fmt::format("its first for sample {}, the recording's first for sample {}",
                                 began, *held.first)
-                  : "and no message states of which samples";
+                  : "of unknown samples";
     out_.missing.push_back(fmt::format(
-        "The {} made {} {} more than the bag has, {}: from sample {} on bits may differ for it.",
-        node, made - held.count, what, begin, came_late ? began : held.first_without.value_or(0)));
+        "The {} made {} {} more than recorded, {}: results may differ from sample {}.", node,
+        made - held.count, what, begin, came_late ? began : held.first_without.value_or(0)));
   }
 
   void say_designs() {
@@ -312,10 +309,9 @@ class Run {
       return;
     const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "designs"));
     if (made > recording_.designs)
-      out_.missing.push_back(
-          fmt::format("The coupling took up {} designs, and the bag has {} of them: bits may "
-                      "differ for the others.",
-                      made, recording_.designs));
+      out_.missing.push_back(fmt::format(
+          "The coupling used {} designs, recorded: {}. Results of the others may differ.", made,
+          recording_.designs));
   }
 
   void say_changes() {
@@ -325,13 +321,12 @@ class Run {
     const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "changes"));
     const std::size_t recorded = recording_.changes.size();
     if (made > recorded)
-      out_.missing.push_back(fmt::format(
-          "The rendering made {} changes, and the bag has {} of them.", made, recorded));
+      out_.missing.push_back(
+          fmt::format("The rendering made {} changes, recorded: {}.", made, recorded));
     if (made < recorded)
       out_.missing.push_back(
-          fmt::format("The bag has {} records of changes, and the rendering counts {} in its last "
-                      "status: it made some after that, or another program wrote some, "
-                      "which are made here all the same.",
+          fmt::format("The recording has {} changes, the rendering's last status counts {}: later "
+                      "changes, or changes by other writers. All are replayed.",
                       recorded, made));
   }
 
@@ -342,8 +337,8 @@ class Run {
           recording_.sessions.size() == 1 && processes != recording_.processes.end() &&
           processes->second.size() > 1)
         out_.missing.push_back(
-            fmt::format("The {} was started again within the session. What it began with is not in "
-                        "the bag: from there on bits may differ.",
+            fmt::format("The {} was restarted within the session. Its initial state is not "
+                        "recorded: later results may differ.",
                         node));
   }
 
@@ -354,8 +349,7 @@ class Run {
             ? 0
             : runtime::as_count(runtime::value_of(figures->second, "refused_records"));
     if (refused > 0)
-      out_.notes.push_back(fmt::format(
-          "The recorder refused {} records that the rendering did not write.", refused));
+      out_.notes.push_back(fmt::format("The logger refused {} records of other writers.", refused));
   }
 
   /// What the effect `external` was given and the bag does not hold. The rendering counts those of
@@ -372,8 +366,8 @@ class Run {
             : runtime::as_count(runtime::value_of(figures->second, "external_samples"));
     if (taken > held)
       out_.missing.push_back(
-          fmt::format("The rendering took up {} values of the outside wrench that the bag does not "
-                      "hold, and no message states of which samples: bits may differ for it.",
+          fmt::format("The rendering used {} external wrenches that are not recorded, of unknown "
+                      "samples: results may differ.",
                       taken - held));
   }
 

@@ -20,15 +20,15 @@ std::string difference_text(std::string_view what, const Comparison<T>& c) {
   if (c.differ == 0)
     return fmt::format("  {:<9} {} samples compared, all bit-identical\n", what, c.compared);
   std::string text = fmt::format(
-      "  {:<9} {} of {} samples differ, the first is sample {}; largest difference {:.3g} N "
-      "(sample {}), {:.3g} Nm (sample {})\n",
+      "  {:<9} {} of {} samples differ, first sample {}; largest difference {:.3g} N (sample {}), "
+      "{:.3g} Nm (sample {})\n",
       what, c.differ, c.compared, c.first->sequence_number, c.force_n.value, c.force_n.sample,
       c.torque_nm.value, c.torque_nm.sample);
   for (std::size_t i = 0; i < std::min(c.fields.size(), kMaxFields); ++i)
     text += fmt::format("            {}: {} recorded, {} now, by {}\n", c.fields[i].field,
                         c.fields[i].recorded, c.fields[i].replayed, c.fields[i].by);
   if (c.fields.size() > kMaxFields)
-    text += fmt::format("            and {} fields more\n", c.fields.size() - kMaxFields);
+    text += fmt::format("            and {} more fields\n", c.fields.size() - kMaxFields);
   return text;
 }
 
@@ -43,8 +43,8 @@ std::string scene_text(const Replayed& r) {
   if (r.same_scene())
     return fmt::format("scene '{}'", r.recorded.name);
   if (r.recorded.hash.empty())
-    return fmt::format("scene '{}' (the bag does not say which one was rendered)", r.replayed.name);
-  return fmt::format("another scene: '{}' ({}) instead of '{}' ({})", r.replayed.name,
+    return fmt::format("scene '{}' (the recorded scene is unknown)", r.replayed.name);
+  return fmt::format("different scene: '{}' ({}) instead of '{}' ({})", r.replayed.name,
                      r.replayed.hash, r.recorded.name, r.recorded.hash);
 }
 
@@ -100,27 +100,22 @@ ordered_json to_json(const ForceCurves& c) {
 
 std::string to_text(const Replayed& r) {
   std::string text = fmt::format(
-      "{}: {}, {}, {}, {} samples in {:.3f} s of the device's time\n",
+      "{}: {}, {}, {}, {} samples in {:.3f} s of device time\n",
       std::filesystem::path(r.bag).lexically_normal().filename().string(), scene_text(r), r.device,
       r.lockstep ? "lockstep" : "real time", r.samples, r.duration_s);
   if (!r.other_build.empty())
-    text += fmt::format(
-        "  recorded stands for what {} makes of the recorded hand, replayed and now for what this "
-        "build makes\n",
-        r.other_build);
+    text += fmt::format("  recorded: replay of {}; replayed and now: replay of this build\n",
+                        r.other_build);
   if (r.skipped > 0)
-    text += fmt::format(
-        "  {} samples were not answered when they were recorded, and are left out here too\n",
-        r.skipped);
+    text += fmt::format("  {} samples had no reply in the recording and are skipped\n", r.skipped);
   if (r.changes > 0)
-    text += fmt::format("  {} changes made again\n", r.changes);
+    text += fmt::format("  {} changes replayed\n", r.changes);
   if (r.lost_states + r.lost_contacts > 0)
-    text +=
-        fmt::format("  the recorder lost {} device samples and {} contacts whose answers it has\n",
-                    r.lost_states, r.lost_contacts);
+    text += fmt::format("  not recorded: {} device samples and {} contacts with recorded replies\n",
+                        r.lost_states, r.lost_contacts);
   text += difference_text("contact", r.contact) + difference_text("command", r.command);
   if (r.designs_differ > 0)
-    text += fmt::format("  {:<9} {} of {} differ from what this build designs\n", "design",
+    text += fmt::format("  {:<9} {} of {} differ from the designs of this build\n", "design",
                         r.designs_differ, r.designs);
   if (!r.equal() || !r.same_scene()) {
     text += "  force [N]      recorded                        replayed\n";
@@ -133,10 +128,10 @@ std::string to_text(const Replayed& r) {
     text += "  missing: " + what + "\n";
   for (const std::string& loss : r.losses)
     text += "  lost: " + loss + "\n";
-  text += r.contact.compared + r.command.compared == 0 ? "  Nothing could be compared.\n"
-          : r.equal()                                  ? "  All is bit-identical.\n"
-          : r.losses.empty()                           ? "  It differs.\n"
-                                                       : "  The bag is not complete.\n";
+  text += r.contact.compared + r.command.compared == 0 ? "  FAILED: nothing to compare.\n"
+          : r.equal()                                  ? "  PASSED: bit-identical.\n"
+          : r.losses.empty()                           ? "  FAILED: the replay differs.\n"
+                                                       : "  FAILED: the recording is incomplete.\n";
   return text;
 }
 

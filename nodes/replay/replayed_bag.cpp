@@ -36,7 +36,7 @@ Answers::Key key_in(std::span<const std::byte> bytes) {
   T message{};
   if (!bus::read_stream(bytes, message))
     throw std::runtime_error(
-        "a message that was read once is not the same any more: does something write to the bag?");
+        "a message changed between two reads; check that no program writes to the recording");
   return {message.session_id, message.sequence_number};
 }
 

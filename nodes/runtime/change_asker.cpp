@@ -21,8 +21,8 @@ constexpr milliseconds kPatience{2000};
 
 [[noreturn]] void misread(const std::string& what) {
   throw std::runtime_error(what +
-                           ". Say EFFECT on, EFFECT off, EFFECT gain 0.5, or EFFECT "
-                           "PARAMETER=VALUE; see voxtouch change --help");
+                           ". Usage: EFFECT on, EFFECT off, EFFECT gain 0.5, or EFFECT "
+                           "PARAMETER=VALUE (voxtouch change --help)");
 }
 
 double number(std::string_view text) {
@@ -36,12 +36,12 @@ double number(std::string_view text) {
 ChangeRequest assignment(const std::string& effect, const std::string& word) {
   const std::size_t equals = word.find('=');
   if (equals == std::string::npos || equals == 0)
-    misread(fmt::format("'{}' is neither on, off, gain nor PARAMETER=VALUE", word));
+    misread(fmt::format("'{}' is not one of on, off, gain or PARAMETER=VALUE", word));
   ChangeRequest change{kActionValue, effect, word.substr(0, equals), {}};
   std::string_view rest = std::string_view(word).substr(equals + 1);
   for (std::size_t n = 0;; ++n) {
     if (n == 3)
-      misread(fmt::format("'{}' holds more than three numbers", word));
+      misread(fmt::format("'{}' has more than three numbers", word));
     const std::size_t comma = rest.find(',');
     change.value[n] = number(rest.substr(0, comma));
     if (comma == std::string_view::npos)
@@ -69,13 +69,13 @@ bool until(Clock::duration patience, Holds&& holds) {
 std::vector<ChangeRequest> read_changes(const ChangeWords& o) {
   if (o.reload) {
     if (!o.words.empty())
-      misread("--reload takes no effect");
+      misread("--reload cannot be combined with an effect");
     return {{kActionReload, {}, {}, {}}};
   }
   if (o.voxel_size_m > 0.0 || !o.model.empty())
-    misread("--voxel-size and --model belong to --reload");
+    misread("--voxel-size and --model require --reload");
   if (o.words.size() < 2)
-    misread("an effect and what is to become of it are missing");
+    misread("effect and value are missing");
   const std::string& effect = o.words[0];
   std::vector<ChangeRequest> changes;
   for (std::size_t n = 1; n < o.words.size(); ++n) {
@@ -123,7 +123,7 @@ std::string ChangeAsker::ask(const ChangeWords& words,
     if (answer->result == msg::effect_changed::kResultRefused)
       return answer->sentence;
     if (answer->result != msg::effect_changed::kResultDone)
-      return "not waited for: " + answer->sentence;
+      return "reply not awaited: " + answer->sentence;
     answered({answer->from_sample, answer->sentence});
   }
   return {};
@@ -187,9 +187,8 @@ void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words,
 
 std::string ChangeAsker::no_rendering() const {
   return fmt::format(
-      "no rendering of rig '{}' answers on domain {}: is the ring running, with the same --rig, "
-      "--domain and "
-      "--interface?",
+      "No reply from the rendering of rig '{}' on domain {}. Check that the ring runs with the "
+      "same --rig, --domain and --interface",
       rig_, domain_);
 }
 

@@ -46,7 +46,7 @@ class DeviceInput {
     {
       const std::lock_guard lock(mutex_);
       if (!refusal_.empty())
-        status.say(StatusPriority::kFault, "the device's description is refused: " + refusal_);
+        status.say(StatusPriority::kFault, "device description refused: " + refusal_);
     }
     status.say(StatusPriority::kFault, binding_.diagnostic(registry));
   }

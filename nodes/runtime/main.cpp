@@ -64,7 +64,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
     app.set_version_flag("--version", std::string(version()));
     int parent = 0;
     app.add_option("--with-parent", parent,
-                   "Stop when this parent process dies (voxtouch up sets this)");
+                   "Stops when this parent process ends (set by voxtouch up)");
     configure(app);
     parse(app, argc, argv);
     catch_signals();

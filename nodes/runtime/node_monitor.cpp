@@ -25,11 +25,11 @@ std::vector<RosParameter> settings_of(const NodeOptions& options) {
   if (!options.scene.empty())
     all.push_back({.name = "scene_file",
                    .value = options.scene.string(),
-                   .meaning = "The scene's file.",
+                   .meaning = "Scene file.",
                    .read_only = true});
   all.push_back({.name = "seed",
                  .value = static_cast<std::int64_t>(options.seed),
-                 .meaning = "Seed of everything random.",
+                 .meaning = "Random seed.",
                  .read_only = true});
   return all;
 }
@@ -93,8 +93,8 @@ void NodeMonitor::compare_scenes(NodeReport& report) const {
       continue;
     const auto name = other.values.find("scene");
     report.message = fmt::format(
-        "warning: this node runs scene '{}' ({}), but {} on {} runs '{}' ({}): give both the same "
-        "file",
+        "warning: this node runs scene '{}' ({}), but {} on {} runs '{}' ({}): start both with the "
+        "same file",
         report.values["scene"], own->second, other.node, other.host,
         name == other.values.end() ? "?" : name->second, its->second);
     return;
@@ -120,7 +120,7 @@ void OwnStalls::look(NodeReport& report) {
   report.figures[kLongestStall] = {longest_s_, "s"};
   if (hangs)
     report.message +=
-        fmt::format("; {} has stood still for {} s", report.values[kStalled], 1e-9 * kHungNs);
+        fmt::format("; {} is stalled for {} s", report.values[kStalled], 1e-9 * kHungNs);
 }
 
 void NodeMonitor::watch_reception(NodeReport& report) {
@@ -136,10 +136,10 @@ void NodeMonitor::watch_reception(NodeReport& report) {
     const bool receives_nothing =
         !options_.peers.empty() && !has_received_ && stalls_.watched_ns() >= kDeafNs;
     if (const std::string lost = bus::lost_address(); !lost.empty())
-      deaf_ = lost + ": nodes may not receive each other; start the ring again";
+      deaf_ = lost + ": nodes may not receive each other; restart the ring";
     else if (receives_nothing && !was_deaf)
       deaf_ = fmt::format(
-          "nothing has come from other nodes for {} s: {}", kDeafNs / 1'000'000'000,
+          "nothing received from other nodes for {} s: {}", kDeafNs / 1'000'000'000,
           bus::deafness_cause(options_.network_interface, options_.domain, uri ? uri : ""));
     else if (!receives_nothing)
       deaf_.clear();
@@ -162,8 +162,8 @@ void NodeMonitor::watch_others(NodeReport& report) {
     const bool is_waited_for = partners_.contains(hung.participant) && hung.node != node_;
     const bool too_long = hung.for_s * 1e9 >= static_cast<double>(kGivenUpNs);
     if (is_waited_for && had_session_ && too_long && !report.final() && lost_.empty())
-      lost_ = fmt::format("{} has given no sign of life for {} s: the lockstep run ends", hung.node,
-                          1e-9 * kGivenUpNs);
+      lost_ =
+          fmt::format("{} is silent for {} s: the lockstep run ends", hung.node, 1e-9 * kGivenUpNs);
   }
   if (lost_.empty())
     return;

@@ -253,13 +253,13 @@ std::vector<Hung> NodeRegistry::hung() const {
     if (silent > kHungS) {
       const std::string lost = bus::lost_address();
       all.push_back({report.node, report.participant, silent,
-                     lost.empty() ? fmt::format("{} hangs: no status has come from it for {} s",
-                                                report.node, kHungS)
-                                  : fmt::format("no status comes from {}: {}", report.node, lost)});
+                     lost.empty()
+                         ? fmt::format("{} hangs: no status received for {} s", report.node, kHungS)
+                         : fmt::format("no status received from {}: {}", report.node, lost)});
     } else if (stalled > kHungS) {
       const auto what = report.values.find(kStalled);
       all.push_back({report.node, report.participant, stalled,
-                     fmt::format("{} hangs: {} has stood still for {} s", report.node,
+                     fmt::format("{} hangs: {} is stalled for {} s", report.node,
                                  what == report.values.end() ? "its loop" : what->second, kHungS)});
     }
   }
@@ -280,8 +280,7 @@ std::string NodeRegistry::known_name_of(const bus::Guid& guid) const {
 
 std::string NodeRegistry::name_of(const bus::Guid& guid) const {
   const std::string known = known_name_of(guid);
-  return known.empty() ? fmt::format("a participant that gives no name ({})", to_text(guid))
-                       : known;
+  return known.empty() ? fmt::format("an unnamed participant ({})", to_text(guid)) : known;
 }
 
 std::optional<NodeReport> look_for(NodeRegistry& registry,

@@ -30,7 +30,7 @@ std::string check_interface(const std::string& name) {
                              c == '@' || c == '%';
                     });
   return good ? std::string()
-              : fmt::format("'{}' is no name of a network interface; `ip link` lists them",
+              : fmt::format("'{}' is not a network interface; `ip link` lists the interfaces",
                             name.substr(0, kShown));
 }
 
@@ -38,7 +38,7 @@ std::string check_interface(const std::string& name) {
 std::string check_host(const std::string& name) {
   return check_interface(name).empty()
              ? std::string()
-             : fmt::format("'{}' is no host's name or address", name.substr(0, kShown));
+             : fmt::format("'{}' is not a host name or address", name.substr(0, kShown));
 }
 
 constexpr std::uint32_t kLastDomain = 232;
@@ -54,7 +54,7 @@ void take_domain_of_environment(NodeOptions& o) {
     o.domain = *domain;
   else
     o.domain_fault = fmt::format(
-        "ROS_DOMAIN_ID is '{}', which is no DDS domain (0 to {}): set it anew, or give --domain",
+        "ROS_DOMAIN_ID is '{}', valid DDS domains are 0 to {}. Correct it, or use --domain",
         std::string_view(text).substr(0, kShown), kLastDomain);
 }
 
@@ -68,8 +68,8 @@ std::string check_rig(const std::string& name) {
                                 [](unsigned char c) { return std::isalnum(c) || c == '_'; });
   return good ? std::string()
               : fmt::format(
-                    "'{}' is not a ROS name: letters, digits and _, a letter first, {} of them at "
-                    "most",
+                    "'{}' is not a ROS name: letters, digits and _, starting with a letter, at "
+                    "most {} characters",
                     name.substr(0, kShown), kMaxLength);
 }
 
@@ -87,27 +87,26 @@ std::string require_cpu(const std::string& text) {
     known += (known.empty() ? "" : ", ") + fmt::to_string(cpu);
   }
   return fmt::format(
-      "'{}' is no CPU that this process may run on; there {}: {}", text.substr(0, kShown),
+      "CPU '{}' is not available to this process; available {}: {}", text.substr(0, kShown),
       CPU_COUNT(&allowed) == 1 ? "is 1" : fmt::format("are {}", CPU_COUNT(&allowed)), known);
 }
 
 std::string require_positive(const std::string& text) {
   const auto value = parse_finite(text);
-  return value && *value > 0.0 ? ""
-                               : "'" + text.substr(0, kShown) + "' is not a finite number over 0";
+  return value && *value > 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number > 0";
 }
 
 std::string require_whole(const std::string& text) {
   // As a whole it must fit: CLI11 would take the largest number for one beyond it.
   return parse_number<std::uint64_t>(text)
              ? ""
-             : "'" + text.substr(0, kShown) + "' is not a whole number of 0 or more";
+             : "'" + text.substr(0, kShown) + "' is not an integer >= 0";
 }
 
 std::string require_count(const std::string& text) {
   return parse_number<std::uint64_t>(text).value_or(0) > 0
              ? ""
-             : "'" + text.substr(0, kShown) + "' is not a whole number of 1 or more";
+             : "'" + text.substr(0, kShown) + "' is not an integer >= 1";
 }
 
 std::string check_topic(const std::string& name) {
@@ -116,7 +115,7 @@ std::string check_topic(const std::string& name) {
       !name.empty() && name.size() <= kMaxLength &&
       std::all_of(name.begin(), name.end(), [](unsigned char c) { return c > ' ' && c <= '~'; });
   return good ? std::string()
-              : fmt::format("'{}' is no name of a DDS topic, such as rt/joint_states",
+              : fmt::format("'{}' is not a DDS topic name, such as rt/joint_states",
                             name.substr(0, kShown));
 }
 
@@ -125,28 +124,28 @@ bool NodeOptions::has_peer(std::string_view node) const {
 }
 
 void add_rig_options(CLI::App& app, NodeOptions& o) {
-  app.add_option("--rig", o.rig, "Rig name: the namespace of all topics")
+  app.add_option("--rig", o.rig, "Name of the rig: namespace of all topics")
       ->capture_default_str()
       ->check(check_rig);
   take_domain_of_environment(o);
-  app.add_option("--domain", o.domain, "DDS domain; default: ROS_DOMAIN_ID, or 0")
+  app.add_option("--domain", o.domain, "DDS domain; default: ROS_DOMAIN_ID, else 0")
       ->check(CLI::Range(std::uint32_t{0}, kLastDomain))
       ->each([&o](const std::string&) { o.domain_fault.clear(); });
   app.add_option("--interface", o.network_interface,
-                 "Network card of a ring on several hosts; host: this machine only")
+                 "Network card, for a ring on several hosts; host: this machine only")
       ->capture_default_str()
       ->check(check_interface);
   app.add_option("--discovery-peer", o.discovery_peers,
-                 "A host that multicast does not reach; repeatable")
+                 "Address of a host that multicast does not reach; repeatable")
       ->allow_extra_args(false)
       ->check(check_host);
-  app.add_option("--security", o.security,
-                 "Folder of `voxtouch keys`: joins with DDS Security only")
+  app.add_option("--security", o.security, "Folder of `voxtouch keys`: enables DDS Security")
       ->option_text("DIR")
       ->check([](const std::string& text) {
-        return std::string(text.empty() ? "an empty name is no folder of keys" : "");
+        return std::string(text.empty() ? "the folder name is empty" : "");
       });
-  app.add_option("--ros", o.ros, "ROS 2 that lists the nodes: humble, or iron for all later ones")
+  app.add_option("--ros", o.ros,
+                 "ROS 2 release for node discovery: humble, or iron for later releases")
       ->transform(CLI::CheckedTransformer(std::map<std::string, bus::RosGraph>{
           {"humble", bus::RosGraph::kHumble}, {"iron", bus::RosGraph::kIron}}))
       ->option_text("humble|iron");
@@ -154,29 +153,25 @@ void add_rig_options(CLI::App& app, NodeOptions& o) {
 
 void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
   if (with_scene)
-    app.add_option("--scene", o.scene,
-                   "Scene file (YAML), or the name of one that comes with voxtouch")
+    app.add_option("--scene", o.scene, "Scene file (YAML), or the name of a shipped scene")
         ->required()
         ->transform(scene_argument());
   add_rig_options(app, o);
-  app.add_option("--seed", o.seed, "Seed of everything random")
-      ->capture_default_str()
-      ->check(require_whole);
+  app.add_option("--seed", o.seed, "Random seed")->capture_default_str()->check(require_whole);
   app.add_flag("--lockstep", o.lockstep,
                "Simulated time: each sample waits for its command; runs are bit-identical");
-  app.add_option(
-         "--peers", o.peers,
-         "Nodes that take part, in addition to the device. In lockstep a run waits for them all; "
-         "in real time a simulated device waits\n"
-         "with its first sample until those that read it are matched, 5 s at most")
+  app.add_option("--peers", o.peers,
+                 "Further nodes of the ring. In lockstep the run waits for all of them; in real "
+                 "time a simulated device delays\n"
+                 "its first sample until its readers are matched, at most 5 s")
       ->delimiter(',')
       ->check(CLI::IsMember({"rendering", "coupling", "logger", "validator"}));
   app.add_option("--realtime", o.realtime.mode,
-                 "If real-time scheduling is refused: ignore (warn) or enforce (fail)")
+                 "If real-time scheduling is refused: ignore (warns) or enforce (fails)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Realtime>{
           {"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
       ->option_text("ignore|enforce");
-  app.add_option("--cpu", o.realtime.cpu, "Pin to this CPU")->check(require_cpu);
+  app.add_option("--cpu", o.realtime.cpu, "Pins the loop to this CPU")->check(require_cpu);
   // For `voxtouch up` alone.
   app.add_option_function<std::string>(
          "--of-up", [&o](const std::string& text) { o.up = to_guid(text); }, "")

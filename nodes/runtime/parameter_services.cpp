@@ -50,15 +50,13 @@ std::optional<Results::One> judged(std::span<const RosParameter> known,
   if (parameter && parameter->read_only && is_same(parameter->value, asked.value))
     return Results::One{true, {}};
   if (name == kUseSimTime)
-    return Results::One{
-        false,
-        "'use_sim_time' is read-only: it is true in a ring that was started with --lockstep"};
+    return Results::One{false, "'use_sim_time' is read-only: it is true in a ring with --lockstep"};
   if (node_sets)
     return std::nullopt;
   if (parameter)
     return Results::One{false,
                         fmt::format("'{}' is read-only: it is set when the node starts", name)};
-  return Results::One{false, fmt::format("this node has no parameter '{}'", name)};
+  return Results::One{false, fmt::format("unknown parameter '{}'", name)};
 }
 
 }  // namespace
@@ -105,9 +103,8 @@ bool ParameterServices::waits() const noexcept {
 
 std::vector<RosParameter> ParameterServices::parameters() const {
   std::vector<RosParameter> all = handler_.parameters();
-  RosParameter sim_time{.name = kUseSimTime,
-                        .value = lockstep_,
-                        .meaning = "Whether time is simulated, as /clock gives it."};
+  RosParameter sim_time{
+      .name = kUseSimTime, .value = lockstep_, .meaning = "True if time is simulated (/clock)."};
   sim_time.read_only = true;
   all.insert(std::ranges::lower_bound(all, sim_time.name, {}, &RosParameter::name),
              std::move(sim_time));

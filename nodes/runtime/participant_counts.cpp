@@ -13,7 +13,7 @@ std::uint64_t& ParticipantCounts::of(const bus::Guid& participant) {
 void ParticipantCounts::name(const NodeRegistry& registry) {
   for (auto& [participant, one] : all_) {
     if (participant == bus::Guid{})
-      one.name = "a participant that has gone";
+      one.name = "a participant that has left";
     else if (one.name.empty() || !registry.known_name_of(participant).empty())
       one.name = registry.name_of(participant);
   }

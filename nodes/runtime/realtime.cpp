@@ -61,23 +61,20 @@ std::vector<std::string> take_rights(const RealtimeOptions& options, int (*lock)
   // Before the priority: it takes all memory in at once, 30 ms at which no loop of another rig
   // would run.
   if (const int error = options.priority > 0 ? lock() : 0; error != 0)
-    refused.push_back(fmt::format(
-        "memory could not be locked ({}): a page fault may delay a sample. 'memlock' in "
-        "/etc/security/limits.d allows it "
-        "(deploy/services/99-voxtouch-realtime.conf).",
-        std::strerror(error)));
+    refused.push_back(
+        fmt::format("Cannot lock memory ({}): page faults may delay samples. Allow memlock in "
+                    "/etc/security/limits.d (deploy/services/99-voxtouch-realtime.conf).",
+                    std::strerror(error)));
   sched_param parameters{};
   parameters.sched_priority = options.priority;
   if (options.priority > 0 && sched_setscheduler(0, SCHED_FIFO, &parameters) != 0)
-    refused.push_back(fmt::format(
-        "SCHED_FIFO priority {} was refused ({}): expect late samples under load. 'rtprio' in "
-        "/etc/security/limits.d allows it "
-        "(deploy/services/99-voxtouch-realtime.conf).",
-        options.priority, std::strerror(errno)));
-  if (options.cpu && !stay_on(*options.cpu))
     refused.push_back(
-        fmt::format("CPU {} could not be taken ({}); `nproc` says how many there are.",
-                    *options.cpu, std::strerror(errno)));
+        fmt::format("SCHED_FIFO priority {} refused ({}): samples may be late under load. Allow "
+                    "rtprio in /etc/security/limits.d (deploy/services/99-voxtouch-realtime.conf).",
+                    options.priority, std::strerror(errno)));
+  if (options.cpu && !stay_on(*options.cpu))
+    refused.push_back(fmt::format("Cannot pin to CPU {} ({}). `nproc` prints the number of CPUs.",
+                                  *options.cpu, std::strerror(errno)));
   return refused;
 }
 

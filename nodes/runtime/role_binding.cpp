@@ -115,14 +115,13 @@ std::string RoleBinding::diagnostic(const NodeRegistry& registry) const {
     return all;
   };
   if (!conflicting_.empty())
-    return fmt::format("two {} nodes claim this session, and none is followed: {}; stop one", role_,
+    return fmt::format("two {} nodes claim this session, none is bound: {}. Stop one", role_,
                        names(conflicting_));
   if (lost_session_ != 0 && role_ != "device")  // without a device there is no session
-    return fmt::format(
-        "the {} of this session has gone: the session is over, and no other is bound in it", role_);
+    return fmt::format("the {} of this session has left: the session is over", role_);
   if (others_.empty() || !participant_)
     return {};
-  return fmt::format("what {} sends is refused: the {} of this session is {}", names(others_),
+  return fmt::format("messages of {} are refused: the {} of this session is {}", names(others_),
                      role_, registry.name_of(*participant_));
 }
 

@@ -10,13 +10,13 @@ constexpr std::string_view kNamespace = "__ns:=";
 
 [[noreturn]] void refuse(const std::string& what, const std::string& why) {
   throw CLI::ValidationError("--ros-args",
-                             fmt::format("'{}' is not taken: {}", what.substr(0, 128), why));
+                             fmt::format("'{}' is not supported: {}", what.substr(0, 128), why));
 }
 
 std::string rig_of(const std::string& remap) {
   const std::string name = remap.substr(kNamespace.size());
   if (name.size() < 2 || name[0] != '/' || name.find('/', 1) != std::string::npos)
-    refuse(remap, "the namespace of a rig is one name behind one '/', as in __ns:=/left");
+    refuse(remap, "a rig's namespace is '/' and one name, as in __ns:=/left");
   return name.substr(1);
 }
 
@@ -25,18 +25,16 @@ std::vector<std::string> translated(const std::string& option, const std::string
   if (option != "-r" && option != "--remap") {
     if (option == "-p" || option == "--param" || option == "--params-file")
       refuse(option + " " + value,
-             "parameters are the scene file's, and while the ring runs `ros2 param set`'s");
+             "set parameters in the scene file, or with `ros2 param set` while the ring runs");
     refuse(option,
-           "of ROS's arguments a remapping of the namespace is taken (-r __ns:=/left), which "
-           "chooses the rig");
+           "the only supported ROS argument is a namespace remapping (-r __ns:=/left), which "
+           "selects the rig");
   }
   if (value.starts_with(kNamespace))
     return {"--rig", rig_of(value)};
   if (value.find("__node:=") != std::string::npos || value.find("__name:=") != std::string::npos)
-    refuse(value, "nodes of a rig have fixed names; -r __ns:=/left chooses the rig");
-  refuse(value,
-         "topics of a rig keep their names; -r __ns:=/left chooses the rig, which stands in front "
-         "of them");
+    refuse(value, "node names are fixed; -r __ns:=/left selects the rig");
+  refuse(value, "topic names are fixed; -r __ns:=/left selects the rig, their namespace");
 }
 
 }  // namespace

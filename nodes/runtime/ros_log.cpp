@@ -27,8 +27,7 @@ void RosLog::say(NodeState state, const std::string& sentence) {
   if (!is_said)
     return;
   const std::string text =
-      skipped == 0 ? sentence
-                   : fmt::format("{} ({} more lines were left out before)", sentence, skipped);
+      skipped == 0 ? sentence : fmt::format("{} ({} earlier lines skipped)", sentence, skipped);
   static char none[] = "";
   msg::rcl_interfaces_Log line{};
   line.stamp = to_time(realtime_ns());

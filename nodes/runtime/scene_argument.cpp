@@ -22,9 +22,8 @@ std::string find_scene(std::string& text) {
     return {};
   const std::vector<std::string> names = shipped_scenes();
   if (!std::ranges::binary_search(names, text))
-    return fmt::format(
-        "'{}' is no file, and no scene of this name comes with voxtouch. These do: {}",
-        text.substr(0, kNameShown), fmt::join(names, ", "));
+    return fmt::format("'{}' is neither a file nor a shipped scene. Shipped scenes: {}",
+                       text.substr(0, kNameShown), fmt::join(names, ", "));
   text = shipped_file("scenes", text).string();
   return {};
 }

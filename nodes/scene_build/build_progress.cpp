@@ -12,9 +12,9 @@ namespace voxtouch::scene_build {
 std::string in_words(const StepSoFar& step) {
   // Behind a loop there may be work that is no loop.
   if (step.loop == 0 || step.done == 0 || step.done >= step.count)
-    return fmt::format("{}: {:.0f} s so far", step.name, step.for_s);
+    return fmt::format("{}: {:.0f} s elapsed", step.name, step.for_s);
   const double fraction = static_cast<double>(step.done) / static_cast<double>(step.count);
-  return fmt::format("{}, loop {}: {:.0f} %, about {:.0f} s more", step.name, step.loop,
+  return fmt::format("{}, loop {}: {:.0f} %, about {:.0f} s remain", step.name, step.loop,
                      std::floor(100.0 * fraction),
                      std::ceil(step.loop_s * (1.0 - fraction) / fraction));
 }

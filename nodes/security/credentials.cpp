@@ -35,8 +35,7 @@ void require(bool worked, std::string_view what) {
   const unsigned long code = ERR_get_error();
   ERR_clear_error();
   const char* const reason = ERR_reason_error_string(code);
-  throw Error(
-      fmt::format("{} could not be made (OpenSSL says: {})", what, reason ? reason : "nothing"));
+  throw Error(fmt::format("Cannot make {} (OpenSSL: {})", what, reason ? reason : "nothing"));
 }
 
 Bio reading(const std::string& text) {
@@ -65,7 +64,7 @@ Owner read(const std::string& pem, const std::filesystem::path& from, std::strin
   Owner owner(read(reading(pem).get(), nullptr, no_password, nullptr));
   ERR_clear_error();
   if (!owner)
-    throw Error(fmt::format("{} holds no {}: copy it once more from where `voxtouch keys` made it",
+    throw Error(fmt::format("No {1} in {0}. Copy the file again from the folder of `voxtouch keys`",
                             from.string(), what));
   return owner;
 }
@@ -204,9 +203,8 @@ std::string verified(const std::string& smime, X509& authority, const std::files
   ERR_clear_error();
   if (!is_good)
     throw Error(
-        fmt::format("{} is not signed by the authority of ca.cert.pem next to it: files of two "
-                    "folders are mixed, or it was changed; "
-                    "copy all files once more from where `voxtouch keys` made them",
+        fmt::format("{} is not signed by the CA of ca.cert.pem in the same folder (mixed or "
+                    "changed files). Copy all files again from the folder of `voxtouch keys`",
                     from.string()));
   std::string text = text_of(*out);
   std::erase(text, '\r');  // S/MIME ends lines as mail does

@@ -25,8 +25,7 @@ fs::path plugin(const std::string& name) {
   Dl_info found{};
   if (dladdr(reinterpret_cast<const void*>(&dds_create_participant), &found) == 0 ||
       !found.dli_fname)
-    throw Error(
-        "the library of DDS that runs cannot be found, and with it its plugins for DDS Security");
+    throw Error("Cannot find the loaded DDS library and its DDS Security plugins");
   const fs::path library = found.dli_fname;
   std::string own_folder = library.filename().string();  // libddsc.so.0debian
   if (const auto at = own_folder.find(".so."); at != std::string::npos)
@@ -35,14 +34,13 @@ fs::path plugin(const std::string& name) {
     if (fs::path file = folder / ("lib" + name + ".so"); fs::exists(file))
       return file;
   throw Error(
-      fmt::format("lib{}.so stands neither next to {} nor in {} there: this DDS was built without "
-                  "DDS Security (Debian's libddsc0debian has it)",
+      fmt::format("lib{}.so is neither next to {} nor in {}: this DDS has no DDS Security. Use "
+                  "Debian's libddsc0debian",
                   name, library.string(), own_folder));
 }
 
 std::string renew(std::string_view role) {
-  return fmt::format("`voxtouch keys --renew {} --out DIR` where the authority is makes a new one",
-                     role);
+  return fmt::format("renew it with `voxtouch keys --renew {} --out DIR` in the CA's folder", role);
 }
 
 /// The signature, dates and revocation of `certificate`.
@@ -54,23 +52,22 @@ void require_trusted(X509& certificate, X509& authority, X509_CRL& revoked, cons
       X509_STORE_add_crl(store.get(), &revoked) != 1 ||
       X509_STORE_set_flags(store.get(), X509_V_FLAG_CRL_CHECK) != 1 ||
       X509_STORE_CTX_init(context.get(), store.get(), &certificate, nullptr) != 1)
-    throw Error(fmt::format("{} could not be checked", file.string()));
+    throw Error(fmt::format("Cannot check {}", file.string()));
   if (X509_verify_cert(context.get()) == 1)
     return;
   switch (const int code = X509_STORE_CTX_get_error(context.get())) {
     case X509_V_ERR_CERT_HAS_EXPIRED:
-      throw Error(fmt::format("{} has expired on {}: {}", file.string(),
+      throw Error(fmt::format("{} expired on {}: {}", file.string(),
                               to_text(*X509_get0_notAfter(&certificate)), renew(role)));
     case X509_V_ERR_CERT_NOT_YET_VALID:
-      throw Error(fmt::format("{} is valid from {} on: set this machine's clock", file.string(),
+      throw Error(fmt::format("{} is not valid before {}. Set this machine's clock", file.string(),
                               to_text(*X509_get0_notBefore(&certificate))));
     case X509_V_ERR_CERT_REVOKED:
-      throw Error(fmt::format("{} was revoked: {}", file.string(), renew(role)));
+      throw Error(fmt::format("{} is revoked: {}", file.string(), renew(role)));
     default:
       throw Error(
-          fmt::format("{} is not of the authority of ca.cert.pem next to it ({}): files of two "
-                      "folders are mixed; copy all files once more "
-                      "from where `voxtouch keys` made them",
+          fmt::format("{} is not signed by the CA of ca.cert.pem in the same folder ({}). Copy all "
+                      "files again from the folder of `voxtouch keys`",
                       file.string(), X509_verify_cert_error_string(code)));
   }
 }
@@ -79,9 +76,8 @@ void require_text(const std::string& text, const std::string& expected, const fs
                   std::string_view whose) {
   if (text != expected)
     throw Error(
-        fmt::format("{} is not what this version of voxtouch signs for {}: `voxtouch keys --renew "
-                    "all --out DIR` where the authority is "
-                    "signs it anew",
+        fmt::format("{} does not match this version's permissions for {}. Sign it again with "
+                    "`voxtouch keys --renew all --out DIR` in the CA's folder",
                     file.string(), whose));
 }
 
@@ -94,16 +90,16 @@ std::string read_file(const fs::path& file) {
   const auto status = fs::status(file, error);
   if (status.type() == fs::file_type::not_found)
     throw Error(
-        fmt::format("{} is missing: copy it from where `voxtouch keys` made it", file.string()));
+        fmt::format("{} is missing. Copy it from the folder of `voxtouch keys`", file.string()));
   errno = 0;
   std::ifstream in(file, std::ios::binary);
   std::string text;
   if (fs::is_regular_file(status) && in)
     text.assign(std::istreambuf_iterator<char>(in), {});
   if (!fs::is_regular_file(status) || !in)
-    throw Error(fmt::format(
-        "{} cannot be read ({}): see that it is a file of the user who starts this", file.string(),
-        fs::is_regular_file(status) ? std::strerror(errno) : "it is no file"));
+    throw Error(fmt::format("Cannot read {} ({}). It must be a file readable by this user",
+                            file.string(),
+                            fs::is_regular_file(status) ? std::strerror(errno) : "not a file"));
   return text;
 }
 
@@ -111,8 +107,8 @@ std::string read_private_file(const fs::path& file) {
   struct stat status {};
   if (stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode) && (status.st_mode & 077U) != 0)
     throw Error(
-        fmt::format("{} is a private key that others may read: `chmod 600` it, and renew it if one "
-                    "of them may have taken it",
+        fmt::format("Private key {} is readable by other users. Run `chmod 600` on it, and renew "
+                    "it if it may be copied",
                     file.string()));
   return read_file(file);
 }
@@ -120,38 +116,34 @@ std::string read_private_file(const fs::path& file) {
 Properties properties_of(const fs::path& folder, std::string_view role, std::string_view rig) {
   std::error_code ignored;
   if (!fs::is_directory(folder, ignored))
-    throw Error(
-        fmt::format("--security {} is no folder: `voxtouch keys --out DIR` makes one, and says "
-                    "what to copy from it to this host",
-                    folder.string()));
+    throw Error(fmt::format(
+        "--security {} is not a folder. Make one with `voxtouch keys --out DIR`", folder.string()));
   const fs::path ca = folder / "ca.cert.pem", crl = folder / "crl.pem",
                  rules = folder / "governance.p7s", own = folder / role,
                  certificate = own / "cert.pem", key = own / "key.pem",
                  may = own / "permissions.p7s";
   const Certificate authority = certificate_of(read_file(ca), ca);
   if (is_over(*X509_get0_notAfter(authority.get())))
-    throw Error(
-        fmt::format("{} has expired on {}: make a folder anew with `voxtouch keys --out` and copy "
-                    "it to every host",
-                    ca.string(), to_text(*X509_get0_notAfter(authority.get()))));
+    throw Error(fmt::format(
+        "{} expired on {}. Make a new folder with `voxtouch keys --out` and copy it to every host",
+        ca.string(), to_text(*X509_get0_notAfter(authority.get()))));
   const RevocationList revoked = revocation_list_of(read_file(crl), crl);
   if (X509_CRL_verify(revoked.get(), X509_get0_pubkey(authority.get())) != 1)
-    throw Error(
-        fmt::format("{} is not signed by the authority of ca.cert.pem next to it: copy both from "
-                    "the same folder",
-                    crl.string()));
+    throw Error(fmt::format(
+        "{} is not signed by the CA of ca.cert.pem in the same folder. Copy both from one folder",
+        crl.string()));
   require_text(verified(read_file(rules), *authority, rules), governance(), rules, "every node");
 
   const Certificate identity = certificate_of(read_file(certificate), certificate);
   require_trusted(*identity, *authority, *revoked, certificate, role);
   if (common_name_of(*identity) != common_name(role, rig))
     throw Error(
-        fmt::format("{} is of '{}', and '{}' is needed here: keys are of one role of one rig "
+        fmt::format("{} is for '{}', required: '{}'. Keys are valid for one role of one rig "
                     "(`voxtouch keys --rig {}`)",
                     certificate.string(), common_name_of(*identity), common_name(role, rig), rig));
   if (X509_check_private_key(identity.get(), key_of(read_private_file(key), key).get()) != 1)
     throw Error(fmt::format(
-        "{} does not belong to cert.pem next to it: copy both from the same folder", key.string()));
+        "{} does not match cert.pem in the same folder. Copy both from one folder", key.string()));
   require_text(verified(read_file(may), *authority, may),
                permissions(role, rig, to_text(*X509_get0_notBefore(identity.get())),
                            to_text(*X509_get0_notAfter(identity.get()))),

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr mode_t kPrivate = 0600, kPublic = 0644;
 
 [[noreturn]] void fail(const fs::path& path) {
-  throw Error(fmt::format("{} could not be written ({})", path.string(), std::strerror(errno)));
+  throw Error(fmt::format("Cannot write {} ({})", path.string(), std::strerror(errno)));
 }
 
 /// Whole or not at all, also where it takes the place of an older one; never for an instant open to
@@ -60,14 +60,13 @@ void write_role(const fs::path& folder, const Signer& authority, const std::stri
 Signer authority_of(const fs::path& folder) {
   const fs::path key = folder / kAuthorityKey, certificate = folder / "ca.cert.pem";
   if (!fs::exists(key))
-    throw Error(
-        fmt::format("{} is not here: certificates are renewed and revoked in the folder where "
-                    "`voxtouch keys` made them",
-                    key.string()));
+    throw Error(fmt::format(
+        "{} is missing. Certificates are renewed and revoked in the folder of `voxtouch keys`",
+        key.string()));
   Signer authority{certificate_of(read_file(certificate), certificate),
                    key_of(read_private_file(key), key)};
   if (X509_check_private_key(authority.certificate.get(), authority.key.get()) != 1)
-    throw Error(fmt::format("{} does not belong to {}", key.string(), certificate.string()));
+    throw Error(fmt::format("{} does not match {}", key.string(), certificate.string()));
   return authority;
 }
 
@@ -75,9 +74,8 @@ Signer authority_of(const fs::path& folder) {
 
 void make_keys(const fs::path& folder, const std::string& rig, int days) {
   if (fs::exists(fs::symlink_status(folder)))
-    throw Error(fmt::format(
-        "{} is there already, and nothing in it is overwritten: choose another folder, or --renew",
-        folder.string()));
+    throw Error(fmt::format("{} exists and is not overwritten. Choose another folder, or --renew",
+                            folder.string()));
   const fs::path whole = fs::absolute(folder);
   std::string fresh = whole.string() + ".XXXXXX";
   if (!mkdtemp(fresh.data()))
@@ -118,7 +116,7 @@ void revoke_keys(const fs::path& folder, const std::string& role) {
   const RevocationList old = revocation_list_of(read_file(list), list);
   const Certificate revoked = certificate_of(read_file(certificate), certificate);
   if (is_revoked(*old, *revoked))
-    throw Error(fmt::format("{} was revoked before", certificate.string()));
+    throw Error(fmt::format("{} is already revoked", certificate.string()));
   write_file(list, to_pem(*make_revocation_list(authority, old.get(), revoked.get())), kPublic);
 }
 

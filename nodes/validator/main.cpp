@@ -11,14 +11,13 @@ int validator(int argc, char** argv) {
       argc, argv,
       {.name = "validator",
        .about = "voxtouch validator node: checks every n-th contact against exact distances (FCL "
-                "and closed forms) "
-                "that share no code with\n"
-                "the rendering, and says whose fault a disagreement is.",
+                "and closed forms), independent of the\n"
+                "rendering's code, and reports the cause of each disagreement.",
        .in_ring = false},
       options,
       [&](CLI::App& app) {
         app.add_option("--every", options.every,
-                       "Check samples whose sequence number is a multiple of this")
+                       "Checks samples whose sequence number is a multiple of this")
             ->capture_default_str()
             ->check(voxtouch::runtime::require_count);
       },

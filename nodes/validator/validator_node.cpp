@@ -123,8 +123,9 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   /// sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
-      console::log("warning: validator: the rendering runs another version of scene '{}' than {}\n",
-                   built.scene, scene_.file.string());
+      console::log(
+          "warning: validator: the rendering runs a different version of scene '{}' than {}\n",
+          built.scene, scene_.file.string());
     built_ = std::move(built);
     next_.reset();
     blind_ = false;
@@ -156,8 +157,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
       }
       if (blind_)
         console::log(
-            "warning: validator: {} is not what the rendering runs now; nothing is judged any "
-            "more\n",
+            "warning: validator: {} is not the rendering's current scene; validation stops\n",
             options_.scene.string());
     }
     if (!blind_)
@@ -266,8 +266,8 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     if (first_disagreement_.empty())
       first_disagreement_ =
           fmt::format("sample {} ({}): {}", sequence,
-                      judgement.cause == reference::Cause::kReference ? "the reference's fault"
-                                                                      : "the rendering's fault",
+                      judgement.cause == reference::Cause::kReference ? "fault of the reference"
+                                                                      : "fault of the rendering",
                       judgement.explanation);
   }
 
@@ -301,13 +301,16 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     const std::string missing =
         host_.report_session(registry, report, "the rendering", counts_.checked > 0);
     const double skipped = counters_[ValidatorCounter::kSkipped];
-    status.say(StatusPriority::kProgress,
-               unread_ ? "idle: the verdicts have no reader"
-                       : "no disagreement" +
-                             (skipped > 0.0 ? fmt::format("; {:.0f} due samples were skipped: "
-                                                          "judging takes longer than their period",
-                                                          skipped)
-                                            : ""));
+    status.say(
+        StatusPriority::kProgress,
+        unread_
+            ? "idle: the verdicts have no reader"
+            : "no disagreement" +
+                  (skipped > 0.0
+                       ? fmt::format(
+                             "; {:.0f} due samples skipped: a check takes longer than its period",
+                             skipped)
+                       : ""));
     if (!missing.empty())
       status.say(StatusPriority::kWaiting, "waiting for " + missing);
     status.say(StatusPriority::kForeign, rendering_.diagnostic(registry));

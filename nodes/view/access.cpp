@@ -12,7 +12,7 @@ namespace voxtouch::view {
 std::string make_token() {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("the kernel gives no random numbers for the page's token");
+    throw std::runtime_error("the kernel provides no random numbers for the page's token");
   return fmt::format("{:02x}", fmt::join(bytes, ""));
 }
 
@@ -26,7 +26,7 @@ std::string Access::remedy_for(std::string_view host) const {
     return {};
   return fmt::format(
       " Through a tunnel, use the same port on both sides (ssh -L {0}:{1}:{0} HOST) and open the "
-      "address that voxtouch printed; --port chooses another one.",
+      "printed address; --port sets another port.",
       port, address);
 }
 

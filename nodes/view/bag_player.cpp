@@ -125,7 +125,7 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
       any = any || topic.name.ends_with("/" + std::string(stream.path));
   }
   if (!any)
-    throw std::runtime_error(fmt::format("{} holds no messages of a ring", path.string()));
+    throw std::runtime_error(fmt::format("{} has no messages of a ring", path.string()));
   const auto times = reader_.times();
   if (!times)
     throw std::runtime_error(times.error().sentence);
@@ -266,7 +266,7 @@ void BagPlayer::feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture,
 std::string BagPlayer::note() const {
   std::string note = damage();
   for (const Step& step : steps_)
-    note += fmt::format("{}The recorder's clock stepped by {:.0f} s; that time is skipped.",
+    note += fmt::format("{}The logger's clock stepped by {:.0f} s; that time is skipped.",
                         note.empty() ? "" : " ", static_cast<double>(step.length_ns) * 1e-9);
   return note;
 }

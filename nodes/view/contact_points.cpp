@@ -51,7 +51,7 @@ bool is_ready(const std::future<T>& future) {
 void ContactPoints::scene_is(const scene::Scene& scene) {
   scene_ = scene;
   question_.reset(), points_.reset(), slice_question_.reset(), slice_.reset();
-  refusal_ = "the scene is being built here once more";
+  refusal_ = "the page's copy of the scene is being built";
 }
 
 void ContactPoints::ask(const Pose& object, double scene_time_s) {

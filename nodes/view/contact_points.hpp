@@ -53,7 +53,7 @@ class ContactPoints {
   std::optional<SliceQuestion> slice_question_;
   std::optional<nlohmann::json> slice_;
   std::optional<std::vector<Vec3>> points_;
-  std::string refusal_ = "the scene's file is not at hand";
+  std::string refusal_ = "the scene file is not available";
   std::unique_ptr<rendering::BuiltScene> built_;  ///< while something is found: of that thread
   std::future<std::unique_ptr<rendering::BuiltScene>> building_;
   std::future<Found> finding_;

@@ -57,7 +57,7 @@ std::string design_sentence(const msg::CouplingDesign& d) {
   if (d.injected_damping_ns_per_m > 0.0)
     what += fmt::format(", {:.3g} Ns/m injected", d.injected_damping_ns_per_m);
   if (d.displayed_stiffness_n_per_m > 0.0)
-    what += fmt::format(": certified to show {:.3g} N/m, unstable from {:.3g} N/m",
+    what += fmt::format(": certified {:.3g} N/m, stability limit {:.3g} N/m",
                         d.displayed_stiffness_n_per_m, d.critical_stiffness_n_per_m);
   return what;
 }

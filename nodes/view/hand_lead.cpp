@@ -48,7 +48,8 @@ void HandLead::claim() {
   runtime::NodeReport report;
   report.session_id = state_->session_id;
   report.state = runtime::NodeState::kRunning;
-  report.message = page_ ? fmt::format("page {} has the hand", *page_) : "no page has the hand";
+  report.message =
+      page_ ? fmt::format("page {} controls the hand", *page_) : "no page controls the hand";
   report.figures["targets"] = {sequence_, "targets"};
   status_.publish(report, false);
 }

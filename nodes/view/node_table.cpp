@@ -121,7 +121,7 @@ std::vector<NodeRow> NodeTable::rows(std::int64_t now_ns) const {
     if (!known.here && !row.report.final()) {
       row.state = "gone";
       row.report.message =
-          "gone without a last word " +
+          "lost without a final status " +
           std::to_string(std::max<std::int64_t>(0, (now_ns - known.seen_ns) / 1'000'000'000)) +
           " s ago";
     }

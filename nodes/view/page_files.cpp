@@ -43,7 +43,8 @@ std::map<std::string, PageFile> find_page_files() {
   for (const char* name : kOwn) {
     const fs::path file = own_folder() / name;
     if (!fs::exists(file))
-      throw std::runtime_error(fmt::format("{} is missing: build or install anew", file.string()));
+      throw std::runtime_error(
+          fmt::format("{} is missing: build or install voxtouch again", file.string()));
     files["/" + std::string(name)] = {file.string(), mime_of(file)};
   }
   files["/"] = files.extract("/index.html").mapped();

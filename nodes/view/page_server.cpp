@@ -44,7 +44,7 @@ void check_address(const std::string& address) {
   in_addr place{};
   if (inet_pton(AF_INET, address.c_str(), &place) != 1 || place.s_addr == INADDR_ANY)
     throw std::runtime_error(
-        fmt::format("'{}' is no IPv4 address of one interface, such as 127.0.0.1", address));
+        fmt::format("'{}' is not an IPv4 address of one interface, such as 127.0.0.1", address));
 }
 
 /// What browsers receive about every file: nothing from elsewhere, no frame around it, no name of
@@ -101,7 +101,7 @@ class PageServer::Impl {
     info.timeout_secs = 10;
     context_ = lws_create_context(&info);
     if (!context_)
-      throw std::runtime_error("the page's server could not be made");
+      throw std::runtime_error("cannot create the page server");
     static const lws_protocols protocols[] = {
         {"voxtouch-view", &Impl::called, sizeof(Client*), kMaxMessageBytes, 0, nullptr, 0}, {}};
     info.port = access_.port;
@@ -120,9 +120,8 @@ class PageServer::Impl {
     if (!vhost) {
       lws_context_destroy(context_);
       throw std::runtime_error(
-          fmt::format("{}:{} cannot be listened on: it is no address of this machine, or the port "
-                      "is taken or reserved; choose "
-                      "another --port, or 0 for any that is free",
+          fmt::format("Cannot listen on {}:{}: not an address of this machine, or the port is in "
+                      "use. Choose another --port (0: any free one)",
                       access_.address, access_.port));
     }
     lws_set_log_level(LLL_ERR,
@@ -199,30 +198,28 @@ class PageServer::Impl {
   /// Host and Origin of any request; empty: it may come in.
   std::string refusal(lws* wsi) const {
     if (const std::string host = header(wsi, WSI_TOKEN_HOST); !access_.admits_host(host))
-      return "This server answers to its own address only." + access_.remedy_for(host);
+      return "This server accepts requests to its own address only." + access_.remedy_for(host);
     if (!access_.admits_origin(header(wsi, WSI_TOKEN_ORIGIN)))
-      return "Pages of other sites get nothing here.";
+      return "Requests from pages of other sites are refused.";
     return {};
   }
 
   std::string no_client_reason(lws* wsi) const {
     std::string why = refusal(wsi);
     if (why.empty() && !access_.admits_token(token_of(wsi)))
-      why = "The token in the address is missing or wrong.";
+      why = "The token in the address is missing or invalid.";
     return why;
   }
 
   int serve(lws* wsi, const std::string& asked) {
     std::string why = refusal(wsi);
     if (why.empty() && asked == "/" && !access_.admits_token(token_of(wsi)))
-      why =
-          "The token in the address is missing or wrong: use the address that voxtouch printed "
-          "when it started.";
+      why = "The token in the address is missing or invalid: use the address printed by voxtouch.";
     if (!why.empty())
       return refuse(wsi, HTTP_STATUS_FORBIDDEN, why);
     const auto file = files_.find(asked);
     if (file == files_.end())
-      return refuse(wsi, HTTP_STATUS_NOT_FOUND, "There is no such page.");
+      return refuse(wsi, HTTP_STATUS_NOT_FOUND, "Page not found.");
     unsigned char more[1024];
     unsigned char *at = more, *const end = more + sizeof more;
     const auto add = [&](const char* name, std::string_view value) {

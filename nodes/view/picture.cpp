@@ -30,16 +30,16 @@ Vec3 in_world(const msg::ForceCommand& command, const scene::Scene* scene) {
 }
 
 using Words = std::pair<std::uint32_t, const char*>;
-constexpr Words kContactWords[] = {{msg::contact_state::kFlagLatched, "held"},
+constexpr Words kContactWords[] = {{msg::contact_state::kFlagLatched, "latched"},
                                    {msg::contact_state::kFlagFast, "fast"},
                                    {msg::contact_state::kFlagRefusedSample, "sample refused"},
                                    {msg::contact_state::kFlagSaturated, "saturated"},
                                    {msg::contact_state::kFlagFading, "fading"},
-                                   {msg::contact_state::kFlagTunnellingSuspected, "missed"},
+                                   {msg::contact_state::kFlagTunnellingSuspected, "tunnelling"},
                                    {msg::contact_state::kFlagClutched, "clutch"},
                                    {msg::contact_state::kFlagFallback, "fallback"}};
 constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping"},
-                                   {msg::force_command::kStatusLatchedInput, "input held"},
+                                   {msg::force_command::kStatusLatchedInput, "input latched"},
                                    {msg::force_command::kStatusClamped, "clamped"},
                                    {msg::force_command::kStatusCapped, "capped"},
                                    {msg::force_command::kStatusGrowing, "growing"},

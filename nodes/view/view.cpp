@@ -74,7 +74,7 @@ class View {
                 hand_->close(page);
             }) {
     if (is_bag(options.shown) && hand_)
-      throw std::runtime_error("a recording has no hand to lead: start without --lead-hand");
+      throw std::runtime_error("--lead-hand does not work with a recording. Start without it");
     if (is_bag(options.shown))
       player_.emplace(participant_, options.shown);
     else
@@ -201,11 +201,10 @@ class View {
 
   std::string scene_note() const {
     if (!scene_)
-      return no_scene_reason_.empty()
-                 ? "The scene's file is not known here: give it to voxtouch view."
-                 : no_scene_reason_;
+      return no_scene_reason_.empty() ? "The scene file is unknown: pass it to `voxtouch view`."
+                                      : no_scene_reason_;
     if (!is_same_scene())
-      return fmt::format("{} is another version than the ring runs: its meshes may differ.",
+      return fmt::format("{} differs from the version in the ring: its meshes may differ.",
                          scene_->file.filename().string());
     const std::string why = points_.refusal();
     return why.empty() ? "" : "No contact points: " + why + ".";
@@ -337,7 +336,7 @@ class View {
       if (changes_.size() < kMaxChanges)
         changes_.push_back(std::move(words));
       else
-        answer(words, "too many changes wait for an answer");
+        answer(words, "too many pending changes");
     }
     if (!player_)
       return;

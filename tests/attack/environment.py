@@ -74,7 +74,7 @@ class Rows:
                 check=False,
             )
             self.expect(
-                end.returncode == 1 and "current folder was deleted" in end.stderr,
+                end.returncode == 1 and "current folder is deleted" in end.stderr,
                 "a deleted current folder",
                 end.stderr,
             )
@@ -206,7 +206,7 @@ class Rows:
                 env=environment,
             )
             end, text = time.monotonic() + 40, ""
-            while "nothing has come from other nodes" not in text and time.monotonic() < end:
+            while "nothing received from other nodes" not in text and time.monotonic() < end:
                 time.sleep(0.2)
                 log.seek(0)
                 text = log.read()
@@ -216,7 +216,7 @@ class Rows:
             if up.poll() is None:
                 up.kill()
         self.expect(
-            "for 3 s: CYCLONEDDS_URI turns multicast off" in text,
+            "for 3 s: CYCLONEDDS_URI disables multicast" in text,
             "nodes say that they hear nothing, and why",
             text,
         )
@@ -268,7 +268,9 @@ class Rows:
             up.wait(90)
             log.seek(0)
             text = log.read()
-        self.expect("address 10.9.9.1 of d0 is gone" in text, "an address that goes is named", text)
+        self.expect(
+            "address 10.9.9.1 of d0 was removed" in text, "an address that goes is named", text
+        )
         self.expect(
             "ended by signal" not in text and "terminate called" not in text,
             "no node dies of an address that goes",

@@ -39,7 +39,7 @@ void expect_measured(const Part& part, const Part& tool, const std::string& name
   int fraction = -1, reported_s = 0;  // the first line, before anything is measured
   const std::size_t first = run.err.find("accuracy: ");
   ASSERT_NE(first, std::string::npos) << run.err;
-  ASSERT_EQ(std::sscanf(run.err.c_str() + first, "accuracy: %d %%, about %d s left: ", &fraction,
+  ASSERT_EQ(std::sscanf(run.err.c_str() + first, "accuracy: %d %%, about %d s remain: ", &fraction,
                         &reported_s),
             2)
       << run.err;

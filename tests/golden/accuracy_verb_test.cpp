@@ -31,7 +31,7 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
   const Finished run =
       voxtouch(small_run({"--json", "--csv", (folder / "a.csv").string(), "--seed", "5"}));
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.err.find(" settings on 12 contacts each"), std::string::npos)
+  EXPECT_NE(run.err.find(" settings, 12 contacts each"), std::string::npos)
       << "nothing said on standard error";
   const nlohmann::json j = nlohmann::json::parse(run.out);  // stdout is the object and nothing else
   EXPECT_EQ(j["ok"], true);
@@ -152,7 +152,7 @@ void expect_refused(const std::vector<std::string>& more, const std::string& say
   EXPECT_LT(run.status, 128) << "a signal ended it";
   EXPECT_EQ(run.out, "");
   EXPECT_NE(run.err.find(says), std::string::npos) << "expected: " << says;
-  EXPECT_EQ(run.err.find(" settings on "), std::string::npos)
+  EXPECT_EQ(run.err.find(" settings, "), std::string::npos)
       << "it measured before it looked at its arguments";
 }
 

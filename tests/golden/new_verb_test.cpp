@@ -19,8 +19,8 @@ TEST_P(NewVerb, WritesASceneThatIsFeltAtOnce) {
   const std::filesystem::path scene = out / "mine.yaml";
   const Finished made = voxtouch({"new", (kMeshes / GetParam()).string(), "--out", scene.string()});
   ASSERT_EQ(made.status, 0) << made.err;
-  EXPECT_EQ(made.out.find("mended"), std::string::npos) << made.out;
-  EXPECT_NE(made.out.find("a virtual tool is held"), std::string::npos) << made.out;
+  EXPECT_EQ(made.out.find("Correct by hand"), std::string::npos) << made.out;
+  EXPECT_NE(made.out.find("the virtual tool stays"), std::string::npos) << made.out;
   EXPECT_NE(made.out.find("Certified: "), std::string::npos) << made.out;
   for (const char* motion : {"press", "slide"}) {
     const Finished run =
@@ -82,7 +82,7 @@ TEST(NewVerb, BelievesTheUnitThatAFileDeclares) {
     std::ofstream(part) << collada_box(row.unit, row.length);
     const Finished made = voxtouch({"new", part.string(), "--out", scene.string()});
     EXPECT_EQ(made.status, 0) << made.err;
-    EXPECT_NE(made.out.find(std::string("part.dae is ") + row.metres + " at its largest"),
+    EXPECT_NE(made.out.find(std::string("part.dae is ") + row.metres + " largest extent"),
               std::string::npos)
         << made.out;
     std::filesystem::remove(scene);

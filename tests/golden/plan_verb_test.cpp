@@ -136,7 +136,7 @@ TEST(PlanVerb, TellsAPersonInATable) {
   const Finished run = voxtouch({"plan", kCylinder, "--frames", "50", "--device", "sim-phantom"});
   ASSERT_EQ(run.status, 0) << run.err;
   for (const char* word : {"expected ns    measured ns", "culling tree", "(pointshell)", "Topics",
-                           "Left out", "compare ratios", "On sim-phantom"})
+                           "Not built", "compare ratios", "On sim-phantom"})
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 

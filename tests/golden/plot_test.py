@@ -262,7 +262,7 @@ class Pictures(unittest.TestCase):
                 "refused.gif",
                 ".png, .svg or .pdf",
             ),
-            (["design"], "none/refused.png", "could not be written"),
+            (["design"], "none/refused.png", "cannot be written"),
         ):
             done = voxtouch(*verb, "--plot", self.at / name)
             self.refused(done, name, says)
@@ -327,7 +327,10 @@ class Pictures(unittest.TestCase):
             self.judge(figure)
             self.assertIn(f" {max(returned['force']):.2g} N ", figure._suptitle.get_text())
             self.assertTrue(
-                any("never displayed" in " ".join(text.get_text().split()) for text in figure.axes[0].texts)
+                any(
+                    "not displayed directly" in " ".join(text.get_text().split())
+                    for text in figure.axes[0].texts
+                )
             )
             self.judge(plot.forces_figure(bag, note="conditions " * 40)[0])
         self.refused(tool("forces", bag, self.at / "refused.png", "--from", "50"), "--from 50")

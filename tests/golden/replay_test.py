@@ -316,7 +316,7 @@ class Replay(unittest.TestCase):
         )
         self.assertAlmostEqual(said["command"]["largest_force"]["n"], 0.25)
         self.assertIn("other build", picture.read_text())
-        self.assertIn(f"{other} makes", voxtouch("replay", bag, "--against", other).stdout)
+        self.assertIn(f"replay of {other}", voxtouch("replay", bag, "--against", other).stdout)
 
     def test_a_build_that_cannot_replay_is_told(self):
         self.assertIn("'voxtouch'", self.refused(self.cup, "--against", self.folder))
@@ -505,7 +505,7 @@ class Replay(unittest.TestCase):
         self.assertRegex(" ".join(said["notes"]), r"Design 1: gain [0-9.]+ recorded, [0-9.]+ now")
         edit(bag, "DELETE FROM messages WHERE id = ?", second)
         _, said, _ = replay(bag)
-        self.assertIn("took up 2 designs, and the bag has 1", " ".join(said["missing"]))
+        self.assertIn("used 2 designs, recorded: 1", " ".join(said["missing"]))
 
     def real_time(self, bag):
         """Equal where the bag says all; else what is missing is said."""
@@ -683,7 +683,7 @@ class Replay(unittest.TestCase):
             ),
             message_of(bag, COMMAND, 1300)[0],
         )
-        self.assertIn("1 messages", self.equal(bag, 2000)["notes"][0])
+        self.assertIn("1 duplicate", self.equal(bag, 2000)["notes"][0])
 
     def test_what_cannot_be_replayed_gets_a_sentence(self):
         bag = self.copy("undescribed")

@@ -373,7 +373,7 @@ class Reports(unittest.TestCase):
         on_a_busy_machine = [
             row
             for row in run_data.Run(self.bag).faults()
-            if "hang" in row[4] or "stood still" in row[4]
+            if "hang" in row[4] or "stalled" in row[4]
         ]  # a node reports that of another
         self.assertEqual(run_data.Run(self.bag).faults(), on_a_busy_machine)
         unsaid = self.copy(
@@ -383,7 +383,7 @@ class Reports(unittest.TestCase):
                 " '/haptic/node_status')"
             ),
         )
-        self.says(self.report_of(unsaid), "no flag")
+        self.says(self.report_of(unsaid), "None.")
         self.says(self.page, "no latency")
 
     def test_whether_the_run_passed_stands_first(self):
@@ -487,12 +487,12 @@ class Reports(unittest.TestCase):
             self.alter(bag, topic, at, struct.pack("<I", value), place, 1)
         page = self.report_of(bag)
         for words in (
-            ("0.500 to 0.509", "10", "no answer"),
-            ("1.000 to 1.019", "20", "no answer"),
-            ("1.500 to 1.529", "30", "no answer"),
-            ("0.100", "1", "held"),
-            ("0.200", "1", "missed"),
-            ("reference disagree",),
+            ("0.500 to 0.509", "10", "without a recorded command"),
+            ("1.000 to 1.019", "20", "without a recorded command"),
+            ("1.500 to 1.529", "30", "without a recorded command"),
+            ("0.100", "1", "the last valid one is used"),
+            ("0.200", "1", "tunnelling suspected"),
+            ("disagreement of contact and reference",),
         ):
             self.says(page, *words)
         self.assertEqual(page.figures[0]["answered"], 2000 - 60)
@@ -589,7 +589,7 @@ class Reports(unittest.TestCase):
             )
             connection.execute("INSERT INTO messages VALUES (1, 1, 5, x'00010000')")
         connection.close()
-        self.refused(self.at / "foreign", "no recording")
+        self.refused(self.at / "foreign", "not a recording")
         self.refused(self.copy("unsampled", "DELETE FROM messages"), "nothing")
         self.refused(
             self.copy("short", "UPDATE messages SET data = substr(data, 1, 40)"), "this version"
@@ -620,7 +620,7 @@ class Reports(unittest.TestCase):
             132,
             bytes(4),
         )
-        self.says(self.report_of(in_real_time), "reported none", "no latency", "which command")
+        self.says(self.report_of(in_real_time), "not reported", "no latency", "no command line")
         page = self.report_of(
             self.copy(
                 "bare",
@@ -630,7 +630,7 @@ class Reports(unittest.TestCase):
                 ),
             )
         )
-        for sentence in ("no command", "no design", "no plan"):
+        for sentence in ("no command", "no coupling design", "no plan"):
             self.says(page, sentence)
         page = self.report_of(
             self.copy(
@@ -715,8 +715,8 @@ class Reports(unittest.TestCase):
         page = self.report_of(bag)
         self.assertGreater(page.figures[0]["samples"], 1000)
         self.says(page, "not closed")
-        self.says(page, "no last")
-        self.says(page, "half of")
+        self.says(page, "no final status")
+        self.says(page, "median latency")
         self.assertFalse((bag / "report.html").exists())
 
     # -------------------- next to a run

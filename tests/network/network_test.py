@@ -225,7 +225,7 @@ class Ring:
                 line
                 for node in ("coupling", "rendering")
                 for line in self.said(node).splitlines()
-                if "No coupling holds" in line
+                if "No stable coupling" in line
             ),
             "",
         )
@@ -480,7 +480,7 @@ def case_delay(bin_folder, delay_ms):
         f"not designed for {delay_ms} ms each way: force in {100 * fraction:.1f} % of the samples",
     )
     expect(
-        "too late for any force" in sentence and "--network-delay" in sentence,
+        "No force: commands arrive" in sentence and "--network-delay" in sentence,
         f"the device says so: {sentence}",
     )
     network_ms = 3 * delay_ms + 2
@@ -507,7 +507,7 @@ def expect_ended(ring):
     except subprocess.TimeoutExpired:
         status = None
     expect(
-        status == 1 and "of this session has gone" in ring.said("device"),
+        status == 1 and "of this session has left" in ring.said("device"),
         f"the device ends with status {status}: {ring.said('device').strip().splitlines()[-1]}",
     )
 

@@ -362,7 +362,7 @@ TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
   says(change({"viscosity"}), 1, "missing");
   says(change({"viscosity", "softly"}), 1, "softly");
   says(change({"--voxel-size", "0.001", "viscosity", "on"}), 1, "--reload");
-  says(change({"--reload", "--voxel-size", "0.0015"}), 0, "built anew");
+  says(change({"--reload", "--voxel-size", "0.0015"}), 0, "the rebuilt scene");
   const Verb json = change({"viscosity", "off", "--json"});
   EXPECT_EQ(nlohmann::json::parse(json.end.out)["ok"], true) << json.end.out;
   up.signal(2);
@@ -387,7 +387,7 @@ TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
     EXPECT_EQ(verb.end.status, 1) << verb.end.err << verb.end.out;
     EXPECT_NE(verb.end.err.find(text), std::string::npos) << verb.end.err << verb.end.out;
   };
-  const std::string stands = "margin of 2";
+  const std::string stands = "margin 2";
   refused(change({"viscosity", "damping_ns_per_m=50"}), "50 Ns/m");
   refused(change({"viscosity", "damping_ns_per_m=50"}), stands);
   write("60");

@@ -130,14 +130,14 @@ TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
       std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--domain", fresh_domain()});
   const Finished said = recover.wait();
   EXPECT_EQ(said.status, 0) << said.out << said.err;
-  EXPECT_NE(said.out.find("the coupling"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("coupling reset"), std::string::npos) << said.out;
   std::this_thread::sleep_for(milliseconds(1500));
   up.signal(SIGINT);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1);
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out;
-  EXPECT_NE(summary["problems"].dump().find("coupling locked"), std::string::npos) << end.out;
+  EXPECT_NE(summary["problems"].dump().find("coupling latched"), std::string::npos) << end.out;
 }
 
 TEST(ForceLock, IsNotThereToBeOpenedWhereNothingIsLocked) {

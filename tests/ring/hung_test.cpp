@@ -90,7 +90,7 @@ TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
               others_ms);
   const Finished end = up.wait();
   EXPECT_EQ(end.status, 1) << end.err;
-  EXPECT_NE(end.err.find(node + " is received"), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find(node + " is alive again"), std::string::npos) << end.err;
   const auto summary = parse_summary(end.out);
   ASSERT_TRUE(summary.is_object()) << end.out << end.err;
   EXPECT_EQ(summary["ok"], false);

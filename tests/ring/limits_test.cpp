@@ -48,7 +48,7 @@ TEST(Threads, TooFewAreReportedWithoutAnAbort) {
                              .wait();
     EXPECT_LT(end.status, 128) << most << " ended by a signal: " << end.err;
     if (most <= 8) {
-      EXPECT_TRUE(end.err.contains("raise the limit of processes")) << most << ": " << end.err;
+      EXPECT_TRUE(end.err.contains("the process limit")) << most << ": " << end.err;
     }
   }
 }
@@ -94,7 +94,7 @@ TEST(Missed, ARunInWhichAWallMayHaveBeenPassedUnseenIsNoGoodOne) {
       << "above the plane nothing can have been passed";
   bool reported = false;
   for (const auto& problem : run.summary["problems"])
-    reported |= problem.get<std::string>().find("passed something unseen") != std::string::npos;
+    reported |= problem.get<std::string>().find("suspected tunnelling") != std::string::npos;
   EXPECT_TRUE(reported) << run.process.out;
 }
 

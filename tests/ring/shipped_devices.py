@@ -61,7 +61,7 @@ def main(program, domain):
         for device, says in (
             ("sim:touch", ""),
             ("sim:fr3", ""),
-            (f"sim:{mine}", "by the standards of a stylus: delay_s 0.001"),
+            (f"sim:{mine}", "assumed values of a stylus: delay_s 0.001"),
         ):
             run, summary = up(program, domain, device)
             if run.returncode != 0 or not summary.get("ok"):
@@ -78,7 +78,7 @@ def main(program, domain):
             encoding="utf-8",
         )
         run, _ = up(program, domain, f"sim:{mine}")
-        if "a person could not follow it" not in run.stderr:
+        if "Increase position_scale" not in run.stderr:
             wrong.append(f"a workspace that is too small is not said: {run.stderr}")
         mine.write_text(FAST, encoding="utf-8")
         run, summary = up(program, domain, f"sim:{mine}", "--one-process")
@@ -92,7 +92,7 @@ def main(program, domain):
         for device, says in (
             (
                 "sim:nonsense",
-                "no device file of this name comes with voxtouch. These do: delta_6, ",
+                "is neither a file nor a shipped device file. Shipped device files: delta_6, ",
             ),
             (f"sim:{folder}", "This is a folder"),
         ):

@@ -53,7 +53,7 @@ class UpRefuses : public testing::TestWithParam<std::vector<std::string>> {
 TEST_P(UpRefuses, ASceneForWhichNoCouplingHolds) {
   const RingResult r = run(scene_with(folder_, "cup_virtual_tool",
                                       "coupling:", "coupling: {design: auto, hand: any_passive}"));
-  expect_refused(folder_, r, "does not go with sim-phantom: No coupling holds");
+  expect_refused(folder_, r, "cannot run on sim-phantom: No stable coupling");
 }
 
 TEST_P(UpRefuses, ASceneThatCannotBeBuilt) {

@@ -46,7 +46,7 @@ TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
   EXPECT_EQ(r.summary["samples"], 3000);
   EXPECT_GE(r.summary["zero_force_samples"], 3000);
   EXPECT_EQ(r.summary["max_force_n"], 0.0);
-  const std::string why = "the connection's quality is too low to start";
+  const std::string why = "the connection quality is too low to start";
   EXPECT_NE(r.summary["problems"].dump().find(why), std::string::npos) << r.process.out;
   EXPECT_NE(r.process.err.find(why), std::string::npos) << r.process.err;
 }

@@ -159,35 +159,35 @@ TEST(KeyFolder, RefusesEveryHalf) {
     spoiled(file, "read", no_file);
   }
   for (const char* file : {"ca.cert.pem", "crl.pem", "coupling/cert.pem", "coupling/key.pem"})
-    spoiled(file, "holds no", broken);
+    spoiled(file, "No ", broken);
   for (const char* file : {"governance.p7s", "coupling/permissions.p7s"})
     spoiled(file, "signed", broken);
   spoiled("governance.p7s", "signed", swapped);
   spoiled("crl.pem", "signed", swapped);
   spoiled("coupling/permissions.p7s", "signed", swapped);
-  spoiled("coupling/cert.pem", "authority", swapped);
-  spoiled("coupling/key.pem", "does not belong", swapped);
-  spoiled("coupling/key.pem", "others may read", [](const fs::path& file) {
+  spoiled("coupling/cert.pem", "signed by the CA", swapped);
+  spoiled("coupling/key.pem", "does not match", swapped);
+  spoiled("coupling/key.pem", "readable by other users", [](const fs::path& file) {
     fs::permissions(file, fs::perms::group_read, fs::perm_options::add);
   });
   spoiled("coupling/cert.pem", "'haptic.device'", [&](const fs::path& file) {
     fs::copy_file(good / "device/cert.pem", file, fs::copy_options::overwrite_existing);
   });
-  spoiled("coupling/permissions.p7s", "is not what", [&](const fs::path& file) {
+  spoiled("coupling/permissions.p7s", "does not match", [&](const fs::path& file) {
     fs::copy_file(good / "device/permissions.p7s", file, fs::copy_options::overwrite_existing);
   });
-  spoiled("governance.p7s", "is not what",
+  spoiled("governance.p7s", "does not match",
           [&](const fs::path& file) {  // of the right authority, and too weak
             std::string weak = governance();
             for (std::size_t at; (at = weak.find("ENCRYPT")) != std::string::npos;)
               weak.replace(at, 7, "NONE");
             put(file, sign(authority, weak));
           });
-  spoiled("coupling/cert.pem", "has expired", [&](const fs::path& file) {
+  spoiled("coupling/cert.pem", "expired on", [&](const fs::path& file) {
     put(file, to_pem(*issue(authority, *key_of(read_file(good / "coupling/key.pem"), "key"),
                             "haptic.coupling", -1)));
   });
-  spoiled("ca.cert.pem", "has expired", [](const fs::path& file) {
+  spoiled("ca.cert.pem", "expired on", [](const fs::path& file) {
     put(file, to_pem(*make_authority("haptic.authority", -1).certificate));
   });
   EXPECT_TRUE(refusal(good, "coupling", "left").contains("'left.coupling'"))
@@ -200,7 +200,7 @@ TEST(Keys, AreRevokedAndRenewed) {
   const fs::path folder = fresh_keys(temporary, "keys", "left");
   const std::string lost = read_file(folder / "coupling/cert.pem");
   revoke_keys(folder, "coupling");
-  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("was revoked"))
+  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("is revoked"))
       << refusal(folder, "coupling", "left");
   EXPECT_EQ(refusal(folder, "device", "left"), "");
   EXPECT_THROW(revoke_keys(folder, "coupling"), Error);
@@ -208,7 +208,7 @@ TEST(Keys, AreRevokedAndRenewed) {
   EXPECT_EQ(refusal(folder, "coupling", "left"), "");
   revoke_keys(folder, "device");
   put(folder / "coupling/cert.pem", lost);
-  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("was revoked"))
+  EXPECT_TRUE(refusal(folder, "coupling", "left").contains("is revoked"))
       << "an earlier one stays revoked";
   renew_keys(folder, "all", 30);
   for (const std::string& role : roles())

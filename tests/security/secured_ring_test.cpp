@@ -202,9 +202,9 @@ TEST(SecuredRing, RefusesToStartHalf) {
   refused({"voxtouch", "up", scene, "--security", used}, "validator/key.pem");
   std::filesystem::permissions(keys / "coupling" / "key.pem", std::filesystem::perms::others_read,
                                std::filesystem::perm_options::add);
-  refused({"voxtouch_coupling", "--scene", scene, "--security", used}, "others may read");
+  refused({"voxtouch_coupling", "--scene", scene, "--security", used}, "readable by other users");
   security::revoke_keys(keys, "rendering");
-  refused({"voxtouch_rendering", "--scene", scene, "--security", used}, "was revoked");
+  refused({"voxtouch_rendering", "--scene", scene, "--security", used}, "is revoked");
   std::filesystem::remove(keys / "tool" / "cert.pem");
   refused({"voxtouch", "status", "--security", used}, "tool/cert.pem");
 }

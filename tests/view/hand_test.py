@@ -344,7 +344,7 @@ class LedByABrowser(unittest.TestCase):
             browser.driver.switch_to.new_window("tab")
             browser.open(up.address())
             until(
-                lambda: f"Page {number} has the hand" in browser.find("#hand-text").text,
+                lambda: f"Page {number} controls the hand" in browser.find("#hand-text").text,
                 20,
                 "who has the hand",
             )

@@ -43,7 +43,7 @@ LoopController scaled(LoopController law, double scale) {
 void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law,
                  const DisplayedStiffness& at, const WorstCase* known, AxisDesign& out) {
   if (problem.hand.any_passive)
-    out.worst_case_text = "some passive hand";
+    out.worst_case_text = "a passive hand";
   const double limit = passive_limit(problem, law);
   WorstCase worst;
   if (law.law == Law::kSpringDamper) {
@@ -87,34 +87,31 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
   };
   if (!(d.gain_margin * kRounding >= problem.margin))
     fault(
-        fmt::format("{:.4g} {} is shown, and {} becomes unstable at {:.4g}: a margin of {:.3g} "
-                    "where {:.3g} is asked.",
+        fmt::format("displayed stiffness {:.4g} {}; {} becomes unstable at {:.4g}: gain margin "
+                    "{:.3g}, required {:.3g}.",
                     at.displayed, u.stiffness, d.worst_case_text, d.critical_stiffness,
                     d.gain_margin, problem.margin));
   else if (!(d.spectral_radius < 1.0 && low_radius < 1.0))
-    fault(fmt::format("at {} the loop's slowest motion does not decay (spectral radius {:.9g}).",
-                      d.spectral_radius < 1.0 ? "a hundredth of the margin" : "the margin",
+    fault(fmt::format("at {} the loop's slowest mode does not decay (spectral radius {:.9g}).",
+                      d.spectral_radius < 1.0 ? "1/100 of the gain margin" : "the gain margin",
                       std::max(d.spectral_radius, low_radius)));
   if (at.displayed > problem.model.max_stiffness * kRounding)
-    fault(fmt::format("{:.4g} {} is shown, and the device can show {:.4g}.", at.displayed,
+    fault(fmt::format("displayed stiffness {:.4g} {}, device limit {:.4g}.", at.displayed,
                       u.stiffness, problem.model.max_stiffness));
   if (law.injected_damping <= 0.0)
     return;
   if (problem.hand.any_passive)
-    fault(
-        "injected damping is asked for, which no rule covers where only passivity is known of the "
-        "hand.");
+    fault("injected damping cannot be certified with `hand: any_passive`.");
   if (const double most = damping_limit(problem, velocity_of(spec));
       law.injected_damping > most * kRounding)
     fault(
-        fmt::format("the injected damping of {:.4g} {} is above {:.4g}, half of what the worst "
-                    "case bears, or what its noise "
-                    "allows.",
+        fmt::format("injected damping {:.4g} {}, limit {:.4g} (half of the stability limit, or the "
+                    "noise limit).",
                     law.injected_damping, u.damping, most));
   if (!is_rotation(problem) && !holds_on_slow_velocity(problem, spec, at))
     fault(
-        fmt::format("damped on the slow velocity of {:.3g} Hz alone, as movements within its band "
-                    "of {:.3g} m/s are, {:.4g} {} does not keep {:.3g} of the margin.",
+        fmt::format("with the slow velocity of {:.3g} Hz only (motions within {:.3g} m/s), {:.4g} "
+                    "{} does not keep {:.3g} of the gain margin.",
                     spec.slow_velocity_hz, spec.velocity_band_m_per_s, at.displayed, u.stiffness,
                     slow_ratio(problem, spec)));
 }

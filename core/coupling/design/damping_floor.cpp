@@ -112,7 +112,7 @@ std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& p
       if (best >= worst)
         continue;
       worst = best;
-      out_of_reach = fmt::format("{}: {} swings with a damping ratio of {:.2g} at best",
+      out_of_reach = fmt::format("{}: {} reaches a damping ratio of {:.2g} at most",
                                  problem.units->name, describe(one, *problem.units), best);
     }
     for (DesignCase& one : problem.cases)

@@ -104,7 +104,7 @@ std::string describe(const DesignCase& one, const AxisUnits& units) {
   const char* when = one.slow ? ", slowest timing" : "";
   if (!one.held)
     return fmt::format("released, {}{}", device, when);
-  return fmt::format("held ({:.3g} {}, {:.3g} {}, {:.3g} {}), {}{}", p.hand_mass, units.inertia,
+  return fmt::format("gripped ({:.3g} {}, {:.3g} {}, {:.3g} {}), {}{}", p.hand_mass, units.inertia,
                      p.hand_damping, units.damping, p.hand_stiffness, units.stiffness, device,
                      when);
 }

@@ -92,22 +92,23 @@ class Remedies {
   }
   std::string goal() const {
     if (short_of_)
-      return "the requested stiffness would be displayed by this coupling";
+      return "this coupling displays the requested stiffness";
     if (design_.spec.kind == "direct")
-      return "no damping would have to be injected";
-    return fmt::format("{:.3g} Hz would do without injected damping", request_.goals.cutoff_hz);
+      return "no injected damping is needed";
+    return fmt::format("{:.3g} Hz needs no injected damping", request_.goals.cutoff_hz);
   }
 
   /// Where no single change is enough. A softer contact would be shown whole too, and give the hand
   /// nothing.
   void last_resort() {
     if (!short_of_ && design_.spec.kind == "shaping_filter")
-      out_.push_back(fmt::format("A request of {:.3g} Hz instead of {:.3g} would be met as it is.",
-                                 design_.spec.cutoff_hz, request_.goals.cutoff_hz));
+      out_.push_back(
+          fmt::format("A requested cut-off of {:.3g} Hz (now {:.3g}) is met without changes.",
+                      design_.spec.cutoff_hz, request_.goals.cutoff_hz));
     else
       out_.push_back(
-          "No single change at this device is enough: a heavier one, or one with less delay or "
-          "more damping of its own, is.");
+          "No single change of this device is enough. Use a device with more mass, less delay or "
+          "more damping.");
   }
 
   void damping() {
@@ -121,19 +122,18 @@ class Remedies {
       if (p.hand.any_passive || !(least <= p.hand.damping_max))
         continue;
       if (least <= 0.0) {
-        out_.push_back(
-            fmt::format("{}: the request would be stable with every passive hand as the device is "
-                        "damped, with the cut-off as high as it may be.",
-                        p.units->name));
+        out_.push_back(fmt::format(
+            "{}: the request is stable with any passive hand at the highest allowed cut-off.",
+            p.units->name));
         continue;
       }
-      out_.push_back(fmt::format(
-          "{}: a damper of {:.3g} {} at the tool would make the request stable with every "
-          "passive hand{}.",
-          p.units->name, least, p.units->damping,
-          d.damping_required_any_cutoff < 0.99 * d.damping_required
-              ? ", with the cut-off as high as it may be"
-              : ""));
+      out_.push_back(
+          fmt::format("{}: with a damper of {:.3g} {} at the tool the request is stable with any "
+                      "passive hand{}.",
+                      p.units->name, least, p.units->damping,
+                      d.damping_required_any_cutoff < 0.99 * d.damping_required
+                          ? ", at the highest allowed cut-off"
+                          : ""));
     }
   }
 
@@ -158,7 +158,7 @@ class Remedies {
     }
     if (helps)
       out_.push_back(
-          fmt::format("Allowing {} of injected damping would show {}.", allowed, displayed));
+          fmt::format("With {} of injected damping the hand displays {}.", allowed, displayed));
   }
 
   void delay() {
@@ -171,8 +171,8 @@ class Remedies {
       if (!candidate_.holds(same_targets(other)))
         continue;
       out_.push_back(
-          fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}: a bus without hubs, a card of "
-                      "its own, a real-time kernel.",
+          fmt::format("With a delay of {:.3g} ms (now {:.3g}), {}. Use a bus without hubs, a "
+                      "separate network card or a real-time kernel.",
                       1e3 * fraction * now, 1e3 * now, goal()));
       return;
     }
@@ -183,7 +183,7 @@ class Remedies {
     other.device.timing.period_s *= 0.5;
     if (!candidate_.holds(same_targets(other)))
       return;
-    out_.push_back(fmt::format("At {:.4g} Hz (now {:.4g}), if the device can, {}.",
+    out_.push_back(fmt::format("At {:.4g} Hz (now {:.4g}), if the device supports it, {}.",
                                1.0 / other.device.timing.period_s,
                                1.0 / request_.device.timing.period_s, goal()));
   }
@@ -204,8 +204,7 @@ class Remedies {
       caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", fits, p.units->stiffness);
     }
     out_.push_back(fmt::format(
-        "A cap of {} on all points together would leave each point its own stiffness (gain 1).",
-        caps));
+        "With a cap of {} on all points together each point keeps its stiffness (gain 1).", caps));
   }
   void cap_for_cutoff() {
     if (design_.spec.kind != "shaping_filter")
@@ -221,16 +220,14 @@ class Remedies {
       caps += fmt::format("{}{:.3g} {}", caps.empty() ? "" : " and ", std::min(fits, p.target),
                           p.units->stiffness);
     }
-    out_.push_back(fmt::format("With the contact's stiffness capped at {}, {}.", caps, goal()));
+    out_.push_back(fmt::format("With the contact stiffness capped at {}, {}.", caps, goal()));
   }
 
   void grip() {
     const bool passive =
         std::ranges::any_of(problems_, [](const AxisProblem& p) { return p.hand.any_passive; });
     if (passive) {
-      out_.push_back(
-          "Naming the range of hands that hold the device would allow more than any passive hand "
-          "does.");
+      out_.push_back("A specified range of hands allows more stiffness than `any_passive`.");
       return;
     }
     DesignProblem other = request_;

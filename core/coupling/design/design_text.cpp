@@ -15,20 +15,19 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
     return fmt::format("{}: no stiffness is stable ({}).", p.units->name, d.worst_case_text);
   if (p.hand.any_passive)
     return fmt::format(
-        "{}: up to {:.3g} {} no passive hand can make the loop unstable; with a margin of {:.3g}, "
-        "{:.3g} of the requested {:.4g} {} are displayed.",
+        "{}: stability limit {:.3g} {} with any passive hand; at gain margin {:.3g}, displayed "
+        "{:.3g}, requested {:.4g} {}.",
         p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin,
         d.displayed_stiffness, p.requested, p.units->stiffness);
   if (d.gain_margin > 1.01 * p.margin)  // another bound than stability
     return fmt::format(
-        "{}: more would swing longer than it may; {:.3g} of the requested {:.4g} {} are displayed, "
-        "and {} "
+        "{}: limited by the minimum damping ratio; displayed {:.3g}, requested {:.4g} {}; {} "
         "becomes unstable at {:.3g}.",
         p.units->name, d.displayed_stiffness, p.requested, p.units->stiffness, d.worst_case_text,
         d.critical_stiffness);
   return fmt::format(
-      "{}: {} becomes unstable at {:.3g} {}; with a margin of {:.3g}, {:.3g} of the requested "
-      "{:.4g} {} are displayed.",
+      "{}: {} becomes unstable at {:.3g} {}; at gain margin {:.3g}, displayed {:.3g}, requested "
+      "{:.4g} {}.",
       p.units->name, d.worst_case_text, d.critical_stiffness, p.units->stiffness, d.gain_margin,
       d.displayed_stiffness, p.requested, p.units->stiffness);
 }
@@ -37,8 +36,7 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
 std::string damping_reason(const DesignProblem& request, const AxisProblem& p, const Design& design,
                            const AxisDesign& d) {
   std::string out = fmt::format(
-      "{}: without damping in contact less would hold; {:.3g} {} on the velocity of {} are "
-      "injected.",
+      "{}: injected damping of {:.3g} {} (velocity from {}) increases the stable stiffness.",
       p.units->name, d.injected_damping, p.units->damping, describe(d.velocity));
   AxisProblem unbounded = p;
   unbounded.damping_force_ratio = 0.0;
@@ -49,9 +47,8 @@ std::string damping_reason(const DesignProblem& request, const AxisProblem& p, c
                                              controller_of(design.spec, p, arm_squared(request)));
   if (without > 1.01 * with)
     out += fmt::format(
-        " It adds no more than {:.2g} of the contact's force, so that a touch begins with the "
-        "contact; unbounded (damping_force_ratio: 0) it would let "
-        "{:.4g} instead of {:.4g} {} hold.",
+        " It is limited to {:.2g} of the contact force; unlimited (damping_force_ratio: 0), {:.4g} "
+        "instead of {:.4g} {} is stable.",
         design.spec.damping_force_ratio, without, with, p.units->stiffness);
   return out;
 }
@@ -68,7 +65,7 @@ std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisPr
     reached += fmt::format("{}{:.3g} {}", reached.empty() ? "" : " and ", most, p.units->stiffness);
   }
   return fmt::format(
-      "At {:.3g} Hz the filter's lag lets only {} hold without injected damping; the cut-off is "
+      "At {:.3g} Hz the filter's lag allows only {} without injected damping; chosen cut-off "
       "{:.3g} Hz.",
       request.goals.cutoff_hz, reached, design.spec.cutoff_hz);
 }
@@ -78,7 +75,7 @@ std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisPr
 std::string describe_bound(const CouplingSpec& spec) {
   if (!(spec.damping_force_ratio > 0.0 && spec.injected_damping_ns_per_m > 0.0))
     return "";
-  return fmt::format("adds at most {:.3g} of what contact and effects give, and {:.2g} N",
+  return fmt::format("is limited to {:.3g} of the contact and effect force, plus {:.2g} N",
                      spec.damping_force_ratio, spec.damper_free_n);
 }
 
@@ -86,8 +83,7 @@ std::string describe_slow_velocity(const CouplingSpec& spec) {
   if (!damps_on_slow_velocity(spec))
     return "";
   return fmt::format(
-      "acts on the velocity of a filter of {:.3g} Hz within {:.2g} mm/s, which may be the "
-      "encoder's steps",
+      "uses a velocity filter of {:.3g} Hz within {:.2g} mm/s (encoder quantisation)",
       spec.slow_velocity_hz, 1e3 * spec.velocity_band_m_per_s);
 }
 
@@ -108,8 +104,8 @@ std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& 
   if (of_axes.empty())
     return "";
   return fmt::format(
-      "That swings die out takes {} (damping ratios of {:.2g} released, {:.2g} held); "
-      "damping_floor: 0 in the scene's coupling gives it back.",
+      "The minimum damping ratios cost {} (released {:.2g}, gripped {:.2g}); damping_floor: 0 in "
+      "the scene's coupling removes them.",
       of_axes, design.floors.released, design.floors.held);
 }
 
@@ -124,9 +120,9 @@ std::vector<std::string> reasons_of(const DesignProblem& request,
     if (d.displayed_stiffness < 0.999 * p.target)
       out.push_back(shortfall(p, d));
     if (p.contact.all_points > p.model.max_stiffness)
-      out.push_back(fmt::format(
-          "{}: the device can show {:.4g} {}, and all points together have {:.4g}.", p.units->name,
-          p.model.max_stiffness, p.units->stiffness, p.contact.all_points));
+      out.push_back(fmt::format("{}: device limit {:.4g} {}, all points together {:.4g}.",
+                                p.units->name, p.model.max_stiffness, p.units->stiffness,
+                                p.contact.all_points));
     if (d.injected_damping > 0.0)
       out.push_back(damping_reason(request, p, design, d));
   }

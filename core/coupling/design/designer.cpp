@@ -149,10 +149,10 @@ Evaluation best_of_all(const DesignProblem& request, const std::vector<AxisProbl
     const double shows = objective(problems, other.design);
     if (shows <= 0.0 || shows < to_beat)
       continue;
-    other.behind = {fmt::format(
-        "Without the shaping filter the hand displays {:.3g} % of the requested stiffness, "
-        "with it {:.3g} %.",
-        100.0 * shows, 100.0 * with_filter)};
+    other.behind = {
+        fmt::format("Displayed fraction of the requested stiffness: {:.3g} % without shaping "
+                    "filter, {:.3g} % with it.",
+                    100.0 * shows, 100.0 * with_filter)};
     best = std::move(other);
     to_beat = shows * (1.0 + 1e-12);
   }
@@ -202,9 +202,8 @@ Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& prob
 std::string ratio_sentence(double fraction, double standard, double first, double last,
                            double none) {
   return fmt::format(
-      "Injected damping adds up to {:.2g} of the contact's force: with {:.2g}, the standard, "
-      "{:.3g} % of the requested stiffness would be displayed "
-      "instead of {:.3g} %, and without a bound {:.3g} %.",
+      "Injected damping is limited to {:.2g} of the contact force (default {:.2g}). Displayed "
+      "fraction of the request: default {:.3g} %, this limit {:.3g} %, no limit {:.3g} %.",
       fraction, standard, 100.0 * first, 100.0 * last, 100.0 * none);
 }
 std::string no_ratio_sentence(std::span<const double> fractions, double first, double last,
@@ -213,10 +212,9 @@ std::string no_ratio_sentence(std::span<const double> fractions, double first, d
                                                                  fractions.back(), 100.0 * last)
                                                    : "";
   return fmt::format(
-      "Injected damping is not bounded by a ratio of the contact's force (damping_force_ratio "
-      "{:.2g}), "
-      "which would display {:.3g} %{} of the requested stiffness instead of {:.3g} %: the impact "
-      "force then depends on the impact velocity, not on the contact stiffness.",
+      "Injected damping has no limit: damping_force_ratio {:.2g} displays only {:.3g} %{} of the "
+      "requested stiffness, not {:.3g} %. The impact force then depends on impact velocity, not on "
+      "contact stiffness.",
       fractions.front(), 100.0 * first, largest, 100.0 * none);
 }
 
@@ -235,8 +233,8 @@ Design finalize(const DesignProblem& request, Damped&& taken,
     return design;
   if (taken.floors == Damped::Floors::kTakeAll) {
     design.reasons.push_back(
-        fmt::format("Damping ratios of {} released and {} held would leave less than is useful; "
-                    "they are not kept.",
+        fmt::format("Minimum damping ratios of {} released and {} gripped leave too little "
+                    "stiffness; they are not applied.",
                     floors.released, floors.held));
   } else {
     design.floors.released = floors.released, design.floors.held = floors.held;

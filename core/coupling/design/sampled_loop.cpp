@@ -179,8 +179,7 @@ Eigen::VectorXcd loop_eigenvalues(const LoopPlant& plant, const LoopController& 
   if (a.size() == 0)
     return {};
   if (!a.allFinite())
-    throw std::invalid_argument(
-        "The loop's numbers are too large or too small to be computed with.");
+    throw std::invalid_argument("The loop's numbers are out of the range of a double.");
   balance(a);
   return eigenvalues_of(a);
 }

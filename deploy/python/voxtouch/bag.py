@@ -71,7 +71,7 @@ class Bag(collections.abc.Mapping):
         `TOPICS[...].type.deserialize(bytes)` of voxtouch.types makes a message of it that can be
         written again."""
         if topic not in self.types:
-            raise KeyError(f"{self.path} has no topic {topic!r}; it has {', '.join(self.types)}")
+            raise KeyError(f"{self.path} has no topic {topic!r}; topics: {', '.join(self.types)}")
         for file in self._files:
             requested = [number for number, (name, _, _) in file.topics.items() if name == topic]
             if not requested:
@@ -80,7 +80,7 @@ class Bag(collections.abc.Mapping):
                 for _, time, data in file.messages(requested):
                     yield time, data
             except FileError as error:
-                note = f"{file.file}: it could be read in part only ({error})"
+                note = f"{file.file}: it is only partly readable ({error})"
                 if note not in self.notes:
                     self.notes.append(note)
 
@@ -142,9 +142,9 @@ class Bag(collections.abc.Mapping):
             ):
                 raise BagError(
                     f"{self.path}: it was recorded by voxtouch"
-                    f" {recording.get('voxtouch', 'of an unknown version')}, whose {kind} is"
-                    f" laid out"
-                    " otherwise than in this version: read it with the version that recorded it."
+                    f" {recording.get('voxtouch', '(unknown version)')}, whose {kind} is"
+                    f" laid out differently than in this version. Read it with the recording "
+                    f"version."
                 )
         return Definition(kind, text)
 
@@ -155,6 +155,7 @@ class Bag(collections.abc.Mapping):
             return table(self.definition(topic), times, [data for _, data in rows])
         except (struct.error, KeyError, ValueError) as error:
             raise BagError(
-                f"{self.path}: messages of {topic} are not laid out as {self.types[topic]} is"
+                f"{self.path}: messages of {topic} have a layout different from "
+                f"{self.types[topic]} is"
                 f" ({error})"
             ) from None

@@ -25,8 +25,8 @@ def scene_file(scene):
     if str(scene) in shipped_scenes():
         return str(DATA / "scenes" / f"{scene}.yaml")
     raise ValueError(
-        f"'{scene}' is no file, and no scene of this name comes with voxtouch. These do:"
-        f" {', '.join(shipped_scenes())}"
+        f"'{scene}' is neither a file nor a shipped scene. Shipped scenes: "
+        f"{', '.join(shipped_scenes())}"
     )
 
 
@@ -42,8 +42,7 @@ def device_word(device):
     if not shipped.is_file():
         names = ", ".join(sorted(file.stem for file in (DATA / "devices").glob("*.yaml")))
         raise ValueError(
-            f"'{name}' is no file, and no device file of this name comes with voxtouch. These do:"
-            f" {names}"
+            f"'{name}' is neither a file nor a shipped device file. Shipped device files: {names}"
         )
     return str(shipped)
 

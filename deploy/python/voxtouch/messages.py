@@ -131,7 +131,7 @@ class Decoder:
             self.at += -(self.at - 4) % dtype.itemsize
         end = self.at + count * dtype.itemsize
         if end > len(self.data):
-            raise struct.error("a list is longer than its message")
+            raise struct.error("a sequence exceeds its message")
         out = (
             numpy.frombuffer(self.data, dtype, count, self.at).copy()
             if count
@@ -143,7 +143,7 @@ class Decoder:
     def text(self, kind):
         size = self.number("I") * (4 if kind == "wstring" else 1)
         if self.at + size > len(self.data):
-            raise struct.error("a text is longer than its message")
+            raise struct.error("a string exceeds its message")
         self.at += size
         raw = bytes(self.data[self.at - size : self.at])
         return (
@@ -165,7 +165,7 @@ class Decoder:
                 continue
             count = count if array == "fixed" else self.number("I")
             if count > len(self.data):
-                raise struct.error("a list is longer than its message")
+                raise struct.error("a sequence exceeds its message")
             out[field] = (
                 self.numbers(kind, count)
                 if kind in SCALARS
@@ -183,7 +183,7 @@ def table(definition, times, messages):
     if layout is not None:
         dtype, size = layout
         if any(len(data) != size + 4 or data[1] != 1 for data in messages):
-            raise struct.error("a message has another size")
+            raise struct.error("wrong message size")
         rows = (
             numpy.frombuffer(b"".join(data[4:] for data in messages), dtype)
             if messages

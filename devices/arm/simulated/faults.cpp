@@ -43,13 +43,13 @@ constexpr std::array<FaultRow, kFaultKinds> kRows{{
 
 [[noreturn]] void refuse(std::string_view text, std::string_view why) {
   throw std::runtime_error(fmt::format(
-      "fault '{}': {}; write KIND@START[:DURATION[:VALUE]], like late@2.0:0.1", text, why));
+      "fault '{}': {}; format KIND@START[:DURATION[:VALUE]], such as late@2.0:0.1", text, why));
 }
 
 double number(std::string_view text, std::string_view part, std::string_view name) {
   const auto value = parse_number<double>(part);
   if (!value || std::isnan(*value))
-    refuse(text, fmt::format("'{}' is no {}", part, name));
+    refuse(text, fmt::format("'{}' is not a {}", part, name));
   return *value;
 }
 
@@ -66,11 +66,11 @@ std::string_view split_off_part(std::string_view& rest) {
 Fault parse_fault(std::string_view text, const ControllerFaults& known) {
   const std::size_t at = text.find('@');
   if (at == std::string_view::npos)
-    refuse(text, "it has no '@'");
+    refuse(text, "'@' is missing");
   const std::string_view name = text.substr(0, at);
   const auto found = std::ranges::find(kRows, name, &FaultRow::name);
   if (found == kRows.end() || !fmt::format(" {} ", known.kinds).contains(fmt::format(" {} ", name)))
-    refuse(text, fmt::format("there is no fault '{}'", name));
+    refuse(text, fmt::format("unknown fault '{}'", name));
   FaultRow row = *found;
   Fault fault{static_cast<FaultKind>(found - kRows.begin()), 0.0, kInfinity, row.usual};
   if (fault.kind == FaultKind::kNan)
@@ -78,19 +78,19 @@ Fault parse_fault(std::string_view text, const ControllerFaults& known) {
   std::string_view rest = text.substr(at + 1);
   fault.start_s = number(text, split_off_part(rest), "start in seconds");
   if (!(fault.start_s >= 0.0 && fault.start_s < kInfinity))
-    refuse(text, "the start has to be 0 or more");
+    refuse(text, "the start must be >= 0");
   const bool timed = text.substr(at + 1).find(':') != std::string_view::npos;
   if (timed)
     fault.duration_s = number(text, split_off_part(rest), "duration in seconds");
   if (!(fault.duration_s > 0.0))
-    refuse(text, "the duration has to be over 0 (inf: for ever)");
+    refuse(text, "the duration must be > 0 (inf: unlimited)");
   if (rest.empty())
     return fault;
   fault.value = number(text, rest, "value");
   if (!(fault.value >= row.least && fault.value <= row.most) ||
       (row.whole && fault.value != std::floor(fault.value)))
-    refuse(text, fmt::format("the value has to be {} in [{}, {}]",
-                             row.whole ? "a whole number" : "a number", row.least, row.most));
+    refuse(text, fmt::format("the value must be {} in [{}, {}]",
+                             row.whole ? "an integer" : "a number", row.least, row.most));
   return fault;
 }
 

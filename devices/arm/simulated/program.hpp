@@ -51,24 +51,24 @@ inline void declare(CLI::App& app, ProgramOptions& o, NetworkConfig& network, bo
   app.add_option("--address", network.address, "Own address")->capture_default_str();
   app.add_option("--port", network.port, "Own port; 0: any free one")->capture_default_str();
   app.add_flag("--virtual-time", virtual_time,
-               "Time moves on with each answer of the remote side, not with the clock");
-  app.add_option("--patience", network.patience_s, "Virtual time: seconds to wait for an answer")
+               "Time advances with each reply of the remote side, not with the clock");
+  app.add_option("--patience", network.patience_s, "Virtual time: timeout of a reply [s]")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   app.add_option("--duration", network.duration_s,
-                 "Seconds of the controller's time, then end; default: until SIGTERM")
+                 "Duration in the controller's time [s]; default: until SIGTERM")
       ->check(CLI::PositiveNumber);
   app.add_option("--hand", o.hand_file,
                  "YAML file with motion and grip of the operator (keys: "
-                 "devices/operator/hand_file.hpp); else the arm is released");
+                 "devices/operator/hand_file.hpp); default: released");
   app.add_option("--tool", o.tool_m, "Tool's origin in the flange's frame, x y z [m]")->expected(3);
   app.add_option("--posture-deg", o.posture_deg,
-                 "Joints from the base on to start at, or near with --hand")
+                 "Start posture, joints from the base on; with --hand only an initial guess")
       ->expected(7);
-  app.add_option("--seed", o.seed, "Of noise and faults; default: the hand file's, or 0");
-  app.add_option("--fault", o.faults,
-                 "KIND@START[:DURATION[:VALUE]], seconds; many may be given. Kinds: " +
-                     std::string(known.kinds));
+  app.add_option("--seed", o.seed, "Seed of noise and faults; default: the hand file's, else 0");
+  app.add_option(
+      "--fault", o.faults,
+      "KIND@START[:DURATION[:VALUE]] [s]; repeatable. Kinds: " + std::string(known.kinds));
 }
 
 /// What an arm's drag is at the tool, for a hand that has learned it: residual friction over a
@@ -112,8 +112,7 @@ hand::Hand make_hand(const ProgramOptions& o, const Arm& arm, ArmConfig& config)
 template <class LineCounts>
 std::string line_text(const LineCounts& l, std::uint64_t send_errors) {
   return fmt::format(
-      "faults: {} lost, {} delayed, {} reordered, {} duplicated, {} answers lost; {} could not be "
-      "sent",
+      "faults: {} lost, {} delayed, {} reordered, {} duplicated, {} replies lost; {} not sent",
       l.lost, l.delayed, l.reordered, l.duplicated, l.answers_lost, send_errors);
 }
 
@@ -121,11 +120,10 @@ std::string line_text(const LineCounts& l, std::uint64_t send_errors) {
 inline void require_good(Ending ending, double patience_s) {
   if (ending == Ending::kNoAnswer)
     throw std::runtime_error(fmt::format(
-        "no answer came within {} s: is the device's program running, and does it answer?",
-        patience_s));
+        "no reply within {} s. Check that the device's program runs and replies", patience_s));
   if (ending == Ending::kDiverged)
     throw std::runtime_error(
-        "the arm's mechanics have left the numbers: soften the hand or the gains");
+        "the simulation of the arm diverged: reduce the hand's stiffness or the gains");
 }
 
 /// Parses the command line, sets its flag at SIGINT, SIGTERM and SIGHUP, and runs `run(stop)`; the

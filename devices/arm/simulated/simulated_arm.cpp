@@ -11,7 +11,7 @@ namespace voxtouch::arm_sim {
 
 void require(bool good, const char* field, const char* rule) {
   if (!good)
-    throw std::runtime_error(fmt::format("simulated controller: {} has to be {}", field, rule));
+    throw std::runtime_error(fmt::format("simulated controller: {} must be {}", field, rule));
 }
 
 void ArmConfig::validate() const {

@@ -48,10 +48,9 @@ arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm,
   const Vec3& p = requested.position;
   const Quat& o = requested.orientation;
   throw std::runtime_error(
-      fmt::format("the arm cannot bring its tool to ({:.4g}, {:.4g}, {:.4g}) m with orientation (w "
-                  "x y z) ({:.4g}, {:.4g}, {:.4g}, "
-                  "{:.4g}) in its base's frame; start the motion within its reach, or give a "
-                  "posture nearer to it",
+      fmt::format("the arm cannot reach ({:.4g}, {:.4g}, {:.4g}) m with orientation (w x y z) "
+                  "({:.4g}, {:.4g}, {:.4g}, {:.4g}) in its base frame; start the motion within its "
+                  "reach, or set a closer posture",
                   p.x(), p.y(), p.z(), o.w(), o.x(), o.y(), o.z()));
 }
 

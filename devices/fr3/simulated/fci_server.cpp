@@ -41,8 +41,8 @@ FciServer::FciServer(const ServerConfig& config, FciRobot& robot, Line line)
     const int error = errno;
     close(listener_);
     throw devices::DeviceOpenError(
-        fmt::format("cannot listen on TCP {}:{}: {}; is another robot there?", config.address,
-                    config.port, std::strerror(error)));
+        fmt::format("cannot listen on TCP {}:{}: {}; check for another robot at this address",
+                    config.address, config.port, std::strerror(error)));
   }
   socklen_t size = sizeof own;
   getsockname(listener_, reinterpret_cast<sockaddr*>(&own), &size);

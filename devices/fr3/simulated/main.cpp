@@ -14,7 +14,7 @@ struct Options : arm_sim::ProgramOptions {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option("--server-version", o.robot.version, "Version that the server speaks: 3 to 10")
+  app.add_option("--server-version", o.robot.version, "FCI version of the server: 3 to 10")
       ->capture_default_str();
   arm_sim::declare(app, o, o.server, o.server.virtual_time, kFaults);
 }

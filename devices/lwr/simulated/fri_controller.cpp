@@ -27,7 +27,7 @@ void ControllerConfig::validate() const {
   ArmConfig::validate();
   const int ticks = ticks_of(period_s);
   require(ticks >= 1 && ticks <= 100 && std::abs(period_s - ticks * kTick) < 1e-9, "period_s",
-          "1 to 100 whole milliseconds");
+          "1 to 100 ms (integer)");
   require(torque_noise_nm >= 0.0 && torque_noise_nm < 100.0, "torque_noise_nm", "in [0, 100)");
 }
 

@@ -9,8 +9,8 @@ namespace voxtouch::lwr_sim {
 
 ArmBodies lwr_bodies(double torque_feedback_gain) {
   if (!(torque_feedback_gain >= 1.0 && std::isfinite(torque_feedback_gain)))
-    throw std::runtime_error(fmt::format(
-        "arm inertia: torque_feedback_gain is {}, but has to be 1 or more", torque_feedback_gain));
+    throw std::runtime_error(fmt::format("arm inertia: torque_feedback_gain is {}; it must be >= 1",
+                                         torque_feedback_gain));
   using arm_sim::Axis;
   ArmBodies arm;
   // From one joint to the next, up the stretched arm [m], and what each turns about.

@@ -22,14 +22,14 @@ struct Options : arm_sim::ProgramOptions {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option("--remote", o.remote, "Where measurements go, ADDRESS:PORT")
+  app.add_option("--remote", o.remote, "Destination of measurements, ADDRESS:PORT")
       ->capture_default_str();
   app.add_option("--period-ms", o.period_ms, "Period of measurements, 1 to 100 ms")
       ->capture_default_str();
   arm_sim::declare(app, o, o.session, o.controller.virtual_time, kFaults);
-  app.add_option("--trace", o.trace_file, "CSV of every period");
+  app.add_option("--trace", o.trace_file, "Writes a CSV row for every period");
   app.add_option("--torque-feedback-gain", o.torque_feedback_gain,
-                 "Divides rotors' inertia and friction")
+                 "Divisor of the rotors' inertia and friction")
       ->capture_default_str();
 }
 
@@ -39,7 +39,7 @@ void set_remote(Options& o) {
   const auto port = parse_number<std::uint16_t>(std::string_view(o.remote).substr(colon + 1));
   if (colon == std::string::npos || port.value_or(0) == 0)
     throw std::runtime_error(
-        fmt::format("--remote '{}' is not ADDRESS:PORT, like 127.0.0.1:49938", o.remote));
+        fmt::format("--remote '{}' is not ADDRESS:PORT, such as 127.0.0.1:49938", o.remote));
   o.session.remote_address = o.remote.substr(0, colon);
   o.session.remote_port = *port;
 }
@@ -59,12 +59,10 @@ void print_counts(const Session& session, const FriController& controller) {
   const AnswerCounts& a = controller.counts();
   const arm_sim::NetworkCounts& s = session.counts();
   fmt::print(stderr,
-             "{:.3f} s simulated: {} periods, {} sent, {} received, {} answers in time, {} missed; "
-             "{} starts, {} "
-             "drops, {} overruns\n"
-             "{} replaced by a newer answer; refused: {} stale, {} doubled, {} length, {} id, {} "
-             "size field, {} not "
-             "finite, {} foreign\n"
+             "{:.3f} s simulated: {} periods, {} sent, {} received, {} replies in time, {} missed; "
+             "{} starts, {} drops, {} overruns\n"
+             "{} replaced by a newer reply; refused: {} stale, {} doubled, {} length, {} id, {} "
+             "size field, {} not finite, {} foreign\n"
              "{}\n",
              controller.time_s(), controller.periods(), s.sent, s.received, a.accepted,
              controller.link().statistics().miss_counter, controller.starts(), controller.drops(),

@@ -26,37 +26,37 @@ bool within(const lwr::LwrJoints& values, double high) noexcept {
 std::string_view sentence_of(Reason reason) noexcept {
   switch (reason) {
     case Reason::kNone:
-      return "nothing is wrong";
+      return "no error";
     case Reason::kAsked:
-      return "friStop, as the remote side asked";
+      return "friStop on request of the remote side";
     case Reason::kMisses:
-      return "too many answers were missing";
+      return "too many missing replies";
     case Reason::kClosed:
       return "friClose";
     case Reason::kNotFinite:
-      return "a command held a number that is none";
+      return "a command had NaN or infinity";
     case Reason::kFlagsChanged:
       return "the command flags changed in command mode";
     case Reason::kJump:
-      return "the last commanded position is not the mirrored one";
+      return "the last commanded position differs from the mirrored one";
     case Reason::kCommandSpeed:
-      return "a commanded position moved faster than the joint may";
+      return "a commanded position exceeded the joint's speed limit";
     case Reason::kCommandPosition:
-      return "a commanded position is out of the joint's range";
+      return "a commanded position is outside the joint's range";
     case Reason::kDeviation:
       return "a commanded position is too far from the measured one";
     case Reason::kTorque:
-      return "a commanded torque or force is over its limit";
+      return "a commanded torque or force exceeds its limit";
     case Reason::kGains:
       return "a commanded stiffness or damping is out of range";
     case Reason::kJointSpeed:
-      return "a joint was faster than it may be";
+      return "a joint exceeded its speed limit";
     case Reason::kEmergencyStop:
       return "emergency stop";
     case Reason::kDrivesOff:
       return "drives went off";
     case Reason::kQualityForced:
-      return "the quality was made bad by a fault of the simulation";
+      return "simulated fault: bad connection quality";
   }
   return "unknown";
 }

@@ -25,7 +25,7 @@ Session::Session(const SessionConfig& config, FriController& controller, Line li
   const auto address = arm::parse_ipv4(config.remote_address);
   if (!address || config.remote_port == 0)
     throw devices::DeviceOpenError(
-        fmt::format("'{}:{}' is no address and port of a remote side, like 127.0.0.1:{}",
+        fmt::format("'{}:{}' is not an address and port, such as 127.0.0.1:{}",
                     config.remote_address, config.remote_port, lwr::fri::kDefaultPort));
   remote_ = {*address, config.remote_port};
 }

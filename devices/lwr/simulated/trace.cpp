@@ -38,7 +38,7 @@ Trace::Trace(const std::filesystem::path& file)
       file_(std::fopen(file.c_str(), "w")) {
   if (!file_)
     throw std::runtime_error(
-        fmt::format("trace: '{}' cannot be written: {}", file.string(), std::strerror(errno)));
+        fmt::format("trace: cannot write '{}': {}", file.string(), std::strerror(errno)));
   std::fputs(kHeader, file_);
 }
 
@@ -66,7 +66,7 @@ void Trace::finish() {
   const bool closed = std::fclose(std::exchange(file_, nullptr)) == 0;
   if (bad || !closed)
     throw std::runtime_error(
-        fmt::format("trace: '{}' is not complete; is the disk full?", path_.string()));
+        fmt::format("trace: '{}' is incomplete; check the free disk space", path_.string()));
 }
 
 }  // namespace voxtouch::lwr_sim

@@ -27,26 +27,26 @@ struct Sentence {
 };
 constexpr Sentence kSentences[]{
     {kSuccess, "no error"},
-    {kInvalidEnum, "there is no parameter of that number"},
+    {kInvalidEnum, "unknown parameter number"},
     {kInvalidValue, "the value is out of range"},
-    {kInvalidOperation, "this cannot be done in this state"},
-    {kInvalidInputType, "the parameter has another type"},
-    {kBadHandle, "there is no device of that handle"},
+    {kInvalidOperation, "not possible in this state"},
+    {kInvalidInputType, "wrong parameter type"},
+    {kBadHandle, "unknown device handle"},
     {kWarmMotors, "the motors are too warm"},
-    {kExceededMaxForce, "the force is over the device's limit"},
-    {kExceededMaxForceImpulse, "the force changes faster than its limit"},
-    {kExceededMaxVelocity, "the tip moves faster than its limit"},
+    {kExceededMaxForce, "the force exceeds the device's limit"},
+    {kExceededMaxForceImpulse, "the force slew rate exceeds its limit"},
+    {kExceededMaxVelocity, "the tip exceeds its speed limit"},
     {kForceError, "forces and torques of this frame contradict each other"},
     {kDeviceFault, "the device has failed"},
-    {kDeviceAlreadyInitiated, "the device has been initiated before"},
+    {kDeviceAlreadyInitiated, "the device is already initialised"},
     {kCommError, "communication with the device failed"},
-    {kCommConfigError, "no device could be set up under that name"},
+    {kCommConfigError, "no device of this name"},
     {kTimerError, "the servo loop's timer failed"},
-    {kIllegalBegin, "a frame was begun where none may begin"},
-    {kIllegalEnd, "a frame was ended that had not begun"},
-    {kFrameError, "this has to stand between begin and end of a frame"},
+    {kIllegalBegin, "invalid begin of a frame"},
+    {kIllegalEnd, "end of a frame without its begin"},
+    {kFrameError, "only allowed between begin and end of a frame"},
     {kInvalidPriority, "the priority is out of range"},
-    {kSchedulerFull, "there is no room for one more callback"},
+    {kSchedulerFull, "too many callbacks"},
     {kInvalidLicense, "the licence is not valid"},
 };
 
@@ -65,7 +65,7 @@ HDstring hdGetErrorString(HDerror code) {
   for (const Sentence& s : kSentences)
     if (s.code == code)
       return s.text;
-  return "an error without a name";
+  return "unknown error";
 }
 
 void hdEnable(HDenum capability) { library().set_capability(capability, true); }

@@ -37,7 +37,7 @@ void need(bool good, const char* sentence) {
 }
 
 hand::HandFile hand_file(const char* text) {
-  need(text != nullptr, "simulated Phantom: no hand was given");
+  need(text != nullptr, "simulated Phantom: no hand");
   return hand::parse_hand(text, "simulated Phantom: hand");
 }
 
@@ -56,7 +56,7 @@ int hdsim_use_virtual_time(int on) {
 }
 int hdsim_set_model(const char* key) {
   return configure([key](Settings& s) {
-    need(key != nullptr, "simulated Phantom: no model was named");
+    need(key != nullptr, "simulated Phantom: no model");
     hd_sim::read_settings(s, fmt::format("model={}", key));
   });
 }
@@ -86,7 +86,7 @@ int hdsim_inject(int fault, double amount) {
 int hdsim_read_state(hdsim_state* state, size_t size) {
   return attempt([&] {
     need(state != nullptr && size == sizeof(hdsim_state),
-         "simulated Phantom: the state has another size; rebuild the caller");
+         "simulated Phantom: the state has a different size; rebuild the caller");
     return Library::instance().read_state(*state), 0;
   });
 }

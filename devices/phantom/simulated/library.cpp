@@ -34,7 +34,7 @@ Library::Library() {
 void Library::power_on(const Settings& settings) {
   if (open_ || running_)
     throw std::runtime_error(
-        "simulated Phantom: this cannot be changed while a device is open or the scheduler runs");
+        "simulated Phantom: cannot change while a device is open or the scheduler runs");
   device_ = std::make_unique<Device>(settings);
   settings_ = settings;
   broken_.clear();

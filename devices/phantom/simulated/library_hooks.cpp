@@ -13,8 +13,7 @@ void copy(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to); }
 /// Ticks of a fault: negative is for good.
 long ticks_of(double amount) {
   if (!(std::abs(amount) <= 1e9))
-    throw std::runtime_error(
-        "simulated Phantom: the amount of a fault has to be a number of ticks");
+    throw std::runtime_error("simulated Phantom: the amount of a fault must be a number of ticks");
   return amount < 0.0 ? -1 : std::lround(amount);
 }
 
@@ -63,23 +62,24 @@ void Library::inject(int fault, double amount) {
     case HDSIM_TIMER_ERROR:
       if (!running_)
         throw std::runtime_error(
-            "simulated Phantom: there is no servo loop that could die; start the scheduler first");
+            "simulated Phantom: no servo loop is running; start the scheduler first");
       dead_ = true;
       note(phantom::hd::kTimerError);
       return;
     case HDSIM_WARM_MOTORS:
       device_->amplifier.set_temperature(
-          in_range(amount, 0.0, 10.0, "simulated Phantom: a temperature has to be in [0, 10]"));
+          in_range(amount, 0.0, 10.0, "simulated Phantom: a temperature must be in [0, 10]"));
       return;
     case HDSIM_LATE_TICK:
-      late_s_ = in_range(amount, 0.0, 10.0, "simulated Phantom: a tick can be 0 to 10 s late");
+      late_s_ =
+          in_range(amount, 0.0, 10.0, "simulated Phantom: the delay of a tick must be 0 to 10 s");
       return;
     case HDSIM_SKIPPED_TICKS:
       skip_ticks_ = std::max(0L, ticks_of(amount));
       return;
     case HDSIM_FAIL_INIT:
       fail_init_ = static_cast<phantom::hd::HDerror>(
-          in_range(amount, 1.0, 65535.0, "simulated Phantom: the amount has to be an error code"));
+          in_range(amount, 1.0, 65535.0, "simulated Phantom: the amount must be an error code"));
       return;
     case HDSIM_FAIL_START:
       fail_start_ = true;
@@ -88,7 +88,7 @@ void Library::inject(int fault, double amount) {
       device_->faults.lost_position = ticks_of(amount);
       return;
   }
-  throw std::runtime_error("simulated Phantom: there is no such fault");
+  throw std::runtime_error("simulated Phantom: unknown fault");
 }
 
 void Library::read_state(hdsim_state& state) {

@@ -18,8 +18,8 @@ constexpr int kFrictionSweeps =
 void require_in(double value, double low, double high, std::string_view field) {
   if (value >= low && value <= high)
     return;
-  throw std::runtime_error(fmt::format("simulated Phantom: {} is {}, but has to be in [{}, {}]",
-                                       field, value, low, high));
+  throw std::runtime_error(
+      fmt::format("simulated Phantom: {} is {}, limits [{}, {}]", field, value, low, high));
 }
 
 /// The explicit step is stable for these only.
@@ -44,10 +44,10 @@ Vec3 start_of(const PlantConfig& c, const hand::Hand& hand) {
   if (joints)
     return *joints;
   const Vec3 at = hand.target();
-  throw std::runtime_error(fmt::format(
-      "simulated Phantom: the motion starts at ({:.3f}, {:.3f}, {:.3f}) m, where the arm does "
-      "not reach; start it nearer to the origin",
-      at.x(), at.y(), at.z()));
+  throw std::runtime_error(
+      fmt::format("simulated Phantom: the motion starts at ({:.3f}, {:.3f}, {:.3f}) m, out of the "
+                  "arm's reach. Start it closer to the origin",
+                  at.x(), at.y(), at.z()));
 }
 
 }  // namespace

@@ -95,7 +95,7 @@ bool Library::step() {
   Lock lock(mutex_);
   if (!settings_.virtual_time || !running_)
     throw std::runtime_error(
-        "simulated Phantom: hdsim_step needs virtual time and a scheduler that was started");
+        "simulated Phantom: hdsim_step needs virtual time and a running scheduler");
   if (t_in_servo > 0)
     throw std::runtime_error("simulated Phantom: hdsim_step was called from a callback");
   const int late = static_cast<int>(std::lround(std::exchange(late_s_, 0.0) * kSubstepHz));

@@ -45,7 +45,7 @@ T number(std::string_view text, std::string_view whole) {
   const auto value = parse_number<T>(text);
   if (!value)
     throw std::runtime_error(
-        fmt::format("simulated Phantom: '{}' in its settings has no number behind '='", whole));
+        fmt::format("simulated Phantom: setting '{}' has no number after '='", whole));
   return *value;
 }
 
@@ -57,14 +57,14 @@ void read_one(Settings& settings, std::string_view item) {
   if (name == "model") {
     const Model* model = find_model(value);
     if (model == nullptr)
-      throw std::runtime_error(fmt::format("simulated Phantom: there is no model '{}'; there is {}",
-                                           value, model_keys()));
+      throw std::runtime_error(
+          fmt::format("simulated Phantom: unknown model '{}'; valid: {}", value, model_keys()));
     settings.model = model;
   } else if (name == "grip") {
     const auto hand = hand::grip(value);
     if (!hand)
-      throw std::runtime_error(fmt::format("simulated Phantom: there is no grip '{}'; there is {}",
-                                           value, fmt::join(hand::grip_names(), ", ")));
+      throw std::runtime_error(fmt::format("simulated Phantom: unknown grip '{}'; valid: {}", value,
+                                           fmt::join(hand::grip_names(), ", ")));
     settings.hand = *hand;
   } else if (name == "seed") {
     settings.seed = number<std::uint64_t>(value, item);
@@ -85,13 +85,13 @@ void Settings::set(std::string_view name, double value) {
       continue;
     }
     if (!(value >= known.low && value <= known.high))
-      throw std::runtime_error(fmt::format("simulated Phantom: {} is {}, but has to be in [{}, {}]",
-                                           name, value, known.low, known.high));
+      throw std::runtime_error(fmt::format("simulated Phantom: {} is {}, limits [{}, {}]", name,
+                                           value, known.low, known.high));
     known.of(*this) = value;
     return;
   }
   throw std::runtime_error(
-      fmt::format("simulated Phantom: nothing is called '{}'; numbers are{}", name, names));
+      fmt::format("simulated Phantom: unknown setting '{}'. Valid settings:{}", name, names));
 }
 
 void read_settings(Settings& settings, std::string_view text) {

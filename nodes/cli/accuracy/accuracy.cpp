@@ -39,7 +39,7 @@ struct AccuracyVerb {
 /// processor is shared as so far.
 std::function<void(const std::string&, double, double)> report_time_left() {
   const auto line = [](const std::string& what, double fraction, double left_s) {
-    return fmt::format("{:.0f} %, about {:.0f} s left: {}", 100.0 * fraction, left_s, what);
+    return fmt::format("{:.0f} %, about {:.0f} s remain: {}", 100.0 * fraction, left_s, what);
   };
   return [line, log_line = console::log_each_second("accuracy"),
           begun = std::chrono::steady_clock::now(), cpu_before = thread_cpu_s(),
@@ -76,7 +76,7 @@ AccuracyReport measure(const AccuracyVerb& o) {
   options.read = mesh_import::mesh_process();
   mesh_import::dry_run_reading(scene);
   options.progress = report_time_left();
-  console::log("{} settings on {} contacts each\n", settings.size(), o.contacts);
+  console::log("{} settings, {} contacts each\n", settings.size(), o.contacts);
   report.rows = accuracy::measure_accuracy(
       scene, settings, options, serial_for());  // one thread: its CPU time is the frame's
   report.load_after = load_average();
@@ -96,7 +96,7 @@ int run(const AccuracyVerb& o) {
   console::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    console::log("{} holds the table\n", o.csv.string());
+    console::log("table: {}\n", o.csv.string());
   }
   if (!o.plot.empty())
     console::log("{}\n", draw_picture("accuracy", json, o.plot));
@@ -112,20 +112,23 @@ CLI::Option* add_list(CLI::App& verb, const char* name, std::vector<T>& list, co
 }
 
 void add_goals(CLI::App& verb, accuracy::AccuracyGoal& goal) {
-  constexpr const char* kGroup = "What you want (errors, all of which must be kept, or a time)";
+  constexpr const char* kGroup =
+      "Requirements (limits of error, which all must be met, or a limit of time)";
   const auto add = [&](const char* name, std::optional<double>& value, const char* help) {
     verb.add_option(name, value, help)->group(kGroup);
   };
   add("--want-direction-deg", goal.direction_deg,
-      "Names the cheapest setting whose mean direction error is at most this; a missed contact is "
-      "180 deg off");
-  add("--want-noise", goal.noise, "... whose magnitude noise is at most this, 0.01 for 1 %");
+      "Chooses the fastest setting with at most this mean direction error [deg]; a missed contact "
+      "counts as 180");
+  add("--want-noise", goal.noise,
+      "... with at most this noise of the force's magnitude (0.01: 1 %)");
   add("--want-torque-m", goal.torque_m,
-      "... whose median torque error, as a lever arm, is at most this [m]");
+      "... with at most this median torque error, as a lever arm [m]");
   add("--want-onset-m", goal.onset_m,
-      "... whose median onset is at most this far from the wall, either way [m]");
+      "... with a median onset at most this far from the surface, inside or outside [m]");
   add("--within-us", goal.within_us,
-      "Names the setting with the least direction error whose median frame stays within this");
+      "Chooses the setting with the smallest direction error whose median frame takes at most this "
+      "time");
 }
 
 }  // namespace
@@ -133,41 +136,41 @@ void add_goals(CLI::App& verb, accuracy::AccuracyGoal& goal) {
 void add_accuracy(CLI::App& app, Action& action) {
   auto o = std::make_shared<AccuracyVerb>();
   CLI::App* verb = app.add_subcommand("accuracy");
-  verb->add_option("SCENE", o->scene,
-                   "Scene file (YAML), or the name of one that comes with voxtouch")
+  verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of a shipped scene")
       ->required()
       ->transform(runtime::scene_argument());
   add_list(*verb, "--models", o->choice.models, "original,adapted,field,virtual_tool; default: all")
       ->check(CLI::IsMember({"original", "adapted", "field", "virtual_tool"}));
   add_list(*verb, "--weights", o->choice.weights,
-           "one,area: what a shell point counts; default: both. field knows area only")
+           "Weight of a shell point: one,area; default: both. Model field has area only")
       ->check(CLI::IsMember({"one", "area"}));
   add_list(*verb, "--voxel-sizes", o->choice.voxel_sizes_m,
-           "Voxel edges e of the static map [m]; default: the scene's own times 2, 1 and 1/2")
+           "Voxel edges e of the static map [m]; default: the scene's edge times 2, 1 and 1/2")
       ->check(runtime::require_positive);
   add_list(*verb, "--shell-densities", o->choice.shell_densities,
-           "The shell is made with voxels of e / density, so 2 makes about four times the points; "
-           "default: 1")
+           "The pointshell is built with voxels of e / density: 2 gives about four times the "
+           "points; default: 1")
       ->check(runtime::require_positive);
   verb->add_option("--contacts", o->contacts, "Contact poses, the same for every setting")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
-  verb->add_option("--depth-edges", o->depth_edges, "How deep each contact is, in e of the setting")
+  verb->add_option("--depth-edges", o->depth_edges,
+                   "Depth of each contact, in voxel edges e of the setting")
       ->capture_default_str()
       ->check(runtime::require_positive)  // a range lets NaN through
       ->check(CLI::Range(1e-3, 20.0));
-  verb->add_option("--seed", o->seed, "Chooses the contact poses")
+  verb->add_option("--seed", o->seed, "Seed of the random contact poses")
       ->capture_default_str()
       ->check(runtime::require_whole);
   add_goals(*verb, o->goal);
-  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+  verb->add_flag("--json", o->json, "Prints one JSON object on stdout, the rest on stderr");
   verb->add_option("--csv", o->csv, "Writes the table as CSV");
   verb->add_option(
       "--plot", o->plot,
-      "Draws direction error and noise over time, with the Pareto front, as .png, .svg or .pdf");
+      "Plots direction error and noise over time, with the Pareto front (.png, .svg or .pdf)");
   verb->add_option("--page", o->page,
-                   "Draws one page at the scene's own voxels: force, direction error and noise "
-                   "over depth, time of a frame");
+                   "Plots force, direction error and noise over depth, and time of a frame, at the "
+                   "scene's voxel edge");
   verb->callback([o, &action] { action = [o] { return run(*o); }; });
 }
 

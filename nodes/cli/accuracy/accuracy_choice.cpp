@@ -66,9 +66,8 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
   for (const contact::ContactModelKind model : models_of(choice)) {
     if (knows_area_only(model) && !area && !choice.models.empty())
       throw std::invalid_argument(
-          fmt::format("--weights one: the model '{}' weighs points by their area only; add area to "
-                      "--weights, or leave "
-                      "the model out of --models",
+          fmt::format("--weights one: model '{}' has area weights only. Add area to --weights, or "
+                      "remove the model from --models",
                       contact::name_of(model)));
     for (const contact::PointWeights weight : weights) {
       if (knows_area_only(model) && weight != contact::PointWeights::kArea)
@@ -91,10 +90,9 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
         out.push_back({contact::ContactModelKind::kField, contact::PointWeights::kArea, voxel,
                        voxel / density, true});
   if (out.size() > kMaxSettings)
-    throw std::invalid_argument(
-        fmt::format("{} settings are asked for, {} at most can be measured in one run; name fewer "
-                    "models, voxel sizes or densities",
-                    out.size(), kMaxSettings));
+    throw std::invalid_argument(fmt::format(
+        "{} settings requested, limit {} a run. Select fewer models, voxel sizes or densities",
+        out.size(), kMaxSettings));
   return out;
 }
 

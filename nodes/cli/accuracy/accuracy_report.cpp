@@ -25,7 +25,7 @@ std::string_view model_word(const accuracy::AccuracySetting& setting) {
 std::string no_figures(const accuracy::AccuracyRow& row) {
   if (!row.refused.empty())
     return row.refused;
-  return row.contacts == 0 ? "no pose met the wall" : "";
+  return row.contacts == 0 ? "no pose is in contact" : "";
 }
 
 /// Three digits in a column, never an exponent that would break it.
@@ -76,8 +76,9 @@ std::string table(const AccuracyReport& report) {
     const bool tool = report.rows[i].setting.virtual_tool;
     if (i == 0 || report.rows[i - 1].setting.model != model ||
         report.rows[i - 1].setting.virtual_tool != tool)
-      text += fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, against the exact ball"
-                                         : contact::name_of(model));
+      text +=
+          fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, compared with the exact ball"
+                                     : contact::name_of(model));
     text += table_row(report, i);
   }
   return text;
@@ -108,7 +109,7 @@ std::string depth_table(const AccuracyReport& report) {
     return {};
   const std::size_t width = 8 * depths.size();
   std::string text =
-      fmt::format("  {:<40}{:>{}}  {:>{}}\n    {:<38}", "Over depth, pressed in slowly by a hand",
+      fmt::format("  {:<40}{:>{}}  {:>{}}\n    {:<38}", "Over depth (a hand presses slowly)",
                   "direction, mean [deg]", width, "force /true", width, "depth [e]");
   for (const char* gap : {"", "  "}) {
     text += gap;
@@ -132,8 +133,8 @@ std::string depth_table(const AccuracyReport& report) {
 
 std::string phase_table(const AccuracyReport& report) {
   std::string text = fmt::format(
-      "  Over random places of the voxel grid, least to largest, and 95 % intervals of medians\n   "
-      " {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
+      "  Over random grid offsets: minimum to maximum, and 95 % intervals of medians\n"
+      "    {:<38} {:>15} {:>15} {:>15}  {:>15} {:>15} {:>16} {:>15}\n",
       "", "missed [%]", "dir., mean", "force /true", "dir., median", "torque [mm]", "onset [mm]",
       "time [us]");
   for (const accuracy::AccuracyRow& r : report.rows) {
@@ -157,35 +158,35 @@ std::string slides_text(const AccuracyReport& report) {
   if (queries.empty())
     return queries;
   return fmt::format(
-      "  Those of a virtual tool: of a hand that slides {:g} e a frame sideways, 5 e deep; {} "
-      "queries a frame on average. Pushed straight on it makes none.\n",
+      "  Virtual tool: the hand slides {:g} e a frame sideways, 5 e deep; {} queries a frame on "
+      "average.\n"
+      "  Pushing straight in needs no query.\n",
       accuracy::kSlideEdges, queries);
 }
 
 std::string chosen_text(const AccuracyReport& r) {
   const accuracy::AccuracyAdvice& advice = r.advice;
   if (advice.refused_tool)
-    return fmt::format("none; the scene renders a virtual tool, which was refused: {}",
+    return fmt::format("none; the scene's virtual tool was refused: {}",
                        r.rows[*advice.refused_tool].refused);
   if (advice.front.empty())
-    return fmt::format("none; each of the {} settings was refused or has no contact",
-                       r.rows.size());
+    return fmt::format("none; all {} settings were refused or have no contact", r.rows.size());
   if (!advice.row)
-    return advice.met.has_value() ? "none; no setting has the figure that is limited"
+    return advice.met.has_value() ? "none; no setting has the limited figure"
                                   : "none; the Pareto front has no knee";
   const accuracy::AccuracyRow& row = r.rows[*advice.row];
   const char* why = advice.knee == advice.row ? ", the knee of the Pareto front"
-                                              : ", the fastest and most accurate";
+                                              : ", the fastest and the most accurate";
   if (advice.met)
     why = *advice.met ? ", which meets the limit"
-                      : ", the nearest to the limit, which no setting meets";
-  return fmt::format("{}, {} us a frame, {} deg off{}", describe(row.setting), cell(row.median_us),
-                     cell(row.direction_mean_deg), why);
+                      : ", the closest to the limit (no setting meets it)";
+  return fmt::format("{}, {} us a frame, direction error {} deg{}", describe(row.setting),
+                     cell(row.median_us), cell(row.direction_mean_deg), why);
 }
 
 std::string load_text(const AccuracyReport& r) {
   if (r.load_before < 0.0 || r.load_after < 0.0)
-    return "load not known";
+    return "load unknown";
   return fmt::format("load {:.1f} before and {:.1f} after", r.load_before, r.load_after);
 }
 
@@ -299,19 +300,25 @@ std::string csv_quoted(const std::string& text) {
 
 std::string to_text(const AccuracyReport& r) {
   std::string text = fmt::format(
-      "\n  What accuracy costs: scene {}, {} contacts, each {} e deep, seed {}\n\n{}\n  Chosen: "
-      "{}\n\n{}{}\n",
+      "\n"
+      "  Accuracy and time: scene {}, {} contacts, each {} e deep, seed {}\n"
+      "\n"
+      "{}\n"
+      "  Chosen: {}\n"
+      "\n"
+      "{}{}\n",
       r.scene, r.contacts, r.depth_edges, r.seed, table(r), chosen_text(r), depth_table(r),
       phase_table(r));
   text +=
-      "  *  on the Pareto front: no other setting is both faster and closer in direction, a missed "
-      "contact being 180 deg off";
+      "  *  on the Pareto front: no other setting is both faster and better in direction (missed "
+      "contacts count as 180 deg)";
   if (r.advice.row)
     text += ";  > chosen";
   text += fmt::format(
-      "\n  Times: CPU time of one frame, median, 95th percentile and worst, on {} ({} CPUs, {}; "
-      "{}, {}).\n"
-      "{}  Other work on the machine moves them: compare their ratios.\n",
+      "\n"
+      "  Times: CPU time of one frame, median, 95th percentile and worst, on {} ({} CPUs, {}; {}, "
+      "{}).\n"
+      "{}  Other load changes the times: compare ratios only.\n",
       r.machine.processor, r.machine.cpus, load_text(r), r.machine.compiler, r.machine.flags,
       slides_text(r));
   return text;
@@ -332,16 +339,15 @@ nlohmann::ordered_json to_json(const AccuracyReport& r) {
   const auto load = [](double value) {
     return value < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(value);
   };
-  j["conditions"] = {{"time",
-                      "CPU time of one frame on this thread; ratios carry over to another machine, "
-                      "figures do not"},
-                     {"version", r.machine.version},
-                     {"processor", r.machine.processor},
-                     {"cpus", r.machine.cpus},
-                     {"load_before", load(r.load_before)},
-                     {"load_after", load(r.load_after)},
-                     {"compiler", r.machine.compiler},
-                     {"flags", r.machine.flags}};
+  j["conditions"] = {
+      {"time", "CPU time of one frame on this thread; only ratios are comparable between machines"},
+      {"version", r.machine.version},
+      {"processor", r.machine.processor},
+      {"cpus", r.machine.cpus},
+      {"load_before", load(r.load_before)},
+      {"load_after", load(r.load_after)},
+      {"compiler", r.machine.compiler},
+      {"flags", r.machine.flags}};
   j["rows"] = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < r.rows.size(); ++i)
     j["rows"].push_back(row_json(r, i));

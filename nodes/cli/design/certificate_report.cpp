@@ -28,10 +28,11 @@ std::string certified_limits(const cd::ContactCertificate& c) {
 /// Why it is not for any contact.
 std::string linear_reason(const cd::ContactCertificate& c) {
   if (c.loops == 0)
-    return "not any contact: the rule for any passive hand allows less than is displayed";
+    return "not any contact: the passivity rule for any hand allows less than the displayed "
+           "stiffness";
   if (c.ratio_of_linear == 0.0)
-    return "not any contact: no multiplier was found";
-  std::string text = "not any contact: a multiplier was found only up to ";
+    return "not any contact: no multiplier found";
+  std::string text = "not any contact: a multiplier exists only up to ";
   for (std::size_t a = 0; a < c.axes.size(); ++a)
     text +=
         fmt::format("{}{:.4g} {}", a == 0 ? "" : " and ", c.axes[a].stiffness, kStiffnessUnits[a]);
@@ -42,31 +43,33 @@ std::string_view gap_sentence(cd::CertificateGap gap) {
   switch (gap) {
     using enum cd::CertificateGap;
     case kDamperGate:
-      return "Injected damping acts in contact only, along its force; the certified loop always "
-             "has it.";
+      return "Injected damping acts only in contact, along the force; the certificate assumes it "
+             "always acts.";
     case kDamperBound:
-      return "Injected damping adds a limited ratio of the contact force; the certified loop has "
+      return "Injected damping is limited to a ratio of the contact force; the certificate assumes "
              "no limit.";
     case kVelocityBand:
-      return "Damping changes between two velocity estimates; each is certified, the change is "
+      return "Damping switches between two velocity estimates; each is certified, the switch is "
              "not.";
     case kVaryingTiming:
-      return "The nominal and the slowest timing are certified as constant; jitter and losses vary "
-             "it.";
+      return "The nominal and the slowest timing are certified as constant; real jitter and losses "
+             "vary.";
     case kBetweenCorners:
-      return "The ends of the ranges of mass and hand are certified, not every value between them.";
+      return "The ends of the mass and hand ranges are certified, not every value between them.";
     case kReleasedFrictionless:
-      return "Released and out of contact, nothing stops a device without viscous damping.";
+      return "Released and out of contact, a device without viscous damping does not come to rest.";
     case kForceOnlyLever:
-      return "A contact next to the hand turns the tool; the device has no torque against that.";
+      return "A contact away from the hand rotates the tool; the device returns no torque against "
+             "that.";
     case kCurvedContact:
-      return "On a curved surface the force turns with the position: F/R of negative stiffness.";
+      return "On a curved surface the force direction changes with position: a negative stiffness "
+             "of F/R.";
     case kVoxelSteps:
-      return "The contact force may step where a point of the tool crosses into a voxel.";
+      return "The contact force may step when a point of the tool enters a voxel.";
     case kEncoderSteps:
-      return "Encoder steps may keep up a small motion.";
+      return "Encoder quantisation may sustain a small limit cycle.";
     case kForceLimit:
-      return "The loop is another one above the largest force of the device.";
+      return "Above the device's largest force the actuator saturates; that loop is not certified.";
   }
   return "";
 }
@@ -92,10 +95,10 @@ nlohmann::ordered_json multiplier_json(const cd::Multiplier& m) {
 
 std::string certificate_line(const cd::ContactCertificate& c) {
   if (c.contact == cd::ContactClass::kMonotone)
-    return fmt::format("any contact up to {} (its force must not fall with the depth)",
+    return fmt::format("any contact up to {} whose force does not decrease with depth",
                        certified_limits(c));
   if (c.contact == cd::ContactClass::kLinear)
-    return "linear contact up to the stiffness above; " + linear_reason(c);
+    return "linear contact up to the displayed stiffness; " + linear_reason(c);
   return "";
 }
 

@@ -31,7 +31,7 @@ int design(const DesignVerbOptions& o) {
     csv = std::make_unique<OutputFile>(o.csv);
   const coupling::design::DeviceModel device = find_device(o.device);
   if (!o.scene.empty())
-    console::log("building {} to count its points\n", o.scene.stem().string());
+    console::log("building {} to count its contact points\n", o.scene.stem().string());
   const DesignReport report = work_out(o, device, [&](const scene::Scene& scene) {
     return scene_build::build_here(scene, {.who = "design"});
   });
@@ -39,7 +39,7 @@ int design(const DesignVerbOptions& o) {
   console::print_result("{}", o.json ? json + "\n" : to_text(report));
   if (csv) {
     csv->keep(to_csv(report));
-    console::log("{} holds the stable region\n", o.csv.string());
+    console::log("stable region: {}\n", o.csv.string());
   }
   if (!o.plot.empty())
     console::log("{}\n", draw_picture("design", json, o.plot));
@@ -51,16 +51,15 @@ int design(const DesignVerbOptions& o) {
 void add_design(CLI::App& app, Action& action) {
   auto o = std::make_shared<DesignVerbOptions>();
   CLI::App* verb = app.add_subcommand("design");
-  verb->add_option("--device", o->device,
-                   "A device by name, or a file that describes one (deploy/devices/*.yaml)")
+  verb->add_option("--device", o->device, "Device name or device file (deploy/devices/*.yaml)")
       ->capture_default_str();
   verb->add_option("--scene", o->scene,
-                   "Scene to design for; default: the stiffest contact that the device can display")
+                   "Scene to design for; default: a contact of the device's largest stiffness")
       ->transform(runtime::scene_argument());
   verb->add_option("--hand", o->hand,
-                   "pen, arm or any_passive; default: the scene's, else how the device is held")
+                   "pen, arm or any_passive; default: the scene's, else the device's grip")
       ->check(CLI::IsMember({"pen", "arm", "any_passive"}));
-  verb->add_flag("--held", o->held, "The device is always held: leaves out the released cases");
+  verb->add_flag("--held", o->held, "The device is always gripped: skips the released cases");
   verb->add_option("--kind", o->kind, "auto, shaping_filter, spring_damper or direct")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "shaping_filter", "spring_damper", "direct"}));
@@ -68,35 +67,35 @@ void add_design(CLI::App& app, Action& action) {
                    "Requested cut-off of the shaping filter, w0 / (2 pi) [Hz]")
       ->capture_default_str()
       ->check(runtime::require_positive);
-  verb->add_option(
-          "--gain-margin", o->gain_margin,
-          "Stiffness at the stability limit over the displayed stiffness, in the worst case")
+  verb->add_option("--gain-margin", o->gain_margin,
+                   "Required gain margin: stiffness at the stability limit over displayed "
+                   "stiffness, worst case")
       ->capture_default_str()
       ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1.0, 100.0));
-  verb->add_option("--damping-floor", o->damping_floor,
-                   "Least damping ratio of the slowest swing along in contact, with a hand; a "
-                   "third of it with the device released.\n"
-                   "Stiffness is given up for it; 0: it is not. Default: the scene's, else 0.3")
-      ->check(CLI::Range(0.0, 0.99));
   verb->add_option(
-          "--damping-force-ratio", o->damping_force_ratio,
-          "Most that injected damping adds, as a fraction of what contact and effects give; "
-          "0: not bounded. Default: the scene's, else 0.35\n"
-          "if that leaves two thirds of the stiffness, else the least of 0.7, 2, 6 and 24 "
-          "that leaves nine tenths")
+          "--damping-floor", o->damping_floor,
+          "Minimum damping ratio of the dominant mode in contact when gripped; a third of it when "
+          "released.\n"
+          "Stiffness is reduced to reach it; 0: no minimum. Default: the scene's, else 0.3")
+      ->check(CLI::Range(0.0, 0.99));
+  verb->add_option("--damping-force-ratio", o->damping_force_ratio,
+                   "Limit of the damping force, as a ratio of contact and effect force; 0: no "
+                   "limit. Default: the scene's;\n"
+                   "else 0.35 if it keeps 2/3 of the stiffness, else the smallest of 0.7, 2, 6, 24 "
+                   "that keeps 9/10")
       ->check(CLI::NonNegativeNumber);
   verb->add_option("--stiffness", o->stiffness_n_per_m,
-                   "Without a scene: the contact's stiffness at the hand [N/m]")
+                   "Contact stiffness at the hand, without a scene [N/m]")
       ->check(runtime::require_positive);
   verb->add_flag("--no-damping", o->no_damping, "No injected damping");
   verb->add_flag("--no-velocity-windows", o->no_velocity_windows,
-                 "Injected damping acts on the velocity of a first-order filter only");
+                 "Injected damping uses the velocity of a first-order filter only");
   verb->add_option("--csv", o->csv,
-                   "Writes the stable region: critical and certified stiffness over the cut-off");
+                   "Writes critical and certified stiffness over the cut-off as CSV");
   verb->add_option("--plot", o->plot,
-                   "Draws the stable region with the chosen point, as .png, .svg or .pdf");
-  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+                   "Plots the stable region with the chosen point (.png, .svg or .pdf)");
+  verb->add_flag("--json", o->json, "Prints one JSON object on stdout, the rest on stderr");
   verb->callback([o, &action] { action = [o] { return design(*o); }; });
 }
 

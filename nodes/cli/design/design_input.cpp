@@ -12,10 +12,10 @@ namespace {
 std::string hand_text(const coupling::design::OperatorRange& hand, const std::string& name) {
   const coupling::design::HandRange& h = hand.translation;
   if (h.any_passive)
-    return "any hand that creates no energy";
+    return "any passive hand";
   return fmt::format("{}: {:.3g} to {:.3g} kg, {:.3g} to {:.3g} Ns/m, {:.4g} to {:.4g} N/m{}", name,
                      h.mass_min, h.mass_max, h.damping_min, h.damping_max, h.stiffness_min,
-                     h.stiffness_max, h.may_release ? ", or released" : ", always held");
+                     h.stiffness_max, h.may_release ? ", or released" : ", always gripped");
 }
 
 }  // namespace
@@ -75,7 +75,7 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
   std::string hand = std::string(coupling::design::name_of(device.grip));
   if (input.scene.empty()) {
     out.problem = problem_for_device(input, device);
-    out.contact = fmt::format("up to {:.4g} N/m, which the coupling may cap (no scene is given)",
+    out.contact = fmt::format("up to {:.4g} N/m (no scene given; the coupling may cap it)",
                               out.problem.contact.all_points);
   } else {
     const scene::Scene scene = scene::load_scene(input.scene);
@@ -88,12 +88,12 @@ DesignReport problem_of(const DesignInput& input, const coupling::design::Device
       hand = std::string(scene::name_of(scene.design->hand));
     const bool spring = rendering::is_spring({plan.contact_n_per_m, plan.contact_nm_per_rad});
     out.contact = spring ? fmt::format(
-                               "scene {}: the spring of a virtual tool, up to the {:.4g} N/m that "
-                               "the device can show, at the hand",
+                               "scene {}: spring of the virtual tool, up to {:.4g} N/m (the "
+                               "device's limit), at the hand",
                                scene.name, out.problem.contact.all_points)
                          : fmt::format(
-                               "scene {}: {:.4g} N/m of one point, up to {:.4g} N/m of all {} "
-                               "points, at the hand",
+                               "scene {}: one point {:.4g} N/m, all points at most {:.4g} N/m ({} "
+                               "points), at the hand",
                                scene.name, out.problem.contact.one_point,
                                out.problem.contact.all_points, plan.shell_points);
     if (const effects::EffectSpec* external = effects::external_of(scene.effects))

@@ -34,12 +34,13 @@ std::string range(double low, double high) {
 std::string device_lines(const coupling::design::DeviceModel& d) {
   const coupling::design::AxisModel& a = d.translation;
   std::string text = fmt::format(
-      "{} kg, {:.3g} Ns/m, {:.3g} N friction, step {:.3g} mm, {:.3g} N, {:.4g} N/m at most",
+      "{} kg, {:.3g} Ns/m, {:.3g} N friction, encoder step {:.3g} mm, at most {:.3g} N and {:.4g} "
+      "N/m",
       range(a.inertia_min, a.inertia_max), a.damping, a.coulomb_friction, a.resolution * 1e3,
       a.max_effort, a.max_stiffness);
   text += fmt::format(
-      "\n                {:.4g} Hz, {:.3g} ms from sample to force, periods up to +{:.0f} %, {} "
-      "lost in a row",
+      "\n"
+      "                {:.4g} Hz, latency {:.3g} ms, jitter {:.0f} %, {} consecutive losses",
       1.0 / d.timing.period_s, d.timing.delay_s * 1e3, d.timing.jitter * 100,
       d.timing.lost_in_a_row);
   return text;
@@ -50,8 +51,7 @@ std::string coupling_lines(const coupling::design::Design& design) {
   std::string text;
   if (s.kind == "shaping_filter")
     text = fmt::format(
-        "shaping filter, {:.3g} Hz (w0 / 2 pi), damping ratio {:.3g}, gain {:.3g}; {:.2g} ms "
-        "behind",
+        "shaping filter, {:.3g} Hz (w0 / 2 pi), damping ratio {:.3g}, gain {:.3g}; lag {:.2g} ms",
         s.cutoff_hz, s.damping_ratio, s.gain, design.lag_s * 1e3);
   else if (s.kind == "spring_damper")
     text = fmt::format("spring-damper, {:.4g} N/m and {:.3g} Ns/m", s.stiffness_n_per_m,
@@ -59,9 +59,10 @@ std::string coupling_lines(const coupling::design::Design& design) {
   else
     text = fmt::format("direct, gain {:.3g}", s.gain);
   if (s.injected_damping_ns_per_m > 0)
-    text += fmt::format("\n                {:.3g} Ns/m of damping while in contact, velocity of {}",
-                        s.injected_damping_ns_per_m,
-                        coupling::design::describe(coupling::design::velocity_of(s)));
+    text += fmt::format(
+        "\n"
+        "                injected damping {:.3g} Ns/m in contact, velocity from {}",
+        s.injected_damping_ns_per_m, coupling::design::describe(coupling::design::velocity_of(s)));
   for (const std::string& more :
        {coupling::design::describe_slow_velocity(s), coupling::design::describe_bound(s)})
     if (!more.empty())
@@ -72,16 +73,16 @@ std::string coupling_lines(const coupling::design::Design& design) {
 }
 
 std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) {
-  std::string text = fmt::format("{:.4g} {} of {:.4g} requested", a.displayed_stiffness, unit,
+  std::string text = fmt::format("{:.4g} {}, requested {:.4g}", a.displayed_stiffness, unit,
                                  a.requested_stiffness);
   if (std::isfinite(a.critical_stiffness))
-    text += fmt::format("; unstable from {:.4g}: {}\n                margin {:.3g}",
+    text += fmt::format("; stability limit {:.4g}: {}\n                gain margin {:.3g}",
                         a.critical_stiffness, a.worst_case_text, a.gain_margin);
   else
-    text += "; no stiffness makes it unstable";
-  text += a.passive                  ? "; stable with every hand that creates no energy"
-          : a.injected_damping > 0.0 ? "; holds for the hands above, not for any hand at all"
-                                     : fmt::format("; with any hand at all only up to {:.3g} {}",
+    text += "; stable at every stiffness";
+  text += a.passive                  ? "; stable with any passive hand"
+          : a.injected_damping > 0.0 ? "; certified for the hands above, not for any passive hand"
+                                     : fmt::format("; with any passive hand only up to {:.3g} {}",
                                                    a.passive_stiffness, unit);
   return text;
 }
@@ -93,19 +94,20 @@ std::string damping_lines(const DesignReport& r) {
   std::string text;
   for (const auto& [who, ratio, where] :
        {std::tuple("released", least.released, &least.released_where),
-        {"held", least.held, &least.held_where}})
+        {"gripped", least.held, &least.held_where}})
     if (!where->empty())
       text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who,
                           *where);
   if (text.empty())
-    return "nothing swings";
+    return "no oscillating mode";
   const cd::DampingFloors& floors = r.problem.goals.floors;
   const bool kept = r.design.floors.released + r.design.floors.held > 0.0;
   if (floors.released + floors.held > 0.0)
-    text += fmt::format("\n                floors of {:.2g} released and {:.2g} held {}",
+    text += fmt::format("\n                minimum {:.2g} released and {:.2g} gripped: {}",
                         floors.released, floors.held, kept ? "kept" : "not kept");
   if (kept && !r.design.floors.out_of_reach.empty())
-    text += " where no hand forbids them:\n                " + r.design.floors.out_of_reach;
+    text += ", except where a hand makes it unreachable:\n                " +
+            r.design.floors.out_of_reach;
   return text;
 }
 
@@ -117,7 +119,7 @@ std::string paper_line(const PaperRecipe& p) {
                        p.stiffness < critical ? "stable" : "UNSTABLE", critical);
   };
   const std::string released = verdict("released", p.critical_released),
-                    held = verdict("held", p.critical_held);
+                    held = verdict("gripped", p.critical_held);
   return fmt::format("5 Hz, damping ratio 1, at {:.4g} N/m: {}{}{}", p.stiffness, released,
                      released.empty() || held.empty() ? "" : "; ", held);
 }
@@ -278,17 +280,18 @@ std::string to_text(const DesignReport& r) {
   if (const std::string line = certificate_line(r.certificate); !line.empty())
     row("certificate", line);
   row("damping", damping_lines(r));
-  row("encoder", d.translation.limit_cycle_bound > 0
-                     ? fmt::format("its steps may leave up to {:.3g} mm peak to peak",
-                                   d.translation.limit_cycle_bound * 1e3)
-                     : "friction stops what its steps could leave");
+  row("encoder",
+      d.translation.limit_cycle_bound > 0
+          ? fmt::format("quantisation may cause a limit cycle of up to {:.3g} mm peak to peak",
+                        d.translation.limit_cycle_bound * 1e3)
+          : "friction suppresses limit cycles of quantisation");
   if (d.max_approach_m_per_s > 0)
-    row("approach", fmt::format("up to {:.2g} m/s stays within the layer that pushes ({:.2g} mm); "
-                                "faster goes deeper, and is held there",
+    row("approach", fmt::format("up to {:.2g} m/s stays within the contact layer ({:.2g} mm); a "
+                                "faster hand goes deeper and is stopped there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
-  row("paper's way", paper_line(r.paper));
-  return text + list("What limits:", d.reasons) +
-         list("What the certificate leaves out:", certificate_gaps(r.certificate));
+  row("paper", paper_line(r.paper));
+  return text + list("Limits:", d.reasons) +
+         list("Not covered by the certificate:", certificate_gaps(r.certificate));
 }
 
 nlohmann::ordered_json to_json(const DesignReport& r) {

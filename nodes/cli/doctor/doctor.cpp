@@ -35,8 +35,7 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
   found.poll();
   std::vector<Finding> findings{
       {Health::kGood,
-       fmt::format("{} participants of ROS 2 or voxtouch are on domain {}, and {} "
-                   "others; this is Cyclone DDS {}",
+       fmt::format("{} participants of ROS 2 or voxtouch on domain {}, {} others; Cyclone DDS {}",
                    found.ros_participants(), o.domain, found.other_participants(), DDS_VERSION)}};
   if (std::string mismatch = found.mismatch(o.ros); !mismatch.empty())
     findings.push_back({Health::kMind, std::move(mismatch)});
@@ -81,21 +80,20 @@ Finding check_exchange(const runtime::NodeOptions& o) {
        }});
   if (took_s)
     return {Health::kGood,
-            fmt::format("a message passed from one process to another over DDS after {:.2f} s",
-                        *took_s)};
+            fmt::format("DDS between two processes works (first message after {:.2f} s)", *took_s)};
   if (ended && ended->status != 0)
     return {Health::kBad,
-            fmt::format("a second process could not join domain {}: {}", o.domain, ended->said)};
+            fmt::format("A second process cannot join domain {}: {}", o.domain, ended->said)};
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   return {Health::kBad,
-          fmt::format("two processes of this machine do not receive each other over DDS: {}",
+          fmt::format("Two processes on this machine do not receive each other over DDS: {}",
                       bus::deafness_cause(o.network_interface, o.domain, uri ? uri : ""))};
 }
 
 int doctor(const runtime::NodeOptions& o) {
   bool is_bad = false;
   const auto say = [&](const std::vector<Finding>& findings) {
-    static constexpr std::string_view kMarks[] = {"ok  ", "mind", "BAD "};
+    static constexpr std::string_view kMarks[] = {"ok     ", "warning", "BAD    "};
     for (const Finding& finding : findings) {
       console::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)],
                             finding.sentence);
@@ -104,8 +102,8 @@ int doctor(const runtime::NodeOptions& o) {
   };
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && bus::names_cards(uri))
     say({{Health::kMind,
-          "CYCLONEDDS_URI names network cards, which hold instead of --interface; the ring is not "
-          "closed to other machines"}});
+          "CYCLONEDDS_URI selects network cards and overrides --interface: other machines can "
+          "reach the ring"}});
   else
     say(check_cards(o.network_interface, bus::network_cards()));
   std::ifstream udp("/proc/net/udp");
@@ -120,10 +118,8 @@ int doctor(const runtime::NodeOptions& o) {
   if (is_bad)
     return 1;
   say(check_neighbours(o));
-  console::print_result(
-      "\nROS 2 finds the ring as it comes, but for what stands above. One with rmw_cyclonedds that "
-      "does not:\n{}",
-      ros_environment(o.domain, o.network_interface));
+  console::print_result("\nIf ROS 2 (rmw_cyclonedds_cpp) does not discover the ring, set:\n{}",
+                        ros_environment(o.domain, o.network_interface));
   return 0;
 }
 
@@ -134,7 +130,7 @@ void add_doctor(CLI::App& app, Action& action) {
   CLI::App* verb = app.add_subcommand("doctor");
   runtime::add_rig_options(*verb, *o);
   auto is_echo = std::make_shared<bool>(false);
-  verb->add_flag("--echo", *is_echo, "The second process of the exchange")->group("");
+  verb->add_flag("--echo", *is_echo, "Second process of the DDS check")->group("");
   verb->callback([o, is_echo, &action] {
     action = [o, is_echo] { return *is_echo ? echo(*o) : doctor(*o); };
   });

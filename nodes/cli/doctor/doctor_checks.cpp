@@ -35,25 +35,24 @@ std::vector<Finding> check_cards(std::string_view interface_name,
     if (!used)
       findings.push_back(
           {Health::kMind,
-           fmt::format("card {} is not used ({}): a ROS 2 tool that listens there alone does not "
-                       "find the ring",
-                       name, card.is_multicast ? "DDS takes four" : "it does no multicast")});
+           fmt::format("Card {} is not used ({}): ROS 2 tools bound to that card only do not "
+                       "discover the ring",
+                       name, card.is_multicast ? "DDS uses at most four cards" : "no multicast")});
     else if (!bus::multicast_returns(card))
       findings.push_back(
           {is_host ? Health::kBad : Health::kMind,
-           fmt::format("card {}: multicast does not come back to this machine; a firewall may drop "
-                       "UDP to 239.255.0.1{}",
-                       name, is_host ? "" : ", or name the other hosts by --discovery-peer")});
+           fmt::format("Card {}: multicast does not return to this machine. Check that the "
+                       "firewall passes UDP to 239.255.0.1{}",
+                       name, is_host ? "" : ", or list the other hosts with --discovery-peer")});
     else
       findings.push_back(
-          {Health::kGood,
-           fmt::format("card {} is up, and multicast works within this machine", name)});
+          {Health::kGood, fmt::format("card {} is up, multicast works on this machine", name)});
   }
   if (findings.empty())
     findings.push_back(
         {Health::kBad,
          fmt::format(
-             "there is no card '{}' that is up and has an IPv4 address; `ip -4 address` lists them",
+             "No network card '{}' is up with an IPv4 address. `ip -4 address` lists the cards",
              interface_name)});
   return findings;
 }
@@ -84,20 +83,17 @@ Finding check_indices(const std::set<unsigned>& taken) {
            }));
   };
   const std::string counts = fmt::format(
-      "{} of the domain's participant indices are taken; of those up to 9 {} are left, of those up "
-      "to 32 {}",
+      "{} participant indices of the domain are in use; {} are free up to 9, {} up to 32",
       taken.size(), left(9), left(32));
   if (left(119) < kOfARing)
-    return {Health::kBad, counts + ": too few for a ring"};
+    return {Health::kBad, counts + ": too few for a ring; choose another --domain"};
   if (left(32) < kOfARing)
-    return {
-        Health::kMind,
-        counts +
-            ": tools that use no multicast do not find a ring that starts now (see qos/README.md)"};
+    return {Health::kMind,
+            counts + ": tools without multicast do not discover a new ring (qos/README.md)"};
   if (left(9) < kOfARing)
     return {Health::kMind, counts +
-                               ": Humble with ROS_LOCALHOST_ONLY=1 does not find all of a ring "
-                               "that starts now (see qos/README.md)"};
+                               ": ROS 2 Humble with ROS_LOCALHOST_ONLY=1 discovers a new ring only "
+                               "partly (qos/README.md)"};
   return {Health::kGood, counts};
 }
 
@@ -114,10 +110,9 @@ std::vector<Finding> check_rights() {
   const long allowed = number_in("/proc/sys/net/core/rmem_max");
   if (allowed >= 0 && allowed < kRequestedBytes)
     findings.push_back(
-        {Health::kMind,
-         fmt::format("receive buffers end at {} bytes: a reader that is late loses more; "
-                     "`sysctl -w net.core.rmem_max={}` allows DDS what it asks for",
-                     allowed, kRequestedBytes)});
+        {Health::kMind, fmt::format("UDP receive buffers are limited to {} bytes: late readers "
+                                    "lose messages. Run `sysctl -w net.core.rmem_max={}`",
+                                    allowed, kRequestedBytes)});
   return findings;
 }
 

@@ -57,11 +57,12 @@ Finding found(const UsbDevice& known, const fs::path& device, const fs::path& ro
   const fs::path node =
       root / "dev/bus/usb" / fmt::format("{:0>3}", bus) / fmt::format("{:0>3}", number);
   if (access(node.c_str(), R_OK | W_OK) == 0)
-    return {Health::kGood, fmt::format("{} is on USB, and may be opened", known.name)};
-  return {Health::kMind, fmt::format("{} is on USB, and this user may not open {}: install the "
-                                     "rules of deploy/devices/99-voxtouch-phantom.rules, join "
-                                     "the group 'haptic', and plug it in anew",
-                                     known.name, node.string())};
+    return {Health::kGood, fmt::format("{} is on USB and accessible", known.name)};
+  return {
+      Health::kMind,
+      fmt::format("{} is on USB, but this user cannot open {}. Install "
+                  "deploy/devices/99-voxtouch-phantom.rules, join group 'haptic' and reconnect it",
+                  known.name, node.string())};
 }
 
 }  // namespace
@@ -71,10 +72,10 @@ Finding check_kernel(const fs::path& root) {
                     version = line_of(root / "proc/version");
   if (line_of(root / "sys/kernel/realtime") == "1" || version.contains("PREEMPT_RT"))
     return {Health::kGood, fmt::format("kernel {} is a real-time kernel", release)};
-  return {Health::kMind, fmt::format("kernel {} is no real-time kernel: other work may make "
-                                     "samples late by milliseconds; on Debian `apt-get install "
-                                     "linux-image-rt-amd64` and a restart give one",
-                                     release)};
+  return {Health::kMind,
+          fmt::format("Kernel {} is not a real-time kernel: samples may be late by milliseconds. "
+                      "On Debian, install linux-image-rt-amd64 and reboot",
+                      release)};
 }
 
 Finding check_limits() {
@@ -89,9 +90,9 @@ Finding check_limits() {
   if (enough || geteuid() == 0)
     return {Health::kGood, text};
   return {Health::kMind,
-          text + fmt::format("; a ring wants rtprio {} and memlock unlimited: put "
-                             "deploy/services/99-voxtouch-realtime.conf into "
-                             "/etc/security/limits.d, join its group, and log in anew",
+          text + fmt::format("; required: rtprio {}, memlock unlimited. Copy "
+                             "deploy/services/99-voxtouch-realtime.conf to /etc/security/limits.d, "
+                             "join its group and log in again",
                              runtime::RealtimeOptions{}.priority)};
 }
 
@@ -101,11 +102,11 @@ Finding check_governors(const fs::path& root) {
     if (const std::string governor = line_of(cpu / "cpufreq/scaling_governor"); !governor.empty())
       governors.insert(governor);
   if (governors.empty())
-    return {Health::kGood, "the system lists no CPU governor, as virtual machines do not"};
+    return {Health::kGood, "CPU governor: not available (usual in a virtual machine)"};
   if (governors == std::set<std::string>{"performance"})
     return {Health::kGood, "CPU governor: performance"};
-  return {Health::kMind, fmt::format("CPU governor: {}; a processor that sleeps or slows down "
-                                     "makes samples late: `cpupower frequency-set -g performance`",
+  return {Health::kMind, fmt::format("CPU governor: {}; frequency scaling delays samples. Run "
+                                     "`cpupower frequency-set -g performance`",
                                      fmt::join(governors, ", "))};
 }
 
@@ -113,14 +114,14 @@ std::vector<Finding> check_link(std::string_view card, const fs::path& root) {
   const fs::path folder = root / "sys/class/net" / card;
   std::error_code error;
   if (fs::exists(folder / "wireless", error))
-    return {{Health::kMind, fmt::format("card {} is wireless, which makes samples late by tens of "
-                                        "milliseconds: a ring over several hosts wants a cable",
+    return {{Health::kMind, fmt::format("Card {} is wireless: samples may be late by tens of "
+                                        "milliseconds. Use a cable for a ring over several hosts",
                                         card)}};
   const std::string text = line_of(folder / "speed");
   const long speed = std::strtol(text.c_str(), nullptr, 10);
   if (speed > 0 && speed < 100)
-    return {{Health::kMind, fmt::format("card {} runs at {} Mbit/s; a ring over several hosts "
-                                        "wants 100 or more: look at cable and switch",
+    return {{Health::kMind, fmt::format("Card {} runs at {} Mbit/s; a ring over several hosts "
+                                        "needs 100 or more. Check cable and switch",
                                         card, speed)}};
   return {};
 }
@@ -145,12 +146,12 @@ std::vector<Finding> check_devices(const fs::path& root) {
       std::array{"usr/lib", "usr/lib64", "usr/local/lib", "usr/lib/x86_64-linux-gnu"}, has_library);
   if (!findings.empty() && !library)
     findings.push_back({Health::kMind,
-                        "the vendor's library libHD.so is not in a usual folder: `--device "
-                        "phantom` needs OpenHaptics (deploy/devices/phantom.md)"});
+                        "libHD.so not found in the usual folders: `--device phantom` needs "
+                        "OpenHaptics (deploy/devices/phantom.md)"});
   if (findings.empty())
     findings.push_back({Health::kGood,
-                        "no haptic device is on USB; simulated ones need none, and others than "
-                        "USB's are not looked for"});
+                        "no haptic device on USB (other connections are not checked; simulated "
+                        "devices need none)"});
   return findings;
 }
 

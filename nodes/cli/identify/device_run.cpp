@@ -89,7 +89,7 @@ std::string check_by_hand(GuardedDriver& device, const DeviceRunOptions& o,
       reported_state = check.state();
       until = std::chrono::steady_clock::now() +
               std::chrono::milliseconds(std::lround(1e3 * o.hand_check_s));
-      report(fmt::format("hand check, no force: move the tool along {}{} by {:.0f} mm",
+      report(fmt::format("Hand check (no force): move the tool along {}{} by {:.0f} mm",
                          reported_state == id::HandCheck::State::kForward ? '+' : '-',
                          kAxisLetters[reported],
                          1e3 * o.session.limits.box_m *
@@ -102,12 +102,14 @@ std::string check_by_hand(GuardedDriver& device, const DeviceRunOptions& o,
       device.write(Vec3::Zero(), sample->time_ns);
     }
     if (check.state() == id::HandCheck::State::kWrongDirection)
-      return fmt::format("the encoder of {} counts against the axis of D; no force was given",
-                         kAxisLetters[check.axis()]);
+      return fmt::format(
+          "The encoder of axis {} counts opposite to the axis of frame D. No force was commanded; "
+          "correct its sign",
+          kAxisLetters[check.axis()]);
     if (std::chrono::steady_clock::now() > until)
       return fmt::format(
-          "hand check of {}: {:.1f} mm seen within {:.0f} s, {:.0f} mm required. Is its encoder "
-          "connected and its scale right? No force was given",
+          "Hand check of axis {}: {:.1f} mm measured within {:.0f} s, required {:.0f} mm. No force "
+          "was commanded. Check the encoder's connection and scale",
           kAxisLetters[check.axis()], 1e3 * check.farthest_m(), o.hand_check_s,
           1e3 * o.session.limits.box_m);
   }
@@ -136,7 +138,7 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
     if (!out.problem.empty())
       return out;
     for (int n = 3; n > 0 && !stop.load(); --n) {
-      report(fmt::format("let go of the tool; force begins in {} s", n));
+      report(fmt::format("Release the tool; force begins in {} s", n));
       const auto until = std::chrono::steady_clock::now() + 1s;
       while (std::chrono::steady_clock::now() < until)
         if (const auto sample = device.read())
@@ -163,7 +165,7 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
       if (!gone && ++errors < kMostReadErrors)
         continue;
       device.stop();
-      out.problem = fmt::format("the driver reported '{}'. {}", devices::name_of(sample.error()),
+      out.problem = fmt::format("The driver reported '{}'. {}", devices::name_of(sample.error()),
                                 driver.last_error());
       break;
     }

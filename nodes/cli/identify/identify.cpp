@@ -38,7 +38,7 @@ devices::DeviceSettings settings_of(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     const std::size_t at = text.find('=');
     if (at == std::string::npos)
-      throw std::runtime_error(fmt::format("--device-option {}: KEY=VALUE is expected", text));
+      throw std::runtime_error(fmt::format("--device-option {}: expected KEY=VALUE", text));
     out.emplace_back(text.substr(0, at), text.substr(at + 1));
   }
   return out;
@@ -82,7 +82,7 @@ int identify(const IdentifyOptions& o, const std::string& command) {
   run.virtual_time = virtual_time;
   run.hand_check = !simulated && !o.skip_hand_check;
   if (simulated)
-    report("hand check skipped: the device is simulated");
+    report("hand check skipped (simulated device)");
   IdentifyContext context{
       .assumed = devices::describe_device(device, options_for(o, device, virtual_time, 0.0)),
       .device = o.device,
@@ -96,7 +96,7 @@ int identify(const IdentifyOptions& o, const std::string& command) {
     context.allowed_force_n = o.force_n > 0.0 ? o.force_n : kUsualForceRatio * d.max_force_n;
     if (context.allowed_force_n > d.max_force_n)
       throw std::runtime_error(
-          fmt::format("--force {} N is over the {} N of the device", o.force_n, d.max_force_n));
+          fmt::format("--force {} N exceeds the device's limit of {} N", o.force_n, d.max_force_n));
     run.session.limits = {
         .period_s = 1.0 / d.rate_hz, .allowed_force_n = context.allowed_force_n, .box_m = o.box_m};
     for (std::size_t a = 0; a < 3; ++a)
@@ -111,7 +111,7 @@ int identify(const IdentifyOptions& o, const std::string& command) {
   std::string text = figures_text(result, run.session, context);
   const bool measured = all_measured(result, run.session);
   if (measured && o.payload_kg > 0.0) {
-    report(fmt::format("second run: with {} kg at the tool", o.payload_kg));
+    report(fmt::format("second run, with {} kg at the tool", o.payload_kg));
     const DeviceRunResult loaded = measure(o.payload_kg);
     for (std::size_t a = 0; a < 3; ++a) {
       if (!run.session.axes[a])
@@ -135,7 +135,7 @@ int identify(const IdentifyOptions& o, const std::string& command) {
     return 1;
   if (file) {
     file->keep(device_file_text(result, run.session, context));
-    console::log("{} is the device file\n", o.out.string());
+    console::log("device file: {}\n", o.out.string());
   }
   return 0;
 }
@@ -145,31 +145,33 @@ int identify(const IdentifyOptions& o, const std::string& command) {
 void add_identify(CLI::App& app, Action& action) {
   auto o = std::make_shared<IdentifyOptions>();
   CLI::App* verb = app.add_subcommand("identify");
-  verb->add_option("--device", o->device, "A device by name, or sim:FILE")->capture_default_str();
+  verb->add_option("--device", o->device,
+                   "Device name, or sim:FILE for a simulation of a device file")
+      ->capture_default_str();
   verb->add_option("--device-option", o->settings,
-                   "KEY=VALUE of the device, many times (deploy/devices)");
-  verb->add_option("--out", o->out,
-                   "Writes a device file with the figures, for design and sim:FILE");
-  verb->add_option("--axes", o->axes, "Axes of D to measure")
+                   "KEY=VALUE of the device, repeatable (deploy/devices)");
+  verb->add_option("--out", o->out, "Writes a device file, for `design` and sim:FILE");
+  verb->add_option("--axes", o->axes, "Axes of frame D to measure")
       ->capture_default_str()
       ->check([](const std::string& text) {
         return text.empty() || text.find_first_not_of("xyz") != std::string::npos
                    ? "one or more of x, y, z"
                    : "";
       });
-  verb->add_option("--force", o->force_n, "Largest force [N]; default: a fifth of the device's")
+  verb->add_option("--force", o->force_n,
+                   "Largest force [N]; default: a fifth of the device's limit")
       ->check(runtime::require_positive);
   verb->add_option("--box", o->box_m, "Largest distance from the start on each axis [m]")
       ->capture_default_str()
       ->check(CLI::Range(0.002, 0.1));
   verb->add_option("--payload", o->payload_kg,
-                   "Mass to add at the tool for a second run, which gives the force scale [kg]")
+                   "Mass added to the tool for a second run, which measures the force scale [kg]")
       ->check(runtime::require_positive);
   verb->add_flag("--released", o->released, "The tool is released (the default)");
-  verb->add_flag("--real-time", o->real_time, "A simulated device runs on the clock too");
-  verb->add_flag("--skip-hand-check", o->skip_hand_check,
-                 "Force without the check by hand; a frozen or wrongly scaled encoder is then not "
-                 "noticed in time");
+  verb->add_flag("--real-time", o->real_time, "Runs a simulated device in real time");
+  verb->add_flag(
+      "--skip-hand-check", o->skip_hand_check,
+      "Skips the hand check; a frozen or wrongly scaled encoder is then detected too late");
   verb->callback([o, verb, &action] {
     std::string command = "voxtouch identify";
     for (const CLI::Option* option : verb->get_options())

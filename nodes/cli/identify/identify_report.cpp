@@ -24,28 +24,29 @@ std::string sentence(const id::AxisFigures& f, double allowed_n) {
       return "measured";
     case Outcome::kFrictionTooHigh:
       return fmt::format(
-          "friction is at least {:.3g} N, which is over 0.6 of the allowed {:.3g} N. Allow {:.3g} "
-          "N: --force {:.3g}",
+          "Friction is at least {:.3g} N, limit 0.6 of the allowed {:.3g} N. Allow {:.3g} N: "
+          "--force {:.3g}",
           f.break_away_n, allowed_n, f.break_away_n / 0.55, f.break_away_n / 0.55);
     case Outcome::kDoesNotMove:
       return fmt::format(
-          "nothing moves at {:.3g} N. Is the axis locked? Else allow more force with --force",
+          "No motion at {:.3g} N. Check that the axis is unlocked, or allow more force with "
+          "--force",
           allowed_n);
     case Outcome::kWrongDirection:
-      return "both break-away forces moved the axis against the force: check the sign of force and "
-             "encoder";
+      return "The axis moved against both break-away forces. Check the signs of force and encoder";
     case Outcome::kLeftBounds:
-      return "position or speed left the bounds; the force was set to zero. Check the clear space "
-             "and --box";
+      return "Position or speed exceeded its limit; force set to zero. Check the clear space and "
+             "--box";
     case Outcome::kFollowingError:
-      return "the position did not follow the reference; the force was set to zero. Did someone "
-             "hold the tool?";
+      return "The position did not follow the reference; force set to zero. Release the tool and "
+             "repeat";
     case Outcome::kEncoderStuck:
-      return "the encoder shows no motion while the reference moves; the force was set to zero";
+      return "The encoder shows no motion while the reference moves; force set to zero. Check the "
+             "encoder";
     case Outcome::kInvalidSamples:
-      return "three samples were invalid or not newer; the force was set to zero";
+      return "Three samples were invalid or not newer; force set to zero. Check the connection";
     case Outcome::kNotIdentifiable:
-      return "too little motion without reversal for a fit. Allow more force with --force, or a "
+      return "Too little motion without reversal for a fit. Allow more force with --force, or a "
              "larger --box";
   }
   return {};
@@ -85,9 +86,8 @@ double designed(const DeviceDescription& d, std::string& limit) {
     return 0.0;
   }
   const auto& axis = design.translation;
-  limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness
-              ? "what the device can display"
-              : axis.worst_case_text;
+  limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness ? "device limit"
+                                                                       : axis.worst_case_text;
   return axis.displayed_stiffness;
 }
 
@@ -136,7 +136,7 @@ std::string figures_text(const DeviceRunResult& r, const id::SessionOptions& s,
   row("Coulomb [mN]", [&](std::size_t a) { return cell(r.axes[a].coulomb_n, 1e3, 1); });
   row("bias [mN]", [&](std::size_t a) { return cell(r.axes[a].bias_n, 1e3, 1); });
   row("delay [ms]", [&](std::size_t a) { return cell(r.axes[a].delay_s, 1e3, 3); });
-  row("  of it force lag [ms]",
+  row("  force lag in it [ms]",
       [&](std::size_t a) { return fmt::format("about {:.1f}", 1e3 * r.axes[a].lag_s); });
   row("encoder step [um]", [&](std::size_t a) {
     return r.encoder_step_m[a] > 0.0 ? fmt::format("{:.3f}", 1e6 * r.encoder_step_m[a])
@@ -183,9 +183,7 @@ std::string device_file_text(const DeviceRunResult& r, const id::SessionOptions&
   const DeviceDescription d = measured_description(r, s, c, true);
   using F = id::AxisFigures;
   std::string out = fmt::format("# Measured on {}: {}\n", c.date, c.command);
-  out +=
-      "# Each measured figure is the end of its 95 % interval that makes the design more "
-      "careful.\n";
+  out += "# Each measured value is the conservative end of its 95 % interval.\n";
   out += fmt::format("device: {}\n", d.model);
   out += fmt::format("rate_hz: {:.6g}  # measured\n", d.rate_hz);
   out += fmt::format("max_force_n: {:.6g}  # assumed: from the driver\n", d.max_force_n);
@@ -198,9 +196,9 @@ std::string device_file_text(const DeviceRunResult& r, const id::SessionOptions&
   out += fmt::format("damping_ns_per_m: {:.6g}\n", d.damping_ns_per_m);
   out += measured_comment(r, s, &F::coulomb_n, 1e3, 1, "mN");
   out += fmt::format("coulomb_friction_n: {:.6g}\n", d.coulomb_friction_n);
-  out += measured_comment(r, s, &F::delay_s, 1e3, 3, "ms, transport and force lag together");
+  out += measured_comment(r, s, &F::delay_s, 1e3, 3, "ms, transport and force lag");
   if (!c.answers_at_once)
-    out += "# and one period, which a command may wait in the ring\n";
+    out += "# plus one period of waiting in the ring\n";
   out += fmt::format("delay_s: {:.6g}\n", d.delay_s);
   out += fmt::format(
       "position_resolution_m: {:.6g}  # {}\n", d.position_resolution_m,
@@ -227,13 +225,13 @@ std::string design_table(const DeviceDescription& before, const DeviceDescriptio
   const double k_before = designed(before, limit_before), k_values = designed(values, limit_values);
   const double k_ends = designed(ends, limit_ends);
   std::string out = fmt::format("{:<34}{:>12}  {}\n", "design", "stiffness", "limited by");
-  out += fmt::format("{:<34}{:>8.0f} N/m  {}\n", "before, with the driver's figures", k_before,
-                     limit_before);
+  out +=
+      fmt::format("{:<34}{:>8.0f} N/m  {}\n", "with the driver's values", k_before, limit_before);
   out += fmt::format("{:<34}{:>8.0f} N/m  {}\n", "measured values", k_values, limit_values);
-  out += fmt::format("{:<34}{:>8.0f} N/m  {}\n", "measured, ends of the intervals", k_ends,
+  out += fmt::format("{:<34}{:>8.0f} N/m  {}\n", "conservative ends of the intervals", k_ends,
                      limit_ends);
   if (k_values > 0.0)
-    out += fmt::format("the intervals cost {:.1f} %\n", 1e2 * (1.0 - k_ends / k_values));
+    out += fmt::format("cost of the intervals: {:.1f} %\n", 1e2 * (1.0 - k_ends / k_values));
   return out;
 }
 

@@ -42,15 +42,15 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
     return out;
   }
   if (scene.design) {
-    out.notes.push_back(fmt::format("The designed coupling shows {:.4g} of {:.4g} N/m at the hand.",
-                                    fit.design.translation.displayed_stiffness,
-                                    fit.design.translation.requested_stiffness));
+    out.notes.push_back(fmt::format(
+        "The designed coupling displays {:.4g} N/m at the hand, requested {:.4g} N/m.",
+        fit.design.translation.displayed_stiffness, fit.design.translation.requested_stiffness));
   } else {
     const device_fit::DeviceCheck all =
         device_fit::check_device(scene, device, plan.contact_n_per_m.all_points);
     out.notes.insert(out.notes.end(), all.warnings.begin(), all.warnings.end());
     if (!all.fits())
-      out.notes.push_back("Where all points push together: " + all.errors.front());
+      out.notes.push_back("With all points in contact: " + all.errors.front());
   }
   const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
   if (const auto preview = device_fit::force_preview(fit, scene, device, bounds, plan.tool_reach_m))
@@ -62,9 +62,8 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
 PlanReport make_report(const PlanVerb& o) {
   scene::Scene scene = scene::load_scene(o.scene);
   if (!o.model.empty() && scene.virtual_tool() && o.model != scene.contact.model)
-    throw std::runtime_error(
-        fmt::format("a virtual tool goes with the contact model {}, not with {}",
-                    scene.contact.model, o.model));
+    throw std::runtime_error(fmt::format("A virtual tool requires contact model {}, not {}",
+                                         scene.contact.model, o.model));
   if (!o.model.empty())
     scene.contact.model = o.model;
   console::log("building {}\n", scene.name);
@@ -83,9 +82,9 @@ PlanReport make_report(const PlanVerb& o) {
     return report;
   if (!options.coupling)
     report.no_coupling_time_reason =
-        report.device ? "The coupling was not measured: none may run."
-                      : "The coupling was not measured: it is designed for a device; name one "
-                        "with --device.";
+        report.device
+            ? "The coupling's time is not measured: no coupling is allowed."
+            : "The coupling's time is not measured: its design needs a device (--device).";
   console::log("measuring {} frames\n", o.frames);
   report.machine = this_machine(), report.load = load_average();
   report.times = measure_plan(scene, *built, options);
@@ -103,21 +102,19 @@ int run(const PlanVerb& o) {
 void add_plan(CLI::App& app, Action& action) {
   auto o = std::make_shared<PlanVerb>();
   CLI::App* verb = app.add_subcommand("plan");
-  verb->add_option("SCENE", o->scene,
-                   "Scene file (YAML), or the name of one that comes with voxtouch")
+  verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of a shipped scene")
       ->required()
       ->transform(runtime::scene_argument());
-  verb->add_option(
-      "--device", o->device,
-      "Also says what this device cannot show: a name, or a file (deploy/devices/*.yaml)");
-  verb->add_option("--model", o->model, "This contact model instead of the scene's")
+  verb->add_option("--device", o->device,
+                   "Checks the scene for this device: a name, or a file (deploy/devices/*.yaml)");
+  verb->add_option("--model", o->model, "Contact model instead of the scene's")
       ->check(CLI::IsMember({"original", "adapted", "field"}));
-  verb->add_option("--frames", o->frames, "How many frames are measured")
+  verb->add_option("--frames", o->frames, "Number of measured frames")
       ->capture_default_str()
       ->check(CLI::Range(1, 1'000'000));
   verb->add_flag("--no-measure", o->no_measure,
-                 "Only what is expected, which is the same on every machine");
-  verb->add_flag("--json", o->json, "One JSON object on stdout; all else goes to stderr");
+                 "Prints expected times only; the output is the same on every machine");
+  verb->add_flag("--json", o->json, "Prints one JSON object on stdout, the rest on stderr");
   verb->callback([o, &action] { action = [o] { return run(*o); }; });
 }
 

@@ -86,13 +86,12 @@ std::string times_text(const PlanReport& report) {
     return "";
   const PlanTimes& t = *report.times;
   std::string text = fmt::format(
-      "  Measured: a frame of the rendering {} {:.0f} ns (median), {:.0f} ns (95 %), {:.0f} ns "
-      "(worst); out of contact "
-      "{}.\n"
-      "  {} of {} frames {} were in contact; there the culling left {:.0f} of {} points, and "
-      "{:.0f} touched "
+      "  Measured frame {}: {:.0f} ns (median), {:.0f} ns (95 %), {:.0f} ns (worst); out of "
+      "contact: {}.\n"
+      "  In contact: {} of {} frames {}. Points after culling: {:.0f} of {}; in contact: {:.0f} "
       "(medians).\n"
-      "  CPU time of one thread in warm caches, no DDS; {}; load {:.1f}: compare ratios.\n",
+      "  CPU time of one thread with warm caches, without DDS; {}; load {:.1f}: compare ratios "
+      "only.\n",
       t.touching > 0 ? "in contact" : "out of contact", t.frame_median_ns, t.frame_p95_ns,
       t.frame_worst_ns, t.frame_free_ns > 0.0 ? fmt::format("{:.0f} ns", t.frame_free_ns) : "never",
       t.touching, t.frames,
@@ -100,9 +99,9 @@ std::string times_text(const PlanReport& report) {
       t.points_tested, report.plan.shell_points, t.hits, report.machine.processor, report.load);
   if (t.slides)
     text += fmt::format(
-        "  Timed frames of the virtual tool: the hand slides {:g} e a frame sideways from each "
-        "place; {:.2f} queries a frame on average, and none where it "
-        "rests or goes straight on in.\n",
+        "  Virtual tool: the hand slides {:g} e a frame sideways from each place, {:.2f} queries a "
+        "frame on average.\n"
+        "  At rest, or pushing straight in, no query is needed.\n",
         accuracy::kSlideEdges, t.queries_per_frame);
   if (!report.no_coupling_time_reason.empty())
     text += fmt::format("  {}\n", report.no_coupling_time_reason);
@@ -133,7 +132,7 @@ std::string to_text(const PlanReport& report) {
   std::string text = fmt::format("Scene {} ({})\n", plan.scene, plan.scene_hash);
   text += section("Built", plan.built) + section("Warnings", plan.warnings);
   if (report.device) {
-    text += section(fmt::format("{} cannot run it", report.device->device).c_str(),
+    text += section(fmt::format("{} cannot run this scene", report.device->device).c_str(),
                     report.device->errors);
     text += section(fmt::format("On {}", report.device->device).c_str(), report.device->notes);
   }

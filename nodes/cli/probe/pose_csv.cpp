@@ -38,9 +38,9 @@ std::array<std::size_t, 7> find_columns(std::string_view header, const std::stri
   for (std::size_t c = 0; c < kColumns.size(); ++c) {
     const auto found = std::find(fields.begin(), fields.end(), kColumns[c]);
     if (found == fields.end())
-      throw std::runtime_error(fmt::format(
-          "{}:1: there is no column '{}'; the first line must name qw,qx,qy,qz,tx,ty,tz", name,
-          kColumns[c]));
+      throw std::runtime_error(
+          fmt::format("{}:1: column '{}' is missing; required columns: qw,qx,qy,qz,tx,ty,tz", name,
+                      kColumns[c]));
     columns[c] = static_cast<std::size_t>(found - fields.begin());
   }
   return columns;
@@ -56,15 +56,14 @@ Pose parse_row(const std::vector<std::string_view>& fields,
     const std::string_view f = fields[columns[c]];
     const auto value = parse_finite(f);
     if (!value)
-      throw std::runtime_error(fmt::format(
-          "{}: column '{}' holds '{}', which is not a finite number", where, kColumns[c], f));
+      throw std::runtime_error(
+          fmt::format("{}: column '{}' is '{}', not a finite number", where, kColumns[c], f));
     v[c] = *value;
   }
   Pose pose{Vec3(v[4], v[5], v[6]), Quat(v[0], v[1], v[2], v[3])};
   if (!normalise_within(pose.orientation, 1e-3, 1e3))
-    throw std::runtime_error(
-        fmt::format("{}: the quaternion's norm is {}; it must lie within 1e-3 and 1e3", where,
-                    pose.orientation.norm()));
+    throw std::runtime_error(fmt::format("{}: the quaternion's norm is {}, limits 1e-3 to 1e3",
+                                         where, pose.orientation.norm()));
   return pose;
 }
 
@@ -73,7 +72,7 @@ Pose parse_row(const std::vector<std::string_view>& fields,
 std::vector<Pose> read_poses(std::istream& in, const std::string& name) {
   std::string line;
   if (!std::getline(in, line))
-    throw std::runtime_error(name + ": is empty; the first line must name qw,qx,qy,qz,tx,ty,tz");
+    throw std::runtime_error(name + ": the file is empty; required columns: qw,qx,qy,qz,tx,ty,tz");
   if (line.starts_with("\xEF\xBB\xBF"))
     line.erase(0, 3);  // the mark that spreadsheets put in front
   const auto columns = find_columns(line, name);
@@ -88,10 +87,10 @@ std::vector<Pose> read_poses(const std::filesystem::path& file) {
   if (file == "-")
     return read_poses(std::cin, "standard input");
   if (std::filesystem::is_directory(file))
-    throw std::runtime_error(file.string() + ": is a folder; name a CSV file of poses");
+    throw std::runtime_error(file.string() + ": is a folder, not a CSV file of poses");
   std::ifstream in(file);
   if (!in)
-    throw std::runtime_error(file.string() + ": cannot be read; is the name right?");
+    throw std::runtime_error(file.string() + ": cannot be read; check the file name");
   return read_poses(in, file.string());
 }
 

@@ -125,19 +125,18 @@ int probe(const ProbeOptions& o) {
 void add_probe(CLI::App& app, Action& action) {
   auto o = std::make_shared<ProbeOptions>();
   CLI::App* verb = app.add_subcommand("probe");
-  verb->add_option("SCENE", o->scene,
-                   "Scene file (YAML), or the name of one that comes with voxtouch")
+  verb->add_option("SCENE", o->scene, "Scene file (YAML), or the name of a shipped scene")
       ->required()
       ->transform(runtime::scene_argument());
   verb->add_option("--poses", o->poses,
-                   "CSV with the columns qw,qx,qy,qz,tx,ty,tz: tool in world; - for standard input")
+                   "CSV of tool poses in world, columns qw,qx,qy,qz,tx,ty,tz; - for standard input")
       ->required();
   verb->add_option("--model", o->model,
                    "original, adapted, field or reference; default: the scene's")
       ->check(CLI::IsMember({"original", "adapted", "field", "reference"}));
   verb->add_option("--spring", o->spring_n_per_m,
                    "Stiffness of a virtual tool's spring [N/m]; the poses are a path of the hand, "
-                   "one a millisecond")
+                   "1 ms apart")
       ->check(runtime::require_positive);
   verb->add_flag("--time", o->time, "Adds a column with the CPU time of each pose [us]");
   verb->add_flag("--points", o->points, "Adds a column with the ids of the colliding points");

@@ -112,13 +112,13 @@ int write_types(const std::filesystem::path& folder) {
   std::filesystem::create_directories(package, error);
   if (error)
     throw std::runtime_error(
-        fmt::format("the folder {} could not be made: {}", package.string(), error.message()));
+        fmt::format("Cannot create folder {}: {}", package.string(), error.message()));
   for (const msg::PythonFile& file : msg::kPythonFiles)
     OutputFile(package / file.name).keep(std::string(file.text));
   OutputFile(package / "topics.py").keep(python_topics());
   console::print_result(
-      "{} holds the messages for PyPI's cyclonedds 11; its __init__.py shows how to listen in five "
-      "lines.\n",
+      "Wrote {} for the Python package cyclonedds 11 (PyPI). Its __init__.py has an example of "
+      "five lines.\n",
       package.string());
   return 0;
 }
@@ -129,7 +129,7 @@ void add_types(CLI::App& app, Action& action) {
   const auto folder = std::make_shared<std::filesystem::path>();
   CLI::App* verb = app.add_subcommand("types");
   verb->add_option("--python", *folder,
-                   "writes DIR/voxtouch_types, a Python package for cyclonedds 11 of PyPI")
+                   "Writes DIR/voxtouch_types, a Python package for cyclonedds 11 (PyPI)")
       ->type_name("DIR")
       ->required();
   verb->callback([&action, folder] { action = [folder] { return write_types(*folder); }; });

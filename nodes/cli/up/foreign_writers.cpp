@@ -39,7 +39,7 @@ void ForeignWriters::poll(const runtime::NodeRegistry& registry) {
   for (auto& [participant, writer] : writers_)
     if (const runtime::NodeReport* const report = registry.report_of(participant);
         report || writer.name.empty())
-      writer.name = participant == bus::Guid{} ? "a participant that has gone"
+      writer.name = participant == bus::Guid{} ? "a participant that has left"
                                                : registry.name_of(participant);
 }
 

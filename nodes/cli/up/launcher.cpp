@@ -61,7 +61,7 @@ class ChildProcess final : public RunningNode {
     posix_spawnattr_destroy(&attributes);
     if (error != 0)
       throw std::runtime_error(
-          fmt::format("{} could not be started ({}); it should stand next to voxtouch",
+          fmt::format("Cannot start {} ({}). It must be in the same folder as voxtouch",
                       program.string(), std::strerror(error)));
   }
   ~ChildProcess() override {

@@ -58,8 +58,8 @@ bool ProcessSupervisor::look(const RunMonitor& monitor) {
     if (name != "device" && restarts_.size() < most_restarts_) {
       restarts_.push_back(
           {name, how_ended(*status), number(monitor.reports(), "device", "samples")});
-      console::log("  {} was ended by {}: force is zero, and it is started again ({} of {})\n",
-                   name, how_ended(*status), restarts_.size(), most_restarts_);
+      console::log("  {} ended by {}: force is zero, restarting it ({} of {})\n", name,
+                   how_ended(*status), restarts_.size(), most_restarts_);
       restarting_.push_back(name);
       return true;
     }
@@ -105,7 +105,7 @@ bool ProcessSupervisor::restart(const RunMonitor& monitor) {
 std::string ProcessSupervisor::check_restart(const std::string& name,
                                              const RunMonitor& monitor) const {
   if (std::string taken = monitor.taken_by(name); !taken.empty())
-    return taken + " has taken its place";
+    return taken + " has taken its role";
   if (scene::load_scene(scene_).hash != scene_hash_)
     return fmt::format("{} has changed since the start", scene_.string());
   return {};
@@ -144,7 +144,7 @@ int ProcessSupervisor::wait_for_end(RunningNode& node, RunMonitor& monitor) cons
     if (hung && (logger ? monitor.silent_s("logger") > 1e-9 * runtime::kGivenUpNs : since() > 1.0))
       break;
     if (logger && !reported && since() > 1.0) {
-      console::log("  the logger is writing what it still has into the bag\n");
+      console::log("  the logger is writing its queue to the bag\n");
       reported = true;
     }
     ::usleep(kPollPeriodUs);

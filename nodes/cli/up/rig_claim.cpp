@@ -28,7 +28,7 @@ bool is_alone(const runtime::NodeOptions& node, const std::vector<int>& inherite
 }
 
 std::string process_on(const std::string& node, std::uint32_t pid, const std::string& host) {
-  return fmt::format("its {} node runs as process {} on {}", node, pid, host);
+  return fmt::format("its {} node is process {} on {}", node, pid, host);
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ void RigClaim::take() {
   listen();
   if (!conflict_.empty())
     throw std::runtime_error(fmt::format(
-        "rig '{}' is in use on domain {}: {}. Stop that ring, or choose another --rig or --domain",
+        "Rig '{}' is in use on domain {}: {}. Stop that ring, or choose another --rig or --domain",
         options_.rig, options_.domain, conflict_));
   write(msg::rig_claim::kStateHeld, {});
 }

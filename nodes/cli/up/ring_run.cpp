@@ -137,7 +137,7 @@ void RingRun::poll() {
   claim_.name(monitor_.players());
   if (const std::optional<int> status = page_ ? page_->ended() : std::nullopt) {
     page_ = nullptr;
-    console::log("warning: the page was ended by {}; `voxtouch view` serves it again\n",
+    console::log("warning: the page ended by {}; `voxtouch view` serves it again\n",
                  how_ended(*status));
     summary_.events.push_back({RunFact::kPageEnded, "view", 0.0, 0.0, how_ended(*status)});
   }

@@ -65,7 +65,7 @@ void keep_verdict(const RunSummary& summary) {
   const auto kept = bag::write_atomically(std::filesystem::path(summary.bag) / "voxtouch_run.json",
                                           json_of(summary), bag::Flush::kNo);
   if (!kept)
-    console::log("note: the verdict on this run does not stand next to its bag: {}\n",
+    console::log("note: cannot write the verdict to the recording's folder: {}\n",
                  kept.error().sentence);
 }
 
@@ -78,10 +78,9 @@ void report_on(const RunSummary& summary) {
     if (write_report({.bag = summary.bag, .page = page}, kPatience))
       console::log("report: {}\n", page.string());
     else
-      console::log("report: {} is still being drawn, and will be there when it is whole\n",
-                   page.string());
+      console::log("report: {} (still being written)\n", page.string());
   } catch (const std::exception& error) {
-    console::log("note: no report is drawn: {} `voxtouch report {}` draws it later\n", error.what(),
+    console::log("note: no report: {} `voxtouch report {}` writes it later\n", error.what(),
                  summary.bag);
   }
 }

@@ -13,65 +13,53 @@ namespace {
 
 /// The one place where the defaults stand.
 constexpr Limit kLimits[] = {
-    {"first_answer_s", "s", false, 2.0, false, "the time to the first answered sample",
-     "until then no force is displayed; the coupling is designed in it, in some tenths of a "
-     "second"},
+    {"first_answer_s", "s", false, 2.0, false, "time to the first answered sample",
+     "no force until then; the coupling design takes some tenths of a second of it"},
     {"answered_ratio", "1", true, 0.95, false,
-     "the fraction of samples answered, from the first answer on,",
-     "the ring did not keep up, so that forces were held and faded; see what else the machine "
-     "does"},
-    {"rate_ratio", "1", true, 0.95, false, "the rate, as a fraction of the device's own,",
-     "the coupling is certified for the device's rate only"},
-    {"overrun_ratio", "1", false, 0.05, false, "the fraction of periods that were skipped",
-     "the device's loop was kept from running; see what else the machine does, and whether it has "
-     "real-time priority"},
-    {"deadline_miss_ratio", "1", false, 0.01, false,
-     "deadlines missed, as a fraction of the samples,",
-     "for three periods and more no command came"},
-    {"clamped_ratio", "1", false, 0.001, true, "the fraction of commands that the guard cut",
-     "the scene asks for more than the device may give: less stiffness or gain"},
+     "fraction of samples answered since the first answer",
+     "the ring did not keep up and forces faded; check the machine's load"},
+    {"rate_ratio", "1", true, 0.95, false, "rate as a fraction of the device's nominal rate",
+     "the coupling is certified for the nominal rate only"},
+    {"overrun_ratio", "1", false, 0.05, false, "fraction of skipped periods",
+     "the device loop was not scheduled in time; check the machine's load and the real-time "
+     "priority"},
+    {"deadline_miss_ratio", "1", false, 0.01, false, "missed deadlines as a fraction of samples",
+     "no command for three or more periods"},
+    {"clamped_ratio", "1", false, 0.001, true, "fraction of commands clamped by the force guard",
+     "the scene requests more than the device's limit; reduce stiffness or gain"},
     {"tunnelling_suspected_samples", "samples", false, 0.0, true,
-     "the number of samples in which the tool may have passed something unseen",
-     "it moved more than half a voxel a sample next to the scene: a slower hand, larger voxels, or "
-     "contact: {rendering: virtual_tool}"},
+     "samples with suspected tunnelling",
+     "the tool moved more than half a voxel per sample near the scene; use a slower hand, larger "
+     "voxels or contact: {rendering: virtual_tool}"},
     {"passed_through_samples", "samples", false, 0.0, true,
-     "the number of samples in which the tool passed a wall, or its middle was in what it touched "
-     "with nothing that holds it,",
-     "smaller voxels (voxtouch plan has the wall and the tool that they hold), or contact: "
-     "{rendering: virtual_tool}, or rendering: penalty, which holds depths; "
-     "memoryless is the paper's law, and where its walls are passed is what it shows"},
-    {"slewed_samples", "samples", false, 0.0, true,
-     "the number of samples in which the guard's slew limit acted",
-     "no certified loop asks for such a step of force: let the coupling be designed (coupling: "
-     "{design: auto})"},
-    {"swing_s", "s", false, 0.0, true, "the time for which the device swung by itself",
-     "force and tool went to and fro without the hand's work: less stiffness or gain, or let the "
-     "coupling be designed (coupling: {design: auto})"},
-    {"not_initialised_ratio", "1", false, 0.01, true, "the ratio of samples without a virtual tool",
-     "without one no wall holds the hand: begin the motion outside of what it touches, or start "
-     "the ring before the hand touches"},
-    {"first_validation_s", "s", false, 5.0, true, "the time to the first validated sample",
-     "what came before it was not checked"},
-    {"validated_ratio", "1", true, 0.9, true,
-     "the fraction of due samples validated, from the first on,",
-     "the validator did not keep up: a larger --validate-every asks for less"},
-    {"decided_ratio", "1", true, 0.5, true,
-     "the ratio of validated samples that the validator could decide",
-     "the run is hardly checked: declare the tool's and the meshes' shapes (parts), or accept it "
-     "with --limit decided_ratio=0"},
-    {"first_recorded_s", "s", false, 3.0, true, "the time to the first recorded sample",
-     "what came before it is not in the bag"},
-    {"recorded_ratio", "1", true, 0.99, true,
-     "the fraction of sent samples in the bag, from the first on,",
-     "the logger did not keep up: a faster disk, or --no-record"},
-    {"silence_s", "s", false, 0.4, false, "the longest time without a sign of life of a node",
-     "a node that hangs leaves the others without what it should send them"},
-    {"force_losses", "times", false, 0.0, false, "the number of times that force was lost",
-     "no command came, or the device's process stood still; see the fault records and what else "
-     "the machine does"},
-    {"restarts", "restarts", false, 0.0, false,
-     "the number of nodes that died and were started again",
-     "force was zero until each was ready again; --limit restarts=N accepts N of them"},
+     "samples in which the tool passed through a wall or its centre was in a solid",
+     "use smaller voxels (voxtouch plan lists the limits) or contact: {rendering: virtual_tool} or "
+     "{rendering: penalty}; memoryless cannot prevent it"},
+    {"slewed_samples", "samples", false, 0.0, true, "samples in which the guard's slew limit acted",
+     "a certified loop never requests such a force step; use coupling: {design: auto}"},
+    {"swing_s", "s", false, 0.0, true, "duration of self-sustained oscillation",
+     "the loop oscillated without work of the hand; reduce stiffness or gain, or use coupling: "
+     "{design: auto}"},
+    {"not_initialised_ratio", "1", false, 0.01, true, "ratio of samples without a virtual tool",
+     "walls do not stop the hand then; start the motion outside of objects"},
+    {"first_validation_s", "s", false, 5.0, true, "time to the first validated sample",
+     "earlier samples are not checked"},
+    {"validated_ratio", "1", true, 0.9, true, "fraction of due samples validated since the first",
+     "the validator did not keep up; increase --validate-every"},
+    {"decided_ratio", "1", true, 0.5, true, "ratio of validated samples with a verdict",
+     "most samples are undecided; declare the shapes of tool and meshes (parts), or accept it with "
+     "--limit decided_ratio=0"},
+    {"first_recorded_s", "s", false, 3.0, true, "time to the first recorded sample",
+     "earlier samples are missing in the recording"},
+    {"recorded_ratio", "1", true, 0.99, true, "fraction of sent samples recorded since the first",
+     "the logger did not keep up; use a faster disk or --no-record"},
+    {"silence_s", "s", false, 0.4, false, "longest silence of a node",
+     "a hanging node sends nothing to the others"},
+    {"force_losses", "times", false, 0.0, false, "losses of force",
+     "no command arrived or the device process stalled; see the fault records and the machine's "
+     "load"},
+    {"restarts", "restarts", false, 0.0, false, "restarts of nodes",
+     "force is zero until the node is ready; --limit restarts=N accepts N restarts"},
 };
 
 struct Measured {
@@ -97,8 +85,8 @@ double due(const RunFigures& run) {
 Measured swing(const RunFigures& run) {
   if (!(run.swing_s > 0.0))
     return {run.swing_s, ""};
-  return {run.swing_s, fmt::format("{:.3g} Hz, {:.3g} mm and {:.3g} N from peak to peak",
-                                   run.swing_hz, 1e3 * run.swing_m, run.swing_n)};
+  return {run.swing_s, fmt::format("{:.3g} Hz, {:.3g} mm and {:.3g} N peak to peak", run.swing_hz,
+                                   1e3 * run.swing_m, run.swing_n)};
 }
 
 /// Samples that were sent before the first one in the bag.
@@ -157,7 +145,7 @@ Measured measure(std::string_view name, const RunFigures& run) {
     return {run.silence_s, run.silent};
   if (name == "force_losses")
     return {run.force_losses, run.force_losses > 0.0
-                                  ? fmt::format("{:.3g} s in all, the longest {:.3g} s",
+                                  ? fmt::format("{:.3g} s in total, longest {:.3g} s",
                                                 run.force_lost_s, run.longest_loss_s)
                                   : ""};
   if (name == "restarts")
@@ -176,7 +164,7 @@ const Limit* find(std::string_view name) {
 }  // namespace
 
 std::string with_unit(double value, std::string_view unit) {
-  const std::string number = std::isinf(value) ? "without end" : fmt::format("{:.4g}", value);
+  const std::string number = std::isinf(value) ? "unlimited" : fmt::format("{:.4g}", value);
   return unit == "1" || std::isinf(value) ? number : fmt::format("{} {}", number, unit);
 }
 
@@ -187,10 +175,10 @@ std::string choose_limit(const std::string& text, ChosenLimits& chosen) {
   for (const Limit& limit : kLimits)
     known += (known.empty() ? "" : ", ") + std::string(limit.name);
   if (sign == std::string::npos || !find(name))
-    return fmt::format("it takes NAME=VALUE and there is no limit '{}'; there are {}", name, known);
+    return fmt::format("Unknown limit '{}' (expected NAME=VALUE). Valid limits: {}", name, known);
   const auto value = parse_number<double>(std::string_view(text).substr(sign + 1));
   if (!value || !(*value >= 0.0))
-    return fmt::format("{}: '{}' is not a number of 0 or more (inf: no limit)", name,
+    return fmt::format("{}: '{}' is not a number >= 0 (inf: no limit)", name,
                        text.substr(sign + 1));
   chosen[name] = *value;
   return {};

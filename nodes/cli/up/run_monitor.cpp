@@ -85,7 +85,7 @@ std::optional<std::string> RunMonitor::watch(const ProcessSupervisor& nodes) {
   std::erase_if(hanging_, [&](const std::string& name) {
     if (still.contains(name))
       return false;
-    console::log("  {} is received again\n", name);
+    console::log("  {} is alive again\n", name);
     return true;
   });
   return std::nullopt;
@@ -109,7 +109,7 @@ void RunMonitor::print(const ProcessSupervisor& nodes) {
     log_once("logger", message("logger"));
   const std::string writer = word(reports_, "rendering", "external_writer");
   if (!writer.empty() || printed_.contains("rendering"))
-    log_once("rendering", fmt::format("the outside wrench on {} {}",
+    log_once("rendering", fmt::format("the external wrench on {} {}",
                                       word(reports_, "rendering", "external_topic"),
                                       writer.empty() ? "has no writer" : "comes from " + writer));
   const auto device = reports_.find("device");

@@ -18,17 +18,16 @@ struct SampleNote {
 };
 constexpr SampleNote kSampleNotes[] = {
     {"fully_inside_samples", 100,
-     "the tool was fully inside a static object and has no contact direction; check the motion's "
+     "the tool was fully inside a static object, without a contact direction; check the motion's "
      "start"},
     {"not_initialised_samples", 100,
-     "the virtual tool was not initialised: the hand was inside an object, or the coupling was "
-     "being designed"},
+     "the virtual tool was not initialised: the hand was inside an object, or the coupling design "
+     "was running"},
     {"not_converged_samples", 0,
      "the virtual tool had not converged: the hand was too fast, or an object moved more than half "
      "a voxel"},
     {"saturated_samples", 0,
-     "the force no longer rose with depth: use more stiffness, a thicker body or a stronger device",
-     false},
+     "the force was saturated: use more stiffness, a thicker body or a stronger device", false},
 };
 
 class Judgement {

@@ -20,9 +20,8 @@ std::vector<std::string> limited_warnings(const std::vector<std::string>& warnin
     lines.push_back(fmt::format("warning: {}", warning));
   }
   if (warnings.size() > lines.size())
-    lines.push_back(
-        fmt::format("note: {} more; `voxtouch plan {}` and `voxtouch doctor` list them all",
-                    warnings.size() - lines.size(), scene));
+    lines.push_back(fmt::format("note: {} more; `voxtouch plan {}` and `voxtouch doctor` list all",
+                                warnings.size() - lines.size(), scene));
   return lines;
 }
 
@@ -31,10 +30,8 @@ std::vector<std::string> warnings_of_machine(const runtime::RealtimeOptions& opt
   std::thread([&] { refused = runtime::refused_rights(options); }).join();  // of that thread only
   if (refused.empty())
     return {};
-  return {
-      fmt::format("{} of the rights that keep samples in time {} refused: `voxtouch doctor` says "
-                  "which, and what to do",
-                  refused.size(), refused.size() == 1 ? "is" : "are")};
+  return {fmt::format("{} of the real-time rights {} refused; see `voxtouch doctor`",
+                      refused.size(), refused.size() == 1 ? "is" : "are")};
 }
 
 StartReport::StartReport(std::vector<std::string> warnings, std::string scene, std::string device)

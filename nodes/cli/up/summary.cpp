@@ -141,9 +141,9 @@ std::string figures(const RunSummary& s) {
       "  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
       "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} "
       "deadlines missed\n"
-      "  contact     {} samples with force, {} held, {} faster than half a voxel a sample\n"
-      "  coupling    {}, {}: {:.4g} N/m of certified stiffness, margin {:.3g}; swung for {:.3g} s\n"
-      "  guard       {} commands refused, {} of them as too late, {} clamped\n"
+      "  contact     {} samples with force, {} latched, {} faster than half a voxel per sample\n"
+      "  coupling    {}, {}: certified {:.4g} N/m, gain margin {:.3g}; oscillated {:.3g} s\n"
+      "  guard       {} commands refused ({} too late), {} clamped\n"
       "  validator   {} checked, {} skipped: {} decided, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
       number(r, "device", "max_force_n"), count(r, "device", "answered"),
@@ -164,9 +164,8 @@ std::string figures(const RunSummary& s) {
     text += fmt::format("  {}: {}\n", word(r, "coupling", "design_status"), means);
   if (has_virtual_tool(s))
     text += fmt::format(
-        "  virtual     {:.4g} N/m of spring; at most {:.3g} mm in a wall and {:.3g} mm from rest; "
-        "{} samples took all queries, {} lagged, "
-        "{} without a place\n",
+        "  virtual     spring {:.4g} N/m; penetration max {:.3g} mm; residual max {:.3g} mm\n"
+        "              samples: {} at the query limit, {} not converged, {} not initialised\n",
         number(r, "rendering", "spring_n_per_m"),
         1e3 * number(r, "rendering", "most_penetration_m"),
         1e3 * number(r, "rendering", "most_residual_m"),

@@ -24,8 +24,8 @@ namespace {
 void require_all_keys(const UpOptions& options) {
   if (!options.node.security.empty() && options.ring.one_process)
     throw std::runtime_error(
-        "--security gives each node its own rights, and DDS (Cyclone DDS 0.10) knows one "
-        "certificate a process: start without --one-process");
+        "--security needs one process per node (Cyclone DDS 0.10 has one certificate a process). "
+        "Start without --one-process");
   for (const std::string& role : security::roles())
     if ((role != "logger" || !options.no_record) && (role != security::kTool || options.view))
       options.node.require_keys(role);
@@ -37,10 +37,10 @@ void check_restarts(const UpOptions& options) {
     return;
   if (options.node.lockstep)
     throw std::runtime_error(
-        "--restart is for real time: in lockstep a node that is lost ends the run. Start without "
+        "--restart works in real time only: in lockstep a lost node ends the run. Start without "
         "--lockstep");
   if (options.ring.one_process)
-    throw std::runtime_error("--restart starts a process again. Start without --one-process");
+    throw std::runtime_error("--restart needs one process per node. Start without --one-process");
 }
 
 /// A page that leads the hand is bound by a status of its own, for which a tool's keys give no
@@ -50,8 +50,8 @@ void check_page(const UpOptions& options) {
   device_node::check_hand_from(device.device, device.hand, options.node.lockstep);
   if (device.hand.from_page && !options.node.security.empty())
     throw std::runtime_error(
-        "--hand-from page does not work under --security: the keys of a tool give the page no "
-        "right to lead a hand. Start without --security, or with --motion");
+        "--hand-from page does not work with --security: the page's keys do not allow moving the "
+        "hand. Start without --security, or with --motion");
 }
 
 RunSummary run_up(const UpOptions& options) {
@@ -99,7 +99,7 @@ void add_up(CLI::App& app, Action& action) {
   auto options = std::make_shared<UpOptions>();
   CLI::App* verb = app.add_subcommand("up");
   verb->add_option("SCENE", options->node.scene,
-                   fmt::format("Scene file (YAML), or the name of one that comes with voxtouch: {}",
+                   fmt::format("Scene file (YAML), or the name of a shipped scene: {}",
                                fmt::join(runtime::shipped_scenes(), ", ")))
       ->required()
       ->transform(runtime::scene_argument());
@@ -111,10 +111,10 @@ void add_up(CLI::App& app, Action& action) {
                        (recordings_folder() / "<scene>-<time>").string() + ")");
   logger::add_format_options(*verb, options->ring.logger.format);
   verb->add_option("--topic", options->ring.logger.topics,
-                   "Records a further DDS topic of a compiled-in type, such as rt/tf")
+                   "Also records this DDS topic (of a compiled-in type), such as rt/tf; repeatable")
       ->check(runtime::check_topic);
   verb->add_option("--validate-every", options->ring.validator.every,
-                   "The validator checks every n-th sample")
+                   "The validator checks every N-th sample")
       ->capture_default_str()
       ->check(runtime::require_count);
   const auto choose_limits = [options](const std::vector<std::string>& texts) {
@@ -124,22 +124,24 @@ void add_up(CLI::App& app, Action& action) {
   };
   verb->add_option_function<std::vector<std::string>>(
           "--limit", choose_limits,
-          "NAME=VALUE: sets a limit of the verdict; 0 or inf lifts it; repeatable. Defaults: " +
+          "NAME=VALUE: sets a limit of the verdict; 0 or inf removes it; repeatable. Defaults: " +
               describe_limits())
       ->allow_extra_args(false);
   verb->add_flag("--no-record", options->no_record, "No logger and no recording");
   verb->add_flag("--no-report", options->no_report, "Writes no report.html");
   verb->add_flag("--one-process", options->ring.one_process,
                  "All nodes in one process; still over DDS");
-  verb->add_option("--restart", options->restarts,
-                   "Restarts a rendering, coupling, validator or logger that died, at most N times")
+  verb->add_option(
+          "--restart", options->restarts,
+          "Restarts a rendering, coupling, validator or logger that ended, at most N times")
       ->option_text("N")
       ->check(runtime::require_whole);
-  verb->add_flag("--view", options->view,
-                 "Serves a page that shows the ring, and prints its address; --hand-from page too");
-  verb->add_flag("--browser", options->browser, "Opens that page in the browser, if there is one");
+  verb->add_flag(
+      "--view", options->view,
+      "Serves a page that shows the ring, and prints its address (also with --hand-from page)");
+  verb->add_flag("--browser", options->browser, "Opens the page in the browser, if available");
   verb->add_flag("--json", options->json,
-                 "Summary as one JSON object on stdout; all else goes to stderr");
+                 "Prints the summary as one JSON object on stdout, the rest on stderr");
   verb->callback([options, &action] { action = [options] { return up(*options); }; });
 }
 

@@ -25,14 +25,13 @@ void check_bag(const std::filesystem::path& bag) {
   std::error_code ignored;
   if (std::filesystem::exists(bag, ignored))
     throw std::runtime_error(fmt::format(
-        "the bag folder {} exists already and is left as it is; choose another with --record",
-        bag.string()));
+        "Folder {} exists and is not overwritten. Choose another with --record", bag.string()));
   std::filesystem::path parent = std::filesystem::absolute(bag).parent_path();
   while (!std::filesystem::exists(parent, ignored) && parent.has_relative_path())
     parent = parent.parent_path();
   if (::access(parent.c_str(), W_OK | X_OK) != 0)
     throw std::runtime_error(fmt::format(
-        "no bag can be made in {} ({}); choose another folder with --record, or --no-record",
+        "Cannot create a recording in {} ({}). Choose another folder with --record, or --no-record",
         parent.string(), std::strerror(errno)));
 }
 
@@ -51,7 +50,7 @@ std::string refused_unbuilt(const scene::Scene& scene, const DeviceDescription& 
 
 std::string does_not_go_with(const std::filesystem::path& scene, const std::string& device,
                              const std::string& why) {
-  return fmt::format("{} does not go with {}: {}", scene.string(), device, why);
+  return fmt::format("{} cannot run on {}: {}", scene.string(), device, why);
 }
 
 std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans) {
@@ -81,19 +80,19 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
     std::erase(notes, "");
   }
   if (const effects::EffectSpec* external = effects::external_of(scene.effects))
-    notes.push_back(
-        plans.lockstep
-            ? fmt::format("in lockstep the effect '{}' gives nothing: a value from outside comes "
-                          "at the wall's time, and no two runs would be the same",
-                          external->name)
-            : effects::no_certificate_sentence(external->name));
+    notes.push_back(plans.lockstep
+                        ? fmt::format("Effect '{}' is inactive in lockstep: external values arrive "
+                                      "in wall time, so runs would not be repeatable",
+                                      external->name)
+                        : effects::no_certificate_sentence(external->name));
   const bool simulated_hand = devices::has_simulated_hand(plans.device);
   if (!simulated_hand && !plans.motion.empty())
-    notes.push_back(fmt::format("--motion {} moves a simulated hand; {} is moved by a person",
-                                plans.motion, plans.device));
+    notes.push_back(
+        fmt::format("--motion {} has no effect: it needs a simulated hand, and {} is a real device",
+                    plans.motion, plans.device));
   if (simulated_hand && plans.motion.empty() && !plans.hand_from_page)
     notes.push_back(
-        "no --motion is given: the simulated hand rests where the scene's first motion starts");
+        "No --motion: the simulated hand rests at the start of the scene's first motion");
   return notes;
 }
 

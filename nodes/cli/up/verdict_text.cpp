@@ -12,24 +12,22 @@ namespace {
 std::string ended(const Found& f) {
   if (f.value > 128 && f.node == "device")
     return fmt::format(
-        "device was ended by signal {:.0f} and could not command zero force: only a real device's "
-        "own watchdog acts then. "
-        "Check that it is at rest",
+        "device ended by signal {:.0f} without commanding zero force. Only the device's own "
+        "watchdog acts then: check that it is at rest",
         f.value - 128);
   if (f.value > 128)
-    return fmt::format("{} was ended by signal {:.0f}; the device went to zero force", f.node,
+    return fmt::format("{} ended by signal {:.0f}; the device went to zero force", f.node,
                        f.value - 128);
   if (f.value != 0)
-    return fmt::format("{} ended with status {:.0f}; its message is above", f.node, f.value);
+    return fmt::format("{} ended with status {:.0f}; see its message above", f.node, f.value);
   return fmt::format("{} ended before the device did", f.node);
 }
 
 std::string external(const RunRecord& run, const Found& f) {
   const auto n = [&](const char* figure) { return number(run.reports, "rendering", figure); };
   return fmt::format(
-      "{} {} of its values were rendered and gave the hand {:.3g} J. Refused: {} of other writers, "
-      "{} with NaN or "
-      "infinity, {} in an unknown frame.",
+      "{} {} of its values were rendered; energy generated {:.3g} J. Refused: {} of other writers, "
+      "{} with NaN or infinity, {} in an unknown frame.",
       f.text, n("external_samples"), n("external_energy_generated_j"), n("external_foreign"),
       n("external_not_finite"), n("external_wrong_frame"));
 }
@@ -41,57 +39,53 @@ std::string sentence(const RunRecord& run, const Found& f) {
     case RunFact::kNodeFailed:
       return fmt::format("{}: {}", f.node, f.text);
     case RunFact::kNodeSilent:
-      return fmt::format("{} has given no sign of life for {:.3g} s: the run ends without it",
-                         f.node, f.value);
+      return fmt::format("{} is silent for {:.3g} s: the run ends", f.node, f.value);
     case RunFact::kNotRestarted:
-      return fmt::format("{} is not started again: {}", f.node, f.text);
+      return fmt::format("{} is not restarted: {}", f.node, f.text);
     case RunFact::kCutShort:
-      return fmt::format("the run was stopped before its {} s were over", f.value);
+      return fmt::format("the run was stopped before {} s", f.value);
     case RunFact::kNoFinalStatus:
-      return fmt::format("the final status of {} never came: its figures end at {:.0f} samples",
-                         f.node, f.value);
+      return fmt::format("no final status from {}: its figures end at {:.0f} samples", f.node,
+                         f.value);
     case RunFact::kDisagree:
-      return fmt::format("the validator disagrees with {:.0f} samples: {}", f.value, f.text);
+      return fmt::format("the validator disagrees in {:.0f} samples: {}", f.value, f.text);
     case RunFact::kForeignSamples:
-      return fmt::format(
-          "{:.0f} samples of a second writer on the ring's own topics were refused ({})", f.value,
-          f.text);
+      return fmt::format("{:.0f} samples of another writer on the ring's topics were refused ({})",
+                         f.value, f.text);
     case RunFact::kForeignRecords:
-      return fmt::format("{:.0f} records of a second writer are not in the bag ({})", f.value,
+      return fmt::format("{:.0f} records of another writer are not in the recording ({})", f.value,
                          f.text);
     case RunFact::kLocked:
-      return fmt::format("the {} locked itself at zero force {:.0f}x: see its fault records",
-                         f.node, f.value);
+      return fmt::format("the {} latched at zero force {:.0f} times: see its fault records", f.node,
+                         f.value);
     case RunFact::kTooStiff:
       return fmt::format(
-          "all points in contact together displayed {:.0f} N/m at the hand, limit {:.0f} N/m of "
-          "{}: lower the contact's "
-          "stiffness, the coupling's gain or a scale of the device",
+          "all contact points together displayed {:.0f} N/m at the hand, limit {:.0f} N/m of {}: "
+          "reduce the contact stiffness, the coupling's gain or a scale of the device",
           f.value, f.bound, run.device);
     case RunFact::kNoSample:
-      return "the device gave no sample";
+      return "the device sent no sample";
     case RunFact::kNoForce:
-      return fmt::format("{} took no force in the whole run: {}", run.device, f.text);
+      return fmt::format("{} accepted no force in the whole run: {}", run.device, f.text);
     case RunFact::kRatioAboveOne:
-      return fmt::format("{} is {:.4g}, above 1: its counts do not belong together", f.node,
-                         f.value);
+      return fmt::format("{} is {:.4g}, above 1: its counts are inconsistent", f.node, f.value);
     case RunFact::kLostRecording:
       return f.text.empty()
-                 ? fmt::format("the bag holds {:.0f} of {:.0f} recorded messages", f.value, f.bound)
+                 ? fmt::format("the recording holds {:.0f} of {:.0f} messages", f.value, f.bound)
                  : f.text;
     case RunFact::kInterrupted:
       return fmt::format(
-          "{} gave no force in {:.0f} samples ({:.0f} interruptions); the last reason: {}",
+          "{} displayed no force in {:.0f} samples ({:.0f} interruptions); last reason: {}",
           run.device, f.value, f.bound, f.text);
     case RunFact::kForeignWriters:
-      return fmt::format("other writers on the ring's own topics: {}", f.text);
+      return fmt::format("other writers on the ring's topics: {}", f.text);
     case RunFact::kRefusedStatuses:
       return fmt::format(
-          "{:.0f} statuses were refused: too long, too many, or of another participant{}", f.value,
-          f.text.empty() ? "" : " (" + f.text + ")");
+          "{:.0f} node statuses were refused: too long, too many, or from another participant{}",
+          f.value, f.text.empty() ? "" : " (" + f.text + ")");
     case RunFact::kChanges:
-      return fmt::format("{:.0f} changes of the scene were made during the run; requests: {}",
-                         f.value, f.text.empty() ? "of an unknown participant" : f.text);
+      return fmt::format("{:.0f} changes of the scene during the run; requested by: {}", f.value,
+                         f.text.empty() ? "an unknown participant" : f.text);
     case RunFact::kRecovers:
       return fmt::format("{:.0f} Recover messages came from {}", f.value, f.text);
     case RunFact::kSamples:
@@ -99,14 +93,12 @@ std::string sentence(const RunRecord& run, const Found& f) {
     case RunFact::kExternal:
       return external(run, f);
     case RunFact::kRestarted:
-      return fmt::format(
-          "{} was ended by {} after {:.0f} samples of the device; {}", f.node, f.text, f.value,
-          f.bound > 0 ? "it was started again" : "the run ended before it was started again");
+      return fmt::format("{} ended by {} after {:.0f} device samples; {}", f.node, f.text, f.value,
+                         f.bound > 0 ? "it was restarted" : "the run ended before its restart");
     case RunFact::kPageEnded:
-      return fmt::format("the page was ended by {} during the run", f.text);
+      return fmt::format("the page ended by {} during the run", f.text);
     case RunFact::kBagGoesOn:
-      return fmt::format("The recording goes on in {}, from where the logger was started again.",
-                         f.text);
+      return fmt::format("The recording continues in {} after the logger's restart.", f.text);
     case RunFact::kFaultRecord:
       return f.text;
   }
@@ -130,7 +122,7 @@ void add(std::vector<std::string>& to, double n, const char* one, const char* ma
 
 std::string sentence_of(const CheckedLimit& judged) {
   const Limit& limit = *judged.limit;
-  return fmt::format("{} is {}{}, limit {}: {}", limit.what,
+  return fmt::format("{}: {}{}, limit {}; {}", limit.what,
                      with_unit(judged.measured.value_or(NAN), limit.unit),
                      judged.of.empty() ? "" : " (" + judged.of + ")",
                      with_unit(judged.bound, limit.unit), limit.means);

@@ -7,7 +7,7 @@
   const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const CHARTS = [
     {name: 'Force returned', unit: 'N', digits: 2, series: [['x', 1, '--x', null], ['y', 2, '--y', [7, 3]], ['z', 3, '--z', [2, 2]]]},
-    {name: 'Size of force', unit: 'N', digits: 2, series: [['returned', 4, '--returned', null], ['contact', 5, '--contact', [7, 3]]]},
+    {name: 'Force magnitude', unit: 'N', digits: 2, series: [['returned', 4, '--returned', null], ['contact', 5, '--contact', [7, 3]]]},
     {name: 'Depth', unit: 'mm', digits: 2, series: [['deepest point', 6, '--depth', null]]},
     {name: 'Energy', unit: 'mJ', digits: 1, series: [['from hand', 7, '--energy', null]],
      second: ['injected damping', 8, '--y', [2, 2], 'N (right)', 2]},
@@ -83,15 +83,15 @@
       if (!latency || isLockstep) {
         const p50 = counts && counts.latency_p50_us, said = p50 !== undefined && p50 !== null && !isLockstep;
         this.title.innerHTML = '<span>Latency of the ring <span class="unit">µs</span></span>' +
-          (said ? `<span class="series">by the device: median <b>${p50}</b>, 99 % within <b>${counts.latency_p99_us}</b></span>` : '');
-        this.plot.innerHTML = isLockstep ? '<p class="quiet">Lockstep: samples wait for their commands, and nothing is measured.</p>' : '<p class="quiet">Nothing measured yet.</p>';
+          (said ? `<span class="series">by the device: median <b>${p50}</b>, p99 <b>${counts.latency_p99_us}</b></span>` : '');
+        this.plot.innerHTML = isLockstep ? '<p class="quiet">Lockstep: latency is not measured.</p>' : '<p class="quiet">No measurement yet.</p>';
         return;
       }
-      const from = isBag ? 'Between the times at which the logger took a sample and its command. Where it is late it takes several at once, and shows too little'
-                         : "From the device's write of a sample to the coupling's write of its command";
+      const from = isBag ? 'Time from a sample to its command, as received by the logger. Too small if the logger is late and receives both together'
+                         : "Time from the device's write of a sample to the coupling's write of its command";
       const device = isBag && counts && counts.latency_p50_us ? `<span class="series">by the device: median <b>${counts.latency_p50_us}</b></span>` : '';
-      this.title.innerHTML = `<span title="${from}; the last ${latency.samples}">Latency ${isBag ? 'as the logger took it' : 'of the ring'} <span class="unit">µs</span></span>` +
-        `<span class="series">median <b>${latency.p50_us}</b></span><span class="series">99 % within <b>${latency.p99_us}</b></span>${device}`;
+      this.title.innerHTML = `<span title="${from}; the last ${latency.samples}">Latency ${isBag ? 'at the logger' : 'of the ring'} <span class="unit">µs</span></span>` +
+        `<span class="series">median <b>${latency.p50_us}</b></span><span class="series">p99 <b>${latency.p99_us}</b></span>${device}`;
       const width = this.plot.clientWidth || 400, height = this.plot.clientHeight || 80, left = 44, bottom = 18, right = 38;
       const bins = latency.counts.length, most = Math.max(...latency.counts, 1), w = (width - left - right) / bins, h = height - bottom - 12;
       const share = 100 * most / latency.samples;

@@ -37,8 +37,8 @@
       if (!before) this.setOn(true), $('hand-panel').hidden = false;
       for (const e of document.querySelectorAll('.of-hand')) e.hidden = false;
       if (!this.isHeld() && facts.page !== null && facts.page !== this.page) this.position = this.aimed = null;  // another one moves it
-      $('hand-text').textContent = facts.page === null ? 'The hand is free: drag the tool, or use the arrow keys.'
-        : facts.page === this.page ? 'You have the hand.' : `Page ${facts.page} has the hand; this is page ${this.page}.`;
+      $('hand-text').textContent = facts.page === null ? 'No page controls the hand: drag the tool, or use the arrow keys.'
+        : facts.page === this.page ? 'This page controls the hand.' : `Page ${facts.page} controls the hand; this is page ${this.page}.`;
       this.show();
     }
     isMine() { return this.facts !== null && (this.facts.page === null || this.facts.page === this.page); }
@@ -51,7 +51,7 @@
       $('hand-on').setAttribute('aria-pressed', String(on));
       this.scene.canvas.setAttribute('aria-label', on
         ? 'The scene in 3-D: drag to move the hand, wheel for depth, right button or Shift to rotate; arrow keys, Page Up and Page Down'
-        : 'The scene in 3-D: drag to turn, wheel to zoom, right button to shift');
+        : 'The scene in 3-D: drag to rotate, wheel to zoom, right button to shift');
     }
     letGo() { this.pointers.clear(), this.keys.clear(), this.shift = false; }
     isHeld() { return this.pointers.size > 0 || this.keys.size > 0 || this.pad; }

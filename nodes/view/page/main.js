@@ -13,7 +13,7 @@
   try {
     scene3d = state.scene3d = new Scene3D($('canvas'), $('labels'), query.has('smooth'));
   } catch (error) {
-    $('note').textContent = `No 3-D picture: this browser has no WebGL (${error.message}).`;
+    $('note').textContent = `No 3-D view: this browser has no WebGL (${error.message}).`;
   }
   const charts = new Charts($('charts'), hold => setPaused(hold));
   const effects = new Panels.Effects(send);
@@ -22,7 +22,7 @@
 
   function send(order) {
     if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(order));
-    else effects.say('Nobody hears: the page has lost its server.', false);
+    else effects.say('Not sent: the connection to the server is lost.', false);
   }
 
   function connect() {
@@ -147,19 +147,19 @@
 
   function pill() {
     const say = (word, text) => { $('pill').dataset.state = word, $('pill').textContent = text; };
-    if (!state.connected) return say('bad', refusal || 'no server: trying again');
+    if (!state.connected) return say('bad', refusal || 'no server: reconnecting');
     document.body.classList.remove('stale');
     if (isBag()) {
       const {playing, speed, verdict} = state.facts.bag;
-      $('pill').title = !verdict ? 'No voxtouch up judged this run' : verdict.problems.join(' ');
-      const judged = !verdict ? '' : verdict.good ? ', a good run' : ', not a good run';
+      $('pill').title = !verdict ? 'The recording has no verdict' : verdict.problems.join(' ');
+      const judged = !verdict ? '' : verdict.good ? ', passed' : ', failed';
       return say(verdict && !verdict.good ? 'bad' : 'live', (playing ? `recording × ${speed}` : 'recording, paused') + judged);
     }
     const silent = (performance.now() - frameAt) / 1000;
     document.body.classList.toggle('stale', state.frame !== null && silent > 1.5 && !isBag());
     if (state.frame === null) return say('wait', 'waiting for a ring');
     if (silent > 1.5) return say('wait', `no samples for ${silent.toFixed(0)} s`);
-    if (paused) return say('wait', 'paused here; the ring goes on');
+    if (paused) return say('wait', 'paused on this page; the ring continues');
     const device = state.facts && state.facts.nodes.find(n => n.node === 'device');
     say('live', device && device.rate_hz ? `live, ${device.rate_hz.toFixed(0)} Hz` : 'live');
   }
@@ -168,7 +168,7 @@
     if (isBag()) return void (on && state.facts.bag.playing && send({play: false}));
     paused = on;
     $('pause').setAttribute('aria-pressed', String(on));
-    $('pause').textContent = on ? 'Go on' : 'Pause';
+    $('pause').textContent = on ? 'Continue' : 'Pause';
     if (!on) charts.window = null, send({past: true});
     pill();
   }

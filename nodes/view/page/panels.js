@@ -13,7 +13,7 @@
     const body = $('node-rows');
     if (!nodes.length) {
       body.replaceChildren(element('tr'));
-      body.firstChild.append(element('td', 'No node of a ring is heard.', {colspan: 4}));
+      body.firstChild.append(element('td', 'No node found.', {colspan: 4}));
       return;
     }
     body.replaceChildren(...nodes.map(n => {
@@ -30,7 +30,7 @@
     if (!counts) return void ($('counts').textContent = '');
     const answered = device && device.answered_ratio !== null ? `answered in the last second ${(100 * device.answered_ratio).toFixed(1)} % · ` : '';
     $('counts').textContent = `${answered}guard: ${counts.refused} refused, ${counts.clamped} clamped · ${counts.overruns} overruns · ` +
-      `${counts.deadline_misses} deadlines missed` + (counts.latency_max_us ? ` · latency at most ${counts.latency_max_us} µs` : '');
+      `${counts.deadline_misses} missed deadlines` + (counts.latency_max_us ? ` · latency max ${counts.latency_max_us} µs` : '');
   }
 
   function showDesign(design) {
@@ -54,7 +54,7 @@
       const focused = document.activeElement && document.activeElement.dataset ? document.activeElement.dataset.key : undefined;
       this.told = told, this.readOnly = readOnly;
       const list = $('effect-list');
-      list.replaceChildren(...(effects.length ? effects.map(e => this.row(e, open.has(e.name))) : [element('p', 'This scene lists no effects.', {class: 'quiet'})]));
+      list.replaceChildren(...(effects.length ? effects.map(e => this.row(e, open.has(e.name))) : [element('p', 'This scene has no effects.', {class: 'quiet'})]));
       if (focused) [...list.querySelectorAll('[data-key]')].find(e => e.dataset.key === focused)?.focus();
     }
 

@@ -161,7 +161,7 @@ TEST_P(Restart, IsZeroForceUntilTheNodeIsReadyAndThenARamp) {
   EXPECT_EQ(pressed.summary["restarts"].size(), 1U);
   EXPECT_EQ(pressed.summary["restarts"][0]["node"], GetParam());
   EXPECT_EQ(pressed.summary["limits"]["restarts"]["value"], 1.0);
-  EXPECT_TRUE(pressed.has_note(std::string(GetParam()) + " was ended by signal 9")) << end.out;
+  EXPECT_TRUE(pressed.has_note(std::string(GetParam()) + " ended by signal 9")) << end.out;
   expect_a_ramp(pressed.ring().bag());
 }
 INSTANTIATE_TEST_SUITE_P(Ring, Restart, testing::Values("rendering", "coupling"),
@@ -176,7 +176,7 @@ TEST(RestartOfUp, FailsTheRunByDefaultAndASecondDeathEndsIt) {
   pressed.kill("coupling");
   const test::Finished end = pressed.end();
   EXPECT_EQ(end.status, 1);
-  EXPECT_TRUE(pressed.has_problem("coupling was ended by signal 9")) << end.out;
+  EXPECT_TRUE(pressed.has_problem("coupling ended by signal 9")) << end.out;
   EXPECT_TRUE(pressed.has_problem("died and were started again is 1 restarts (rendering)"))
       << end.out;
   EXPECT_EQ(pressed.summary["limits"]["restarts"]["met"], false) << end.out;
@@ -188,7 +188,7 @@ TEST(RestartOfUp, NeverStartsADeviceAgain) {
   pressed.kill("device");
   const test::Finished end = pressed.end();
   EXPECT_EQ(end.status, 1);
-  EXPECT_TRUE(pressed.has_problem("device was ended by signal 9")) << end.out;
+  EXPECT_TRUE(pressed.has_problem("device ended by signal 9")) << end.out;
   EXPECT_FALSE(pressed.summary.contains("restarts")) << end.out;
 }
 
@@ -204,7 +204,7 @@ TEST(RestartOfUp, IsNotFeltWhereTheNodeOnlyListens) {
   EXPECT_EQ(end.status, 0) << end.err << end.out;
   EXPECT_EQ(pressed.summary["restarts"].size(), 2U) << end.out;
   const std::filesystem::path again = pressed.ring().bag().string() + "_again";
-  EXPECT_TRUE(pressed.has_note("The recording goes on in " + again.string())) << end.out;
+  EXPECT_TRUE(pressed.has_note("The recording continues in " + again.string())) << end.out;
   EXPECT_GT(test::read_ring_topic<msg::DeviceState>(again, "/haptic/device/state").size(), 500U);
 }
 

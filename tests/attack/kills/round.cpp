@@ -189,7 +189,7 @@ class Round {
     result_.status = end.status;
     said_ = end.out + end.err;
     if (ask_.victim == "device" && ask_.signal == SIGKILL &&
-        end.out.find("device was ended by signal 9") == std::string::npos)
+        end.out.find("device ended by signal 9") == std::string::npos)
       result_.faults.push_back("`up` does not say that the device was killed");
   }
 

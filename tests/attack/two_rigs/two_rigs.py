@@ -220,7 +220,7 @@ def play(ask, form, domains):
         faults += [
             f"the right rig names the left: {p}"
             for p in right.summary["problems"]
-            if "left" in p or "rendering was ended" in p or "writer" in p
+            if "left" in p or "rendering ended" in p or "writer" in p
         ]
         if (right.status == 0) != (not right.summary["problems"]):
             faults.append(

@@ -34,7 +34,7 @@ TEST(HostileMeshes, MadeForThisAreTouchedOrRefusedForTheRightReason) {
                                                    {"truncated.stl", "1000 triangles"},
                                                    {"no_end.stl", "endsolid"},
                                                    {"absurd_count.ply", "4000000000"},
-                                                   {"negative_index.ply", "not there"},
+                                                   {"negative_index.ply", "invalid vertex indices"},
                                                    {"ring.gltf", "recursive"},
                                                    {"deep.gltf", "cannot be read"},
                                                    {"no_text.dae", "No document element"},

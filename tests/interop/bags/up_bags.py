@@ -169,7 +169,7 @@ def judge(bin_folder, bag, is_mcap, lockstep, killed):
     # rosbags opens sqlite3 as a file that none writes, and so leaves out the write-ahead log that
     # a kill leaves next to it.
     without_log = killed and not is_mcap and 0 < counts[STATE] < output["samples"]
-    doubled = any("bear a number that was there before" in note for note in output["notes"])
+    doubled = any("duplicate sequence numbers" in note for note in output["notes"])
     if output["samples"] != counts[STATE] and not doubled and not without_log:
         faults.append(
             f"our reader reads {output['samples']} device samples, rosbags {counts[STATE]}"

@@ -176,7 +176,7 @@ class Computes(unittest.TestCase):
         for error, words, call in (
             (
                 ValueError,
-                "no scene of this name comes with voxtouch. These do: block, cup",
+                "is neither a file nor a shipped scene. Shipped scenes: block, cup",
                 lambda: voxtouch.probe("nothing", [[1, 0, 0, 0, 0, 0, 0]]),
             ),
             (ValueError, "n rows of 7", lambda: voxtouch.probe("cup", [1, 2, 3])),
@@ -192,7 +192,7 @@ class Computes(unittest.TestCase):
             ),
             (
                 ValueError,
-                "no contact model",
+                "unknown contact model",
                 lambda: voxtouch.probe("cup", [[1, 0, 0, 0, 0, 0, 0]], model="soft"),
             ),
             (RuntimeError, "nothing.obj", lambda: voxtouch.build("nothing.obj", 0.002)),
@@ -200,10 +200,10 @@ class Computes(unittest.TestCase):
             (Exception, "mouse", lambda: voxtouch.design("mouse")),
             (
                 ValueError,
-                "hand: 'foot' is none of",
+                "hand: 'foot' is not one of",
                 lambda: voxtouch.design("sim-phantom", hand="foot"),
             ),
-            (voxtouch.BagError, "there is no bag here", lambda: voxtouch.open_bag(EXAMPLES)),
+            (voxtouch.BagError, "no recording here", lambda: voxtouch.open_bag(EXAMPLES)),
         ):
             with self.assertRaises(error) as caught:
                 call()

@@ -451,9 +451,7 @@ def doctor(voxtouch, cyclone, fast):
         else None
     )
     status, text = examine(voxtouch)
-    expect(
-        status == 0 and text.count("is up, and multicast works") == 2, f"two cards are well: {text}"
-    )
+    expect(status == 0 and text.count("is up, multicast works") == 2, f"two cards are well: {text}")
     expect(
         f"{len(NODES) + 1} participants of ROS 2 or voxtouch" in text, f"the nodes are seen: {text}"
     )

@@ -40,9 +40,9 @@ from ros_services import (
 NODE = "/haptic/rendering"
 SWITCH, GAIN, VALUE = 1, 2, 3
 LOST_OF_STREAMS = re.compile(
-    r"The (rendering|coupling) made \d+ (contacts|commands) more than the bag has, and nothing"
-    r" reports of which samples: "
-    r"|The device's sample \d+ was answered and is not in the bag: "
+    r"The (rendering|coupling) made \d+ (contacts|commands) more than recorded, of unknown"
+    r" samples: "
+    r"|Device sample \d+ is missing in the recording, "
 )
 LATER_SPRING = re.compile(
     r"In real time the rendering takes up the spring of a new design some samples after a change\."
@@ -352,7 +352,7 @@ class Services(Asked):
             )
             self.assertEqual([r.successful for r in other.results], [False, False, False])
             self.assertIn("read-only", other.results[0].reason)
-            self.assertIn("no parameter", other.results[2].reason)
+            self.assertIn("unknown parameter", other.results[2].reason)
 
     def test_f_parameters_are_loaded_as_dumped_and_not_deleted(self):
         names = self.clients["list_parameters"].call(prefixes=[], depth=0).result.names

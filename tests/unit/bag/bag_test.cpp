@@ -123,9 +123,9 @@ TEST(Bag, NeverWritesOverAnythingThatIsThere) {
   EXPECT_EQ(text_of(folder / "run" / "run_0.db3"), before);
 
   std::filesystem::create_directory(folder / "empty");
-  EXPECT_TRUE(says(BagWriter::create(folder / "empty"), "exists already"));
+  EXPECT_TRUE(says(BagWriter::create(folder / "empty"), "exists and is not overwritten"));
   std::ofstream(folder / "file") << "mine";
-  EXPECT_TRUE(says(BagWriter::create(folder / "file"), "exists already"));
+  EXPECT_TRUE(says(BagWriter::create(folder / "file"), "exists and is not overwritten"));
   EXPECT_EQ(text_of(folder / "file"), "mine");
 }
 
@@ -182,7 +182,7 @@ TEST_P(EachBag, RefusesWhatItCannotHold) {
   const TemporaryFolder folder;
   auto writer = writer_of(folder / "run");
   const TopicId state = expect_value(writer.add_topic(kState));
-  EXPECT_TRUE(says(writer.append(state, -1, ring_message(1, 0)), "none before 1970"));
+  EXPECT_TRUE(says(writer.append(state, -1, ring_message(1, 0)), "before 1970"));
   EXPECT_TRUE(says(writer.append(state + 1, 1, ring_message(1, 0)), "number 1"));
   EXPECT_GOOD(writer.append(state, 0, {}));  // empty is a message too
   EXPECT_GOOD(writer.close());
@@ -276,7 +276,7 @@ TEST(BagReader, FindsTheDatabaseWhenMetadataIsStaleMissingOrBroken) {
 TEST(BagReader, SaysWhatIsNotABag) {
   const TemporaryFolder folder;
   EXPECT_TRUE(says(WholeBag::open(folder / "nothing"), "/nothing'"));
-  EXPECT_TRUE(says(WholeBag::open(folder.path()), "holds no .db3 file"));
+  EXPECT_TRUE(says(WholeBag::open(folder.path()), "has no .db3"));
   std::ofstream(folder / "text.db3") << std::string(5000, 'x');
   const auto text = WholeBag::open(folder / "text.db3");
   ASSERT_FALSE(text);

@@ -66,7 +66,7 @@ TEST(AccuracyChoice, LeavesOutTheModelsByAreaWhereOnlyWeightsOfOneAreAskedForAnd
 
 TEST(AccuracyChoice, RefusesAModelByAreaWithWeightsOfOne) {
   expect_refused({.models = {"adapted", "field"}, .weights = {"one"}},
-                 {"--weights one", "'field'", "add area"});
+                 {"--weights one", "'field'", "Add area"});
 }
 
 TEST(AccuracyChoice, RefusesMoreSettingsThanAnyoneWouldWaitFor) {

@@ -110,12 +110,14 @@ std::string chosen(const AccuracyReport& report) {
 
 TEST(AccuracyText, NamesTheChosenSettingInOneLine) {
   EXPECT_EQ(chosen(accuracy_report()),
-            "field/area, e = 4 mm, 10.0 us a frame, 0.500 deg off, the knee of the Pareto front");
-  EXPECT_EQ(chosen(accuracy_report({.direction_deg = 0.1})),
-            "field/area, e = 1 mm, 90.0 us a frame, 0.050 deg off, which meets the limit");
+            "field/area, e = 4 mm, 10.0 us a frame, direction error 0.500 deg, the knee of the "
+            "Pareto front");
+  EXPECT_EQ(
+      chosen(accuracy_report({.direction_deg = 0.1})),
+      "field/area, e = 1 mm, 90.0 us a frame, direction error 0.050 deg, which meets the limit");
   EXPECT_EQ(chosen(accuracy_report({.within_us = 4})),
-            "original/one, e = 4 mm, 5.00 us a frame, 8.00 deg off, the nearest to the limit, "
-            "which no setting meets");
+            "original/one, e = 4 mm, 5.00 us a frame, direction error 8.00 deg, the closest to the "
+            "limit (no setting meets it)");
 }
 
 TEST(AccuracyText, SaysWhyNoSettingIsChosen) {
@@ -123,19 +125,19 @@ TEST(AccuracyText, SaysWhyNoSettingIsChosen) {
   report.rows[4].setting.virtual_tool = true;
   report.advice = accuracy::advise(report.rows, {}, true);
   EXPECT_EQ(chosen(report),
-            "none; the scene renders a virtual tool, which was refused: " + report.rows[4].refused);
+            "none; the scene's virtual tool was refused: " + report.rows[4].refused);
   report.rows = {report.rows[0], report.rows[3]};
   report.advice = accuracy::advise(report.rows, {});
   EXPECT_EQ(chosen(report), "none; the Pareto front has no knee");
   report.rows.pop_back();
   report.advice = accuracy::advise(report.rows, {});
-  EXPECT_TRUE(chosen(report).ends_with(", the fastest and most accurate")) << chosen(report);
+  EXPECT_TRUE(chosen(report).ends_with(", the fastest and the most accurate")) << chosen(report);
   report.rows[0].magnitude_noise = std::numeric_limits<double>::quiet_NaN();
   report.advice = accuracy::advise(report.rows, {.noise = 0.1});
-  EXPECT_EQ(chosen(report), "none; no setting has the figure that is limited");
+  EXPECT_EQ(chosen(report), "none; no setting has the limited figure");
   report.rows[0].contacts = 0;
   report.advice = accuracy::advise(report.rows, {});
-  EXPECT_EQ(chosen(report), "none; each of the 1 settings was refused or has no contact");
+  EXPECT_EQ(chosen(report), "none; all 1 settings were refused or have no contact");
 }
 
 TEST(AccuracyText, SaysWhichFramesOfAVirtualToolWereTimed) {

@@ -39,7 +39,7 @@ TEST(Doctor, SaysWhoMissesARingWhereIndicesAreFew) {
   EXPECT_EQ(check_indices(first(3)).health, Health::kGood);
   EXPECT_TRUE(check_indices(first(4)).sentence.contains("Humble"))
       << check_indices(first(4)).sentence;
-  EXPECT_TRUE(check_indices(first(27)).sentence.contains("no multicast"))
+  EXPECT_TRUE(check_indices(first(27)).sentence.contains("without multicast"))
       << check_indices(first(27)).sentence;
   EXPECT_EQ(check_indices(first(114)).health, Health::kBad);
 }

@@ -172,7 +172,7 @@ TEST(RunLimits, AreSetByName) {
 
 TEST(RunLimits, RefuseWhatIsNoLimitWithASentence) {
   for (const auto& [text, reason] : {std::pair{"ratio=1", "'ratio'"},
-                                     {"rate_ratio", "takes NAME=VALUE"},
+                                     {"rate_ratio", "expected NAME=VALUE"},
                                      {"rate_ratio=", "''"},
                                      {"rate_ratio=-1", "'-1'"},
                                      {"rate_ratio=nan", "'nan'"},

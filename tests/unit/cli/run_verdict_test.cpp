@@ -88,7 +88,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Case{"a_node_whose_last_word_never_came", RunFact::kNoFinalStatus,
              [](RunRecord& r) { r.reports["coupling"].state = NodeState::kRunning; },
-             "the final status of coupling never came"},
+             "no final status from coupling"},
         Case{"a_node_that_said_nothing_at_all", RunFact::kNoFinalStatus,
              [](RunRecord& r) { r.started.insert("other"); }, "other"},
         Case{"more_samples_validated_than_were_due", RunFact::kRatioAboveOne,
@@ -107,7 +107,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"a_bag_whose_file_is_gone", RunFact::kLostRecording,
              [](RunRecord& r) {
                r.recorded = BagState{
-                   0, {"'bag/bag_0.mcap' is missing from the bag: 30000 messages are lost."}};
+                   0, {"'bag/bag_0.mcap' is missing in the recording: 30000 messages are lost."}};
              },
              "is missing"},
         Case{"a_bag_that_holds_less_than_was_written", RunFact::kLostRecording,
@@ -118,17 +118,17 @@ INSTANTIATE_TEST_SUITE_P(
                r.reports["coupling"].values["foreign_writers"] =
                    "721 of rendering (process 7 on host) and 3 of ROS 2's /player";
              },
-             "724 samples of a second writer on the ring's own topics were refused (coupling "
-             "refused 721 of rendering (process 7 on host) and 3 of ROS 2's /player)"},
+             "724 samples of another writer on the ring's topics were refused (coupling refused "
+             "721 of rendering (process 7 on host) and 3 of ROS 2's /player)"},
         Case{"foreign_descriptions", RunFact::kForeignSamples,
              [](RunRecord& r) { set(r, "rendering", "foreign_samples", 3); }, "3 samples"},
         Case{"a_lock", RunFact::kLocked, [](RunRecord& r) { set(r, "coupling", "locks", 1); },
-             "the coupling locked"},
+             "the coupling latched"},
         Case{"a_node_killed", RunFact::kNodeEnded,
              [](RunRecord& r) {
                r.events.push_back({RunFact::kNodeEnded, "rendering", 137});
              },
-             "rendering was ended by signal 9"}),
+             "rendering ended by signal 9"}),
     [](const auto& one) { return std::string(one.param.name); });
 
 /// Two reasons for one thing hide what is to be done.
@@ -149,7 +149,7 @@ TEST(RunVerdict, NamesFadesAndFaultRecordsInItsLine) {
   EXPECT_EQ(verdict_line(run, judge(run)),
             "FAILED (1 of 19 limits, 3 force fades, 6 fault records)");
   EXPECT_TRUE(
-      problems_of(run, judge(run)).front().contains("3 times (0.24 s in all, the longest 0.08 s)"))
+      problems_of(run, judge(run)).front().contains("3 times (0.24 s in total, longest 0.08 s)"))
       << problems_of(run, judge(run)).front();
 }
 

@@ -22,7 +22,7 @@ TEST(StartWarnings, TellOfTheMachineInOneSentence) {
   options.cpu = 100'000;  // no machine has it
   const std::vector<std::string> reported = warnings_of_machine(options);
   ASSERT_EQ(reported.size(), 1U);
-  EXPECT_TRUE(reported[0].contains("`voxtouch doctor` says which")) << reported[0];
+  EXPECT_TRUE(reported[0].contains("see `voxtouch doctor`")) << reported[0];
 }
 
 TEST(StartReport, PrintsTheWarningsOnceTheSceneIsBuiltAndThePreviewOnce) {
@@ -43,7 +43,8 @@ TEST(StartReport, PrintsTheWarningsOnceTheSceneIsBuiltAndThePreviewOnce) {
                                  {"saturation_depth_m", {0.01, "m"}}};
   const std::vector<std::string> lines = start.poll(reports);
   ASSERT_EQ(lines.size(), 1U);
-  for (const char* fact : {"800 N/m", "margin of 2", "stylus", "8 N", "10 mm", "displays stably"})
+  for (const char* fact :
+       {"800 N/m", "margin 2", "stylus", "8 N", "10 mm", "largest stable stiffness"})
     EXPECT_TRUE(lines[0].contains(fact)) << lines[0];
   EXPECT_TRUE(start.poll(reports).empty());
 }
@@ -56,8 +57,8 @@ TEST(ForceLine, HasTheStiffnessAtALongToolsReachAndALimitedGrip) {
   for (const char* fact : {"150 mm", "518 N/m along", "259 N/m across"})
     EXPECT_TRUE(contact_line(p, "stylus").contains(fact)) << contact_line(p, "stylus");
   p.grip_n_per_m = 5000.0;
-  EXPECT_TRUE(
-      force_line(p, "stylus").contains("grip of 5000 N/m is limited to the certified 518 N/m"));
+  EXPECT_TRUE(force_line(p, "stylus")
+                  .contains("grip stiffness of 5000 N/m is limited to the certified 518 N/m"));
 }
 
 }  // namespace start_report_test

@@ -102,7 +102,7 @@ TEST(DampingFloor, WinsOverStiffnessAndSaysWhatItCost) {
   EXPECT_GE(damped.translation.gain_margin, 2.0 - 1e-9) << "with the certificates of any design";
   EXPECT_EQ(damped.status, DesignStatus::kStiffnessReduced);
   ASSERT_FALSE(damped.reasons.empty());
-  EXPECT_NE(damped.reasons.front().find("0.3 held); damping_floor: 0"), std::string::npos)
+  EXPECT_NE(damped.reasons.front().find("gripped 0.3); damping_floor: 0"), std::string::npos)
       << damped.reasons.front();
 }
 
@@ -151,7 +151,8 @@ DesignProblem stylus() {
 
 TEST(DampingFloor, NamesTheHandThatForbidsItAndGivesUpNothingForTheOthers) {
   const Design damped = design_coupling(stylus());
-  EXPECT_NE(damped.floors.out_of_reach.find("held (0.2 kg, 0.5 Ns/m, 800 N/m)"), std::string::npos)
+  EXPECT_NE(damped.floors.out_of_reach.find("gripped (0.2 kg, 0.5 Ns/m, 800 N/m)"),
+            std::string::npos)
       << damped.floors.out_of_reach;
   EXPECT_EQ(damped.floors.cost_n_per_m, 0.0);
   EXPECT_GE(damped.swing.released, 0.1);
@@ -300,9 +301,7 @@ TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheSti
     const Design unbounded = design_coupling(request);
     if (design.spec.damping_force_ratio == 0.0) {
       EXPECT_EQ(design.spec, unbounded.spec) << i;
-      EXPECT_TRUE(reported(
-          design, "not bounded by a ratio of the contact's force (damping_force_ratio 0.35)"))
-          << i;
+      EXPECT_TRUE(reported(design, "has no limit: damping_force_ratio 0.35 displays only")) << i;
       ++given_up;
     } else if (design.translation.injected_damping > 0.0 && !request.device.gives_torque &&
                unbounded.status != DesignStatus::kInfeasible) {
@@ -359,17 +358,17 @@ TEST(BoundedDamper, HasTheLeastShareThatLeavesEnough) {
     EXPECT_TRUE(reported(design, percent(none))) << i;
     if (const Design standard = with(kDefaultDampingForceRatio);
         standard.spec.damping_force_ratio == kDefaultDampingForceRatio) {
-      EXPECT_TRUE(reported(design, "with 0.35, the standard, " + percent(standard))) << i;
+      EXPECT_TRUE(reported(design, "(default 0.35). Displayed fraction of the request: default " +
+                                       percent(standard)))
+          << i;
     }
     if (design.spec.damping_force_ratio > 0.0) {
       EXPECT_TRUE(
-          reported(design, fmt::format("Injected damping adds up to {:.2g} of the contact's force",
+          reported(design, fmt::format("Injected damping is limited to {:.2g} of the contact force",
                                        design.spec.damping_force_ratio)))
           << i;
     } else {
-      EXPECT_TRUE(reported(
-          design, "not bounded by a ratio of the contact's force (damping_force_ratio 0.35)"))
-          << i;
+      EXPECT_TRUE(reported(design, "has no limit: damping_force_ratio 0.35 displays only")) << i;
     }
   }
   for (const auto& [fraction, times] : taken)

@@ -138,7 +138,7 @@ TEST(Auto, LeavesTheFilterOutForLessThanHalfAsMuchAgain) {
   EXPECT_GT(best.translation.displayed_stiffness, 1.1 * filter);
   EXPECT_LT(best.translation.displayed_stiffness, 1.5 * filter)
       << "else this says nothing of what is enough";
-  EXPECT_EQ(best.reasons.front().find("Without the shaping filter"), std::string::npos)
+  EXPECT_EQ(best.reasons.front().find("without shaping filter"), std::string::npos)
       << "which is no limit: " << best.reasons.front();
 }
 

@@ -57,8 +57,7 @@ TEST(SlowVelocity, IsTheSlowestThatKeepsThreeQuarters) {
   EXPECT_LT(step_speed(translation, {d.spec.slow_velocity_hz, 0}),
             0.6 * d.spec.velocity_band_m_per_s);
   EXPECT_EQ(describe_slow_velocity(d.spec),
-            "acts on the velocity of a filter of 16 Hz within 5.4 mm/s, which may be the encoder's "
-            "steps");
+            "uses a velocity filter of 16 Hz within 5.4 mm/s (encoder quantisation)");
   EXPECT_EQ(describe_slow_velocity(CouplingSpec{}), "");
 }
 
@@ -93,14 +92,14 @@ TEST(SlowVelocity, ThatDoesNotHoldIsRefused) {
     const Design judged = judge_coupling(request, bad);
     EXPECT_EQ(judged.status, DesignStatus::kInfeasible);
     ASSERT_EQ(judged.reasons.size(), 1U);
-    EXPECT_NE(judged.reasons[0].find("damped on the slow velocity of"), std::string::npos)
+    EXPECT_NE(judged.reasons[0].find("with the slow velocity of"), std::string::npos)
         << judged.reasons[0];
   }
   CouplingSpec series = d.spec;
   series.kind = "spring_damper";
   const std::vector<std::string> reasons = judge_coupling(request, series).reasons;
   EXPECT_NE(reasons.end(), std::ranges::find_if(reasons, [](const std::string& r) {
-              return r.contains("damped on the slow velocity of");
+              return r.contains("with the slow velocity of");
             }));
   CouplingSpec narrow = wider;
   narrow.velocity_band_m_per_s = d.spec.velocity_band_m_per_s;

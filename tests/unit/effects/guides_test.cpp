@@ -214,9 +214,9 @@ TEST(Guides, RefuseWhatContradictsItselfWithASentence) {
   };
   EXPECT_EQ(effects::check_values(*point_guide().kind, point_guide().values), "");
   EXPECT_NE(why(point_guide(), 3, just(0.1)).find("'beyond: release'"), std::string::npos);
-  EXPECT_NE(why(point_guide(true), 3, just(0.029))
-                .find("at least 3 limit_n / stiffness_n_per_m = 0.03 m"),
-            std::string::npos);
+  EXPECT_NE(
+      why(point_guide(true), 3, just(0.029)).find("minimum 3 limit_n / stiffness_n_per_m = 0.03 m"),
+      std::string::npos);
   EXPECT_NE(why(point_guide(true), 3, just(0.0)), "");
   EXPECT_NE(why(point_guide(true), 0, just(0.0)), "");
   EXPECT_NE(why(line_guide(0), 7, just(0.1)).find("'ends: segment'"), std::string::npos);

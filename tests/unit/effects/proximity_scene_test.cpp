@@ -113,7 +113,7 @@ TEST_F(ProximityScene, RefusesOpenMeshesAndLeversThatAreTooShortWithASentence) {
   const auto both = built(kProximity, "{mesh: block.obj}, {mesh: open.obj, position: [0, 0, 0.2]}");
   EXPECT_TRUE(any_has(both->plan().warnings, "open.obj: "));
   EXPECT_NE(refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.01}}", "{mesh: block.obj}")
-                .find("reaches 0.01"),
+                .find("minimum 0.01"),
             std::string::npos);
   EXPECT_EQ(
       refusal("{proximity: {limit_n: 3, range_m: 0.01, lever_m: 0.018}}", "{mesh: block.obj}"),

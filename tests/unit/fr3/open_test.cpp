@@ -118,7 +118,8 @@ TEST(Fr3Open, TellsWhatIsKnownOfAServerOfAnotherVersion) {
     const fci::Message m = fci::connect_answer(0, false, version);
     return refusal_after({reinterpret_cast<const char*>(m.bytes.data()), m.size});
   };
-  EXPECT_TRUE(refused_by(11).contains("speaks 11, this driver 3 to 10; no layout of it was public"))
+  EXPECT_TRUE(
+      refused_by(11).contains("server 11, this driver 3 to 10; this version is not supported"))
       << refused_by(11);
   EXPECT_TRUE(refused_by(2).contains("update the robot's system image")) << refused_by(2);
 }

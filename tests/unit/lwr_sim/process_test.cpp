@@ -56,7 +56,7 @@ TEST(ControllerProgram, EndsCleanlyBySigtermAndSaysOff) {
   EXPECT_EQ(lwr_sim::test::state(serve(socket, 2s)), 0);
   const auto end = program.wait(10s);
   EXPECT_EQ(end.status, 0) << end.err;
-  EXPECT_NE(end.err.find("answers"), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find("replies"), std::string::npos) << end.err;
 }
 
 TEST(ControllerProgram, EndsCleanlyBySigtermWhileItWaitsInVirtualTime) {
@@ -77,7 +77,7 @@ TEST(ControllerProgram, SaysInASentenceThatThePortIsTakenAndThatNobodyAnswers) {
   Process lonely({kProgram, "--remote", remote_of(socket), "--virtual-time", "--patience", "0.2"});
   end = lonely.wait(10s);
   EXPECT_EQ(end.status, 1);
-  EXPECT_NE(end.err.find("no answer"), std::string::npos) << end.err;
+  EXPECT_NE(end.err.find("no reply"), std::string::npos) << end.err;
 }
 
 TEST(ControllerProgram, RefusesOptionsThatMakeNoSense) {

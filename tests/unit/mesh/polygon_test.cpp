@@ -302,7 +302,7 @@ TEST(Polygon, OfAFileIsNamedWhereItCrossesItself) {
     FAIL() << "read";
   } catch (const mesh::MeshError& refused) {
     const std::string text = refused.what();
-    for (const char* fact : {"polygon 3 of 3", "crosses itself", "4 corners"}) {
+    for (const char* fact : {"polygon 3 of 3", "intersects itself", "4 corners"}) {
       EXPECT_NE(text.find(fact), std::string::npos) << text;
     }
   }

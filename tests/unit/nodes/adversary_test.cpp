@@ -143,7 +143,7 @@ class Attacked : public testing::Test {
       std::this_thread::sleep_for(milliseconds(1));
     }
     if (!naming_participant.empty()) {
-      EXPECT_TRUE(sees([&] { return write(adversary), says(naming_participant, "is refused"); },
+      EXPECT_TRUE(sees([&] { return write(adversary), says(naming_participant, "are refused"); },
                        std::chrono::seconds(5)))
           << (report_of(naming_participant) ? last_report.message : "no report");
     }
@@ -301,7 +301,7 @@ TEST_F(Attacked, FromTheStartTheRingStillFindsItself) {
   until_it_presses();
   EXPECT_EQ(marked, 0);
   EXPECT_EQ(number("coupling", "designs"), 1.0);
-  EXPECT_TRUE(sees([&] { return says("rendering", "is refused"); })) << last_report.message;
+  EXPECT_TRUE(sees([&] { return says("rendering", "are refused"); })) << last_report.message;
 }
 
 /// The same ring in lockstep, which waits for its own nodes alone.

@@ -120,7 +120,7 @@ TEST(CouplingNode, CommandsNothingWhereACouplingSetByHandMeetsEffectsTooStiffFor
   around.plan(30.0, 7, {0.0, 100.0, ""});
   ASSERT_TRUE(around.force_comes());
   around.plan(30.0, 7, {0.0, 900.0, ""});
-  around.expect_no_force("900 N/m at the hand; the device can show 800 N/m. Lower oil");
+  around.expect_no_force("900 N/m at the hand, device limit 800 N/m. Divide oil");
   EXPECT_EQ(around.node.end(), 0);
 }
 

@@ -222,7 +222,7 @@ TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
   EXPECT_EQ(taken.sequence_number, 1U);
   EXPECT_FALSE(commands.take(taken));
   ASSERT_TRUE(comes([&] { return other->write(foreign), !role.diagnostic(registry).empty(); }));
-  EXPECT_NE(role.diagnostic(registry).find("no name"), std::string::npos)
+  EXPECT_NE(role.diagnostic(registry).find("unnamed"), std::string::npos)
       << role.diagnostic(registry);
   other.reset();
   EXPECT_TRUE(comes([&] { return role.diagnostic(registry).empty(); }));
@@ -242,7 +242,7 @@ TEST_F(RoleTest, CountsWhatItRefusesOfEachWriter) {
   for (int n = 0; n < 7; ++n)
     tool.write(msg::ForceCommand{});
   const auto of = [](int count, const Adversary& one) {
-    return fmt::format("{} of a participant that gives no name ({})", count,
+    return fmt::format("{} of an unnamed participant ({})", count,
                        runtime::to_text(one.participant().guid()));
   };
   EXPECT_TRUE(comes([&] {

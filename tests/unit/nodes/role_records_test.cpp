@@ -206,7 +206,9 @@ TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName)
   stranger.claim("rendering", 7);
   forged.from_sample = 67, forger.write(forged);
   ASSERT_TRUE(wait_until([&] { return refused() == 2.0; })) << message();
-  EXPECT_NE(message().find("2 messages are not in the bag: 2 of "), std::string::npos) << message();
+  EXPECT_NE(message().find("2 messages of unauthorised writers not recorded: 2 of "),
+            std::string::npos)
+      << message();
   EXPECT_NE(message().find("(process 666 on elsewhere)"), std::string::npos) << message();
   rendering.make(12);
   EXPECT_EQ(recorded(), (std::vector<std::uint64_t>{11, 12}));
@@ -230,7 +232,8 @@ TEST_F(RecordsOfTheLogger, SamplesOfAnotherDeviceAreLeftOutAndItIsNamed) {
   ASSERT_TRUE(wait_until([&] { return figure("skipped_messages") == 1.0; })) << message();
   write(foreign, 7, 101);
   ASSERT_TRUE(wait_until([&] { return figure("skipped_messages") == 2.0; })) << message();
-  EXPECT_TRUE(message().contains("2 messages are not in the bag: 2 of ")) << message();
+  EXPECT_TRUE(message().contains("2 messages of unauthorised writers not recorded: 2 of "))
+      << message();
   EXPECT_EQ(refused(), 0.0);
   write(own, 7, 2);
   ASSERT_TRUE(wait_until([&] { return figure("received") >= 3.0; })) << message();

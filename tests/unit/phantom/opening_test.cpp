@@ -87,7 +87,7 @@ TEST_F(Opening, WithoutADeviceTheSentenceSaysWhatWasTriedAndWhatToLookAt) {
   Spy::instance().fail_init(phantom::hd::kCommConfigError, 4);
   const std::string sentence = refusal();
   for (const char* part :
-       {"Left Phantom", "Default Device", "Default PHANToM", "no name", "0x0303", "plugged in"})
+       {"Left Phantom", "Default Device", "Default PHANToM", "no name", "0x0303", "power, cable"})
     EXPECT_NE(sentence.find(part), std::string::npos) << sentence;
   expect_nothing_open();
   EXPECT_EQ(refusal(), "");

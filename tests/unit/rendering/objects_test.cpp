@@ -192,7 +192,7 @@ TEST(Objects, AreRefusedWithAPlaceAndASentence) {
       "  - {mesh: plane.obj, object: {name: a}}\n  - {mesh: plane.obj, object: {name: a}}\n");
   EXPECT_TRUE(says(twice, ":5:") && says(twice, "'a'")) << twice;
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj, object: {name: a, stiffness_n_per_m3: 1}}\n"),
-                   "another unit"));
+                   "different unit"));
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj, object: {name: a, colour: red}}\n"), "colour"));
   EXPECT_TRUE(says(refusal("  - {mesh: plane.obj, origin: [0, 0, 0], object: {name: a}}\n  - "
                            "{mesh: plane.obj, object: a, origin: [0, 0, 0]}\n"),
@@ -211,7 +211,7 @@ TEST(Objects, AreRefusedWithAPlaceAndASentence) {
   std::string many = "  - {mesh: plane.obj}\n";
   for (int n = 0; n < 16; ++n)
     many += "  - {mesh: plane.obj, object: {name: o" + std::to_string(n) + "}}\n";
-  EXPECT_TRUE(says(refusal(many), "at most 16 objects"));
+  EXPECT_TRUE(says(refusal(many), "limit 16"));
 }
 
 constexpr double kSixthM2 = (2 * 0.0016 + 4 * 0.0012) / 6.0;  ///< of the block's surface

@@ -47,7 +47,7 @@ TEST(RosArguments, AreRefusedByNameWhereTheyAskForSomethingElse) {
     EXPECT_TRUE(why.contains(asked.size() > 1 && asked[0] == "-r" ? asked[1] : asked[0]) ||
                 asked.size() == 1)
         << why;
-    EXPECT_TRUE(why.contains("not taken")) << why;
+    EXPECT_TRUE(why.contains("not supported")) << why;
   }
 }
 

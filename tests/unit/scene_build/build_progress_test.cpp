@@ -12,20 +12,20 @@ using scene_build::in_words;
 TEST(BuildProgress, SaysTheShareAndWhatTheRestMayTake) {
   EXPECT_EQ(
       in_words({.name = "field", .for_s = 9.0, .loop = 2, .loop_s = 4.0, .done = 40, .count = 100}),
-      "field, loop 2: 40 %, about 6 s more");
+      "field, loop 2: 40 %, about 6 s remain");
   EXPECT_EQ(
       in_words(
           {.name = "field", .for_s = 9.0, .loop = 1, .loop_s = 4.0, .done = 999, .count = 1000}),
-      "field, loop 1: 99 %, about 1 s more");
+      "field, loop 1: 99 %, about 1 s remain");
   EXPECT_EQ(
       in_words(
           {.name = "voxmap", .for_s = 9.0, .loop = 1, .loop_s = 8.0, .done = 1000, .count = 1000}),
-      "voxmap: 9 s so far")
+      "voxmap: 9 s elapsed")
       << "what follows the loop has no fraction";
-  EXPECT_EQ(in_words({.name = "meshes", .for_s = 3.1}), "meshes: 3 s so far");
+  EXPECT_EQ(in_words({.name = "meshes", .for_s = 3.1}), "meshes: 3 s elapsed");
   EXPECT_EQ(
       in_words({.name = "voxmap", .for_s = 2.0, .loop = 1, .loop_s = 1.0, .done = 0, .count = 10}),
-      "voxmap: 2 s so far");
+      "voxmap: 2 s elapsed");
 }
 
 TEST(BuildProgress, CountsTheBodiesOfEachLoopOnAnyNumberOfThreads) {
