@@ -21,10 +21,10 @@ namespace voxtouch::coupling {
 ///     delta = (f + r delta_prev / T) / (k + c + r / T),
 ///     F     = c delta + r (delta - delta_prev) / T = f - k delta.
 ///
-/// At rest F = c/(c + k) f: two springs in series. The law
-/// applies along f. Across f there is no contact force, and the object returns to the device by
-/// spring and damper alone. The same holds along f in free space and once the object has left the
-/// surface, where F would pull. F never opposes f and is never longer than f.
+/// At rest F = c/(c + k) f: two springs in series. The law applies along f. Across f there is no
+/// contact force, and the object returns to the device by spring and damper alone. The same holds
+/// along f in free space and once the object has left the surface, where F would pull. F never
+/// opposes f and is never longer than f.
 struct UnilateralSpringDamper {
   Vec3 delta = Vec3::Zero();
   /// F of one sample, for the contact's force `f` [N or Nm], its stiffness `k`, spring `c` [N/m],
