@@ -51,8 +51,7 @@ class LiveScene {
   void finish() noexcept;
   /// Forgets all samples and ends a fade, for a new session.
   void reset() noexcept;
-  /// Returns the scene that has been replaced, once; null if there is
-  /// none.
+  /// Returns the scene that has been replaced, once; null without one.
   BuiltScene* retired() noexcept;
 
   effects::EffectChain& effects() noexcept {

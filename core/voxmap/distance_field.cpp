@@ -43,7 +43,7 @@ FieldSample DistanceField::at(const Vec3& u) const noexcept {
   return sample;
 }
 
-/// The nodes of a brick, or, where none is stored, what all of them are cut off to.
+/// The nodes of a brick or, without stored nodes, their common cut-off value.
 struct DistanceField::Nodes {
   const float* stored;
   double all;
