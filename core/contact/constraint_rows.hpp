@@ -63,9 +63,9 @@ void smooth_normals(const voxmap::DistanceField& field, const RowFrame& frame,
                     std::span<ConstraintRow> rows) noexcept;
 
 /// Reduces the rows to at most kMaxRows, in linear time, and keeps their order. Real-time safe.
-/// In each of 42 directions (direction_bins.hpp) it keeps the row of least gap, and the rows that a
-/// tilt of `tilt` [rad] towards one of eight sides would make deepest. These are the corners of a
-/// flat contact with any number of points.
+/// In each of 42 directions (direction_bins.hpp) it keeps the row of least gap. It also keeps the
+/// rows that a tilt of `tilt` [rad] towards one of eight sides would make deepest. These are the
+/// corners of a flat contact with any number of points.
 void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept;
 
 }  // namespace voxtouch::contact

@@ -45,9 +45,9 @@ struct ContactResult {
   Mat6 stiffness = Mat6::Zero();
   bool fallback =
       false;  ///< opposite normals (coherence <= 0.3): `original` was used for this frame
-  /// `field`: the force may not grow with depth. One condition holds for some point with force: it
-  /// is deeper than the stored distances; it is near the middle of a body (|gradient| < 1/2); it
-  /// pushes away from the nearest exit (normal . gradient < -1/2).
+  /// `field`: the force may not grow with depth. Some point with force is deeper than the stored
+  /// distances, is near the middle of a body (|gradient| < 1/2), or pushes away from the nearest
+  /// exit (normal . gradient < -1/2).
   bool saturated = false;
   PoseStatus pose_status = PoseStatus::kUsable;
   std::uint32_t points_tested = 0;  ///< points left by the culling
@@ -76,7 +76,7 @@ double mean_weight(ContactModelKind kind, double coherence) noexcept;
 /// Weight of a shell point in every sum of a contact model.
 enum class PointWeights : std::uint8_t {
   kOne,  ///< w_i = 1 (the paper): the force grows with the number of shell points
-  /// w_i = the point's share of the tool's surface [m^2]: the force depends on the contact area.
+  /// w_i = the area that the point represents [m^2]: the force depends on the contact area.
   kArea,
 };
 

@@ -24,9 +24,9 @@ class ContactQuery {
 
   /// Finds all hits at `pose_WT`, in the order of the shell, so that sums are bit-identical in
   /// every run. Real-time safe after `hits.reserve(shell().size())`.
-  /// The arithmetic is local to the grid: the origin of the grid is subtracted from the pose first,
-  /// so a scene at 1e6 m gives the same result as at 0. The quaternion is normalised. An invalid
-  /// pose gives no hits and sets `hits.pose_status`.
+  /// The arithmetic is local to the grid, whose origin is subtracted from the pose first. A scene
+  /// at 1e6 m thus gives the same result as at 0. The quaternion is normalised. An invalid pose
+  /// gives no hits and sets `hits.pose_status`.
   /// Single precision decides where it is certain, and double precision in a band next to the faces
   /// of the voxels (query_kernel.hpp). The set of hits is therefore exactly that of double
   /// precision, on every processor.

@@ -70,8 +70,8 @@ inline constexpr int kMaxQueries = 8;
 inline constexpr int kMaxQueriesInContact = 7;
 inline constexpr int kMaxIterations = 8;
 inline constexpr int kMaxLineEvaluations = 6;
-/// In contact a frame ends when the remaining path is shorter than the first value or, during
-/// motion, than this fraction of the hand's path, but at most the last value.
+/// In contact a frame ends when the remaining path is shorter than the first value. During motion
+/// the limit is this fraction of the hand's path, at most the last value.
 inline constexpr double kRestEdges = 1e-3;
 inline constexpr double kConvergenceRatio = 0.1;
 inline constexpr double kRestMostEdges = 0.02;
@@ -87,7 +87,7 @@ inline constexpr double kSmoothPathEdges = 0.4;
 inline constexpr double kSmoothGradient = 0.99;
 /// A smaller gradient has no direction.
 inline constexpr double kMinGradient = 0.1;
-/// A wall of about two voxels or less bends the field: its gradient is shorter than the first
+/// A wall of about two voxels or less bends the field. Its gradient is shorter than the first
 /// value, or opposes the tool's normal by more than the second. The plane of the wall's face is
 /// then used, if its cosine with the tool's normal is at least the third.
 inline constexpr double kSheetGradient = 0.97;
@@ -102,8 +102,8 @@ inline constexpr double kSheetFarEdges = 1.9;
 /// Tolerance [e] by which the projection of a point onto that plane may be nearer to a corner than
 /// the distance stored there. A larger violation means that it is beyond the rim of the face.
 inline constexpr double kSheetBeyond = 0.05;
-/// A row of an edge point must have at least this component against the mean of the normals that
-/// meet there, so that it leads out of the static object.
+/// A row of an edge point must lead out of the static object. It must have at least this component
+/// against the mean of the normals that meet there.
 inline constexpr double kEdgeAgree = 0.1;
 /// A pose with a deeper point is not a valid start.
 inline constexpr double kPlacedDepthEdges = 0.5;
@@ -122,9 +122,9 @@ inline constexpr double kNearEdges = 1.5;
 /// length or this many edges. An edge that gives way thus becomes a ramp.
 inline constexpr double kCatchUpRatio = 0.03;
 inline constexpr double kSnapEdges = 0.02;
-/// A frame keeps a pose only if its energy is below the initial one, or above it by at most this
-/// fraction of the spring force times the path of the hand. A resting hand thus has a resting tool,
-/// and a moving hand overcomes the bumps of the field.
+/// A frame keeps a pose only if its energy is at most the initial one plus a tolerance. The
+/// tolerance is this fraction of the spring force times the path of the hand. A resting hand thus
+/// has a resting tool, and a moving hand overcomes the bumps of the field.
 inline constexpr double kHysteresisRatio = 2.0;
 /// Number of queries without such a pose after which the frame returns to the best one.
 inline constexpr int kMaxWorse = 3;

@@ -182,8 +182,8 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   }
   constexpr double kFloat = 0x1p-24, kDouble = 0x1p-53;
   const double of_doubles = 16.0 * kDouble * (far + reach);
-  // For a point, 3 roundings of each product, 2 of inner sums, that of the last sum and that of the
-  // shift add up to 2^-24 (8 reach + 6).
+  // For a point, the roundings of three products, two inner sums, the last sum and the shift add up
+  // to 2^-24 (8 reach + 6).
   const double band = 16.0 * kFloat * (reach + 4.0) + of_doubles;
   constexpr double kMaxReach = 0x1p20;  // beyond that, single-precision voxel numbers are not exact
   const bool small = reach < kMaxReach && largest < kMaxReach &&

@@ -1,6 +1,6 @@
 #pragma once
-/// Faces of thin walls, which bend the distance field: the plane of the wall's face on the tool's
-/// side, fitted to the distances at voxel corners, for eight points at once.
+/// Faces of thin walls, which bend the distance field. The plane of the wall's face on the tool's
+/// side is fitted to the distances at voxel corners, for eight points at once.
 #include <cstddef>
 
 #include "core/types/geometry.hpp"
@@ -20,10 +20,10 @@ struct WallFaces {
 
 /// Computes the outputs. Point by point bit-identical on every processor. Real-time safe.
 /// The plane n.x = c is fitted three times, coarsely first (limits::kSheetCoarse), to the corners
-/// of the point's voxel and of the one an edge farther along `outward`. There is no face in four
-/// cases: too few corners are on this side; the plane disagrees with `outward`; the projection of
-/// the point is nearer to a corner than that corner's distance (the rim of the face); the depth
-/// increases one edge farther in (a thick body).
+/// of the point's voxel and of the one an edge farther along `outward`. There is no face if too few
+/// corners are on this side, or if the plane disagrees with `outward`. The projection of the point
+/// must not be nearer to a corner than that corner's distance (the rim of the face). The depth must
+/// not increase one edge farther in (a thick body).
 void find_wall_faces(const voxmap::DistanceField& field, WallFaces& faces) noexcept;
 
 }  // namespace voxtouch::contact

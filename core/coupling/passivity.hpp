@@ -12,7 +12,7 @@
 /// sampled spring appears as a small debt.
 ///
 /// Accounts. There is one account for the force along the contact normal, one for the force across
-/// it (tangential) and one for rotation; the first two sum to the translation. Accounts along the
+/// it (tangential) and one for rotation. The first two sum to the translation. Accounts along the
 /// axes of W would be misleading. A tool that slides once around a frictionless cylinder of radius
 /// R under the force F moves
 ///

@@ -35,10 +35,10 @@ struct Swing {
 ///
 /// with f the force at the device, after its delay and lag, and b and F_c the damping and friction
 /// of the device. Without f_mean, a slow motion against a steady force would count as work. An
-/// encoder step counts as a motion since the previous step, under the mean force of that time,
-/// because injected damping is largest just after a step and smallest just ahead of one. An
-/// operator who moves the tool, on purpose or by tremor, puts in what coupling and device
-/// dissipate. In a self-excited swing E is at most zero.
+/// encoder step counts as a motion since the previous step, under the mean force of that time.
+/// Injected damping is largest just after a step and smallest at its end. An operator who moves the
+/// tool, on purpose or by tremor, puts in what coupling and device dissipate. In a self-excited
+/// swing E is at most zero.
 ///
 /// Threshold of E. Force and motion could exchange pi/4 of their peak-to-peak product. Less than
 /// kHandWorks of that counts as zero, reduced by what an encoder step q hides: kHidden times q
@@ -48,7 +48,7 @@ struct Swing {
 /// least kCycles cycles, or at least three that last two seconds. It must not decay. It must exceed
 /// three encoder steps (ten where a voluntary motion is possible) and 0.5 % of the device's force
 /// (kLeastN if that is unknown). A cycle that ends further than kClosed of its amplitude from its
-/// start does not count: when a tool slides over a texture, the energy of one wave is not
+/// start does not count. When a tool slides over a texture, the energy of one wave is not
 /// conclusive.
 ///
 /// A growing swing has kGrowingCycles consecutive cycles of similar period. Each is larger in force

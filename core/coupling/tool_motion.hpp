@@ -27,11 +27,11 @@ struct ToolStep {
 ///
 ///     v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / dt,   a = exp(-w_v dt)
 ///
-/// This is a convex mean of difference quotients, so it never exceeds the largest of them. dt is
-/// the measured period, up to the gap; below the band of the input policy, or if it is not finite,
-/// the nominal period. (A law must not use a dt above the band, since its state would grow with it.
-/// Here a longer dt only gives a smaller velocity.) A sample without a usable pose keeps v^, and
-/// its time adds to the next. After a gap or a jump, v^ restarts at zero.
+/// This is a convex mean of difference quotients, so it never exceeds the largest of them. The
+/// measured period is used for dt, up to the gap. Below the band of the input policy, or if it is
+/// not finite, the nominal period is used. (A law must not use a dt above the band, since its state
+/// would grow with it. Here a longer dt only gives a smaller velocity.) A sample without a usable
+/// pose keeps v^, and its time adds to the next. After a gap or a jump, v^ restarts at zero.
 ///
 /// With a window, v^ is the formula of velocity_window.hpp for measured periods, with u and w each
 /// a displacement over its time. A displacement over several periods, after lost samples, counts as

@@ -32,8 +32,9 @@ struct EffectCommand {
 };
 
 /// The command for `request`, or a sentence with the reason for refusal. Reasons are an unknown
-/// name, a number that is not finite or out of range, a word (words never change at run time), and
-/// values that together need missing resources or leave the stiffness unbounded.
+/// name, a number that is not finite or out of range, and a word (words never change at run time).
+/// Values are also refused if together they need missing resources or leave the stiffness
+/// unbounded.
 std::expected<EffectCommand, std::string> judge(std::span<const EffectSpec> effects,
                                                 const EffectRequest& request);
 /// The same for several changes in one sample. Each is validated with the combined result, so

@@ -14,10 +14,10 @@ using DepthQuery = std::function<double(const Vec3&)>;
 /// ReferenceWrench's integral for the tool at `pose_WT`.
 /// A part of the tool is skipped if its centre is farther outside than its extent, or if the free
 /// balls around its corners cover it. Depths shared by neighbours are computed once. A triangle is
-/// split into four while the depth at its edge midpoints or its centre deviates by more than 2 % of
-/// `resolution_m` from linear, or while it is larger than four times the resolution. Triangles
-/// smaller than half the resolution are not split. Between these points the depth is linear: exact
-/// for planes, also where they cut the tool.
+/// split into four while it is larger than four times the resolution. It is also split while the
+/// depth at its edge midpoints or its centre deviates from linear by more than 2 % of
+/// `resolution_m`. Triangles smaller than half the resolution are not split. Between these points
+/// the depth is linear: exact for planes, also where they cut the tool.
 TrueWrench integrate_depth(const ToolTriangles& tool, const Pose& pose_WT, double resolution_m,
                            const DepthQuery& distance);
 

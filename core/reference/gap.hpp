@@ -41,7 +41,7 @@ struct GapResult {
   Vec3 nearest_dynamic = Vec3::Zero();  ///< on the dynamic surface
   Vec3 direction = Vec3::Zero();  ///< Unit direction of the static object's force on the dynamic
                                   ///< one; zero if unknown.
-  double sphere_radius_m = 0.0;  ///< radius of the dynamic sphere; 0 for a mesh
+  double sphere_radius_m = 0.0;   ///< radius of the dynamic sphere; 0 for a mesh
   /// `direction` represents the whole contact patch, not one of several faces. False if no contact
   /// is possible.
   bool unique_face = false;

@@ -15,8 +15,8 @@ namespace voxtouch::reference {
 /// A declared sphere: s is the signed distance of its centre minus its radius. With declared
 /// primitives it follows from their closed forms, checked against FCL's distance to the mesh.
 /// Without primitives FCL computes it by two methods, with signs from the winding number.
-/// `unique_face`: the force directions at the rim of the contact patch (and off the face, to find
-/// an opposite wall) average to that of its centre within 5 degrees.
+/// `unique_face`: the mean force direction at the rim of the contact patch is within 5 degrees of
+/// that at its centre. Directions off the face are included, to find an opposite wall.
 ///
 /// Any other dynamic object: FCL's mesh-mesh distance while separate. In overlap, the depth of its
 /// deepest corner, a lower bound (`depth_exact` and `unique_face` are false). FCL's penetration

@@ -11,10 +11,10 @@ namespace voxtouch::reference {
 
 /// Triangles in a tree of boxes. The sign is that of the nearest feature: the normal of a face, or
 /// the angle-weighted pseudonormal of an edge or vertex (Baerentzen and Aanaes 2005).
-/// This requires a surface without borders and self-intersections, which the constructor checks:
-/// two triangles at each edge, one fan at each vertex, no edge through another triangle, and
-/// agreement with the winding number next to the centres of up to kTestedFaces faces. Otherwise the
-/// winding number gives all signs (InsideTest).
+/// This requires a surface without borders and self-intersections. The constructor checks for two
+/// triangles at each edge, one fan at each vertex and no edge through another triangle. It also
+/// compares the sign with the winding number next to the centres of up to kTestedFaces faces.
+/// Otherwise the winding number gives all signs (InsideTest).
 class SignedSurface {
  public:
   static constexpr std::size_t kTestedFaces = 2000;

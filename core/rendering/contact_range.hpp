@@ -24,7 +24,7 @@ namespace voxtouch::rendering {
 ///
 /// `steepest`: largest rate at which depths change along a point's displacement. It is 1 for depths
 /// below a plane. For `field` it is the largest gradient of its interpolation
-/// (DistanceField::steepest_gradient), whose terms K_i |g_i| (Jn' Jn + Jh' Jh) / 2 (laws.md of
+/// (DistanceField::steepest_gradient). Its terms K_i |g_i| (Jn' Jn + Jh' Jh) / 2 (laws.md of
 /// core/contact) are halves of such sums. An empty shell gives zeros.
 StiffnessBounds contact_stiffness(const pointshell::Pointshell& shell,
                                   const contact::ContactParameters& parameters,

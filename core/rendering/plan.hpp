@@ -90,8 +90,8 @@ inline bool is_spring(const StiffnessBounds& bounds) noexcept {
 StiffnessBounds with_effects(const StiffnessBounds& contact,
                              std::span<const effects::EffectSpec> effects);
 
-/// Walls of at least the first thickness hold any virtual tool, and any wall holds a tool that is
-/// at least as thick as the second everywhere [voxels] (tests/hard/faults/foil_rows_test.cpp).
+/// Walls of at least the first thickness hold any virtual tool. Any wall holds a tool that is at
+/// least as thick as the second everywhere [voxels] (tests/hard/faults/foil_rows_test.cpp).
 inline constexpr double kHoldingWallVoxels = 1.5, kHeldToolVoxels = 3.0;
 
 struct Plan {

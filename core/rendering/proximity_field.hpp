@@ -12,10 +12,10 @@
 namespace voxtouch::rendering {
 
 /// The smoothed distance field of the static meshes: the quadratic B-spline over every m-th node
-/// along each axis. h = m e is the smallest multiple of the voxel edge that is at least the
-/// requested smoothing length.
+/// along each axis. The length h = m e is the smallest multiple of the voxel edge that is at least
+/// the requested smoothing length.
 /// It is exact in front of a flat wall. Elsewhere the error is the curvature times h^2 / 8 for each
-/// axis; in front of a ball of radius r the distance is h^2 / (4 r) too large. Distances have a
+/// axis. In front of a ball of radius r the distance is h^2 / (4 r) too large. Distances have a
 /// slope of at most 1. Differences of neighbouring nodes are thus at most h, and second differences
 /// at most 2 h, which gives the bounds of ProximitySample.
 class ProximityField final : public effects::Proximity {

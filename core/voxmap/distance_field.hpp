@@ -3,8 +3,8 @@
 /// `field`.
 ///
 /// Nodes are at the corners of the voxels. The interpolated distance is thus positive in every free
-/// voxel and negative in every interior one, and a shell point in a free voxel, which no query
-/// reports, never has a depth.
+/// voxel and negative in every interior one. A shell point in a free voxel, which no query reports,
+/// never has a depth.
 ///
 /// Magnitude: exact distance to the triangles of the mesh's closed parts, stored as float32 in
 /// voxels (2^-24 of at most 12 voxels is below 1e-6 e).

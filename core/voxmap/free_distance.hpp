@@ -10,9 +10,9 @@
 namespace voxtouch::voxmap {
 
 /// A byte is a lower bound of the distance from the *centre* of a cell to the nearest voxel that is
-/// not free, in steps of a quarter of its edge. Its resolution is quarters of a step up to 24
-/// steps, halves up to 64, and eight steps beyond, up to 696. At other points the distance is
-/// smaller by at most the distance from the centre.
+/// not free. Its unit is a quarter of the cell's edge (a step). Its resolution is quarters of a
+/// step up to 24 steps, halves up to 64, and eight steps beyond, up to 696. At other points the
+/// distance is smaller by at most the distance from the centre.
 ///
 /// With cells of 4 voxels a step is one voxel. A table grows with the volume, a surface with the
 /// area. If the bytes would exceed the number of surface voxels and `kFewBytes`, cells are twice as

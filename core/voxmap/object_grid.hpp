@@ -17,10 +17,11 @@ namespace voxtouch::voxmap {
 /// On each axis it minimises, over the faces across it, the sum of area times squared distance from
 /// the face to the centre of its voxel. Faces that cannot all be centred thus share the offset by
 /// their areas. Among minima equal to 1e-9, the one whose faces fill their voxels least is chosen,
-/// by the orientation of their triangles (a wall of half a voxel then contains a voxel corner);
-/// then the smallest offset. A face is a triangle within 1e-3 of the axis, in slope and in voxels.
-/// Without such faces the offset is 0. One pass over the triangles, no allocation; their order
-/// affects rounding only. Requires a mesh and an edge that `default_grid` accepts.
+/// by the orientation of their triangles. A wall of half a voxel then contains a voxel corner.
+/// Among these, the smallest offset is chosen. A face is a triangle within 1e-3 of the axis, in
+/// slope and in voxels. Without such faces the offset is 0. One pass over the triangles, no
+/// allocation; their order affects rounding only. Requires a mesh and an edge that `default_grid`
+/// accepts.
 Vec3 clearance_of_faces(const mesh::TriangleMesh& mesh, double edge) noexcept;
 
 /// The default grid of a static object. It is `default_grid` without axis-aligned faces. Otherwise

@@ -2,7 +2,7 @@
 /// The voxels that a triangle meets: separating-axis test of triangle and closed cube (13 axes),
 /// exact in grid coordinates.
 ///
-/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them
+/// Each axis is a linear form in the voxel's index. The voxels of one row that pass all of them
 /// form an interval, which is solved for and not searched. Rounding only makes the ends of a row
 /// uncertain, and `exact_sign` decides uncertain ends. Zero-area triangles are segments or points
 /// and pass the same tests.

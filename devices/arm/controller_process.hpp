@@ -12,9 +12,9 @@ namespace voxtouch::arm {
 
 class ControllerProcess {
  public:
-  /// Starts `program` from the folder of the running program with these arguments and `hand` (text
-  /// of hand_file.hpp) as its hand, and waits until it is ready to send: its first line begins with
-  /// "simulated controller:". Uses no files on disk. Throws DeviceOpenError, which names `device`,
+  /// Starts `program` from the folder of the running program, with these arguments and `hand` (text
+  /// of hand_file.hpp) as its hand. Waits until its first line, "simulated controller:...", reports
+  /// that it is ready to send. Uses no files on disk. Throws DeviceOpenError, which names `device`,
   /// if the program is missing or ended at once; then with its output.
   ControllerProcess(std::string_view device, const std::string& program,
                     const std::vector<std::string>& arguments, const std::string& hand);

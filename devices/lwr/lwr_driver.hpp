@@ -10,12 +10,13 @@
 ///
 /// The successor, LBR iiwa, is not supported: its "FRI 1.x" shares only the name. It uses protocol
 /// buffers over UDP 30200 with reversed roles (the client binds, the controller is addressed by its
-/// own application program). Public are the ids of the monitor and command messages (0x245142,
-/// 0x34001), the fields of both (header, joint position and torque, wrench feed-forward, connection
-/// quality, session state IDLE to COMMANDING_ACTIVE), and readable client sources. Missing for a
-/// driver: permission to use those sources without the vendor's product (a decoder from the public
-/// field numbers is possible), the kinematic and torque limits of the iiwa, a controller-side
-/// application, and hardware to test which command mode (torque or wrench overlay) keeps its rate.
+/// own application program). The ids of the monitor and command messages (0x245142, 0x34001), their
+/// fields and readable client sources are public. The fields are header, joint position and torque,
+/// wrench feed-forward, connection quality and session state (IDLE to COMMANDING_ACTIVE). A driver
+/// would need permission to use those sources without the vendor's product, or its own decoder from
+/// the public field numbers. It would also need the kinematic and torque limits of the iiwa and a
+/// controller-side application. Hardware is needed to test which command mode (torque or wrench
+/// overlay) keeps its rate.
 #include <atomic>
 #include <cstddef>
 #include <optional>

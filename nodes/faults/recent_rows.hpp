@@ -34,9 +34,9 @@ class RecentRows {
       half.rows[half.pushed++ % half.rows.size()] = row;
   }
 
-  /// Keeps the current rows with this reason, which must have static lifetime. Returns false in
-  /// three cases: there are no rows, kept rows have not been taken, or the reason equals the last
-  /// one and some rows are older than it. Real-time safe.
+  /// Keeps the current rows with this reason, which must have static lifetime. Returns false
+  /// without rows, and while kept rows have not been taken. Also returns false if the reason equals
+  /// the last one and some rows are older than it. Real-time safe.
   bool keep(const char* reason) noexcept {
     const Half& half = halves_[writing_];
     if (half.pushed == 0 || kept_.load(std::memory_order_acquire))

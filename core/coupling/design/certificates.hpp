@@ -48,16 +48,16 @@ double passive_stiffness_filter(double w0_rad_per_s, double damping_ratio, doubl
 /// The same for a linear contact at uniform time (jitter and loss are ignored), exact: Colgate's
 /// bound with the filter, any fractional delay and the lag.
 ///
-/// The loop of contact, filter and hold samples a signal and responds in all its aliases. It is
-/// passive with the damping b if b I plus the Hermitian part of k a c^H is positive semidefinite,
-/// with a and c the hold and the sampling of the aliases. For a pure hold and a delay of n whole
-/// samples a and c are parallel, which leaves
+/// The loop of contact, filter and hold samples a signal and responds in all its aliases. Let a and
+/// c be the hold and the sampling of the aliases. The loop is passive with the damping b if b I
+/// plus the Hermitian part of k a c^H is positive semidefinite. For a pure hold and a delay of n
+/// whole samples a and c are parallel, which leaves
 ///
 ///     K k max over theta of -(T/2) Im[e^{-j (n + 1/2) theta} H(e^{j theta})] / sin(theta/2) <= b
 ///
 /// At theta = 0 the maximum is n T + T/2 + 2 d/w0; for d < 1/sqrt(2) it lies at a larger theta. A
-/// fractional delay needs slightly more than its length (up to T^2/16 over the lag), because hands
-/// that are not a linear spring and mass can oscillate at the sample rate.
+/// fractional delay needs slightly more than its length, up to T^2/16 over the lag. Hands that are
+/// not a linear spring and mass can oscillate at the sample rate.
 double linear_passive_stiffness_filter(double w0_rad_per_s, double damping_ratio,
                                        double device_damping, const LoopTiming& timing,
                                        double effort_lag_s);

@@ -51,7 +51,7 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   return out;
 }
 
-/// Upper bound of a late, filtered difference relative to the true speed, in the mean square: the
+/// Upper bound of a late, filtered difference relative to the true speed, in the mean square. The
 /// average of a short period may be held for a long one. For a weighted sum of differences it is
 /// multiplied by the sum of the absolute weights (Young's inequality).
 double stretch(const LoopTiming& timing, int velocity_window) {

@@ -50,11 +50,11 @@ struct AxisProblem {
 /// Returns the problem of translation and, if the device gives torque, of rotation.
 ///
 /// Under rule P, two certificates of one axis each are sufficient for six degrees of freedom. Let
-/// the contact's wrench be the gradient of one energy whose stiffness K6 is symmetric, positive
-/// semidefinite, and K6 <= D = diag(kt I, kr I) in the order of symmetric matrices. Let the device
+/// the contact's wrench be the gradient of one energy with a symmetric, positive semidefinite
+/// stiffness K6. In the order of symmetric matrices let K6 <= D = diag(kt I, kr I). Let the device
 /// dissipate at least b |v|^2 + br |omega|^2. In the coordinates y = D^(1/2) x the stiffness is at
-/// most the identity, so the wrench changes by at most |y(t) - y(t - A)| over a delay A. The proof
-/// of the rule for one axis then bounds the energy that delay, hold and filter can create by
+/// most the identity. The wrench thus changes by at most |y(t) - y(t - A)| over a delay A. The
+/// proof of the rule for one axis then bounds the energy that delay, hold and filter can create by
 ///
 ///     lag * integral |y'|^2 dt = lag * integral (kt |v|^2 + kr |omega|^2) dt
 ///

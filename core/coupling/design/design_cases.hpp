@@ -46,7 +46,7 @@ struct AxisUnits {
 };
 extern const AxisUnits kTranslationUnits, kRotationUnits;
 
-/// The slowest timing as a uniform one: every period is (1 + jitter) T, and the delay is longer by
+/// The slowest timing as a uniform one. Every period is (1 + jitter) T. The delay is longer by
 /// (jitter + lost) T, the effect of jitter and lost samples. Its own jitter and losses are 0.
 LoopTiming slowest(const LoopTiming& timing);
 /// Time constant of the first-order lag [s]; 0 for infinite bandwidth.

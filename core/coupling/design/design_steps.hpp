@@ -1,7 +1,7 @@
 #pragma once
 /// The steps of the designer, each in a source file of its own: validation, one proposal for each
-/// kind of coupling (which the designer certifies and, if needed, reduces), and the texts about the
-/// result. Internal to this folder.
+/// kind of coupling, and the texts about the result. The designer certifies a proposal and, if
+/// needed, reduces it. Internal to this folder.
 #include "core/coupling/design/filter_search.hpp"
 
 namespace voxtouch::coupling::design {

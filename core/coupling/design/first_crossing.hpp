@@ -19,8 +19,8 @@ struct Crossing {
 };
 
 /// L and, if it is a sum, the summand that may have narrow resonances. Under a large smooth
-/// summand, pole and zero of a resonance lie so close that a step over both would miss it, while
-/// the summand itself turns by pi.
+/// summand, pole and zero of a resonance are so close that a step over both would miss it. The
+/// summand itself turns by pi.
 struct LoopSample {
   Complex value, summand;
 };

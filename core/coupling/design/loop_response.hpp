@@ -2,8 +2,8 @@
 /// The parts of the sampled loop on the unit circle, from their factors. Internal to this folder.
 ///
 /// Quantities that are small near z = 1 (z - 1, the plant's step less one, 1 - a) are computed
-/// directly and never as a difference of numbers near 1. A device that moves at 1 rad/s under a 4
-/// kHz loop loses no digit.
+/// directly, without differences of numbers near 1. A device that moves at 1 rad/s under a 4 kHz
+/// loop loses no digit.
 #include <array>
 #include <cmath>
 #include <complex>

@@ -5,9 +5,9 @@
 
 namespace voxtouch::coupling::design {
 
-/// Ratio of the margin, and of the minimum damping ratios, that translation must keep while damping
-/// acts only on the slow velocity of `spec`, as it does for movements within the band. It is
-/// kLargeSwing, or 1 if the band is wider than encoder quantisation explains.
+/// Ratio of the margin and of the minimum damping ratios that translation must keep on the slow
+/// velocity of `spec` alone. Damping acts on it for movements within the band. It is kLargeSwing,
+/// or 1 if the band is wider than encoder quantisation explains.
 double slow_ratio(const AxisProblem& translation, const CouplingSpec& spec);
 
 /// Whether all cases keep that ratio at `displayed`; always false for a spring-damper. True if
