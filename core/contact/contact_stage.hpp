@@ -68,7 +68,7 @@ class ContactStage {
 
   /// For the members of one solid, with disjoint voxels of one grid, so that a point that moves
   /// from one to the next stays latched. Each adds the memories of the others to the first one's
-  /// and copies that. Call it at most once per frame, ahead of `apply`. Real-time safe.
+  /// and copies that. Call it at most once per frame; `apply` follows. Real-time safe.
   void merge_memory(const ContactStage& other) noexcept;
   void copy_memory(const ContactStage& other) noexcept;
 

@@ -9,8 +9,8 @@ namespace voxtouch::coupling {
 /// at penetration p gives the operator dk p^2 / 2, which the loop must have time to absorb.
 inline constexpr double kMinRampS = 0.02;
 
-/// The same ahead of a filter with w0 [rad/s]: five of its time constants, if that is longer. w0 <=
-/// 0: no filter.
+/// The same with a following filter of w0 [rad/s]: five of its time constants, if that is longer.
+/// w0 <= 0: no filter.
 inline double ramp_behind_filter_s(double w0_rad_per_s) noexcept {
   return w0_rad_per_s > 0.0 ? std::max(5.0 / w0_rad_per_s, kMinRampS) : kMinRampS;
 }

@@ -1,4 +1,4 @@
-// A force field around the static objects that repels the tool ahead of contact.
+// A force field around the static objects that repels the tool at a distance.
 #include <algorithm>
 #include <array>
 #include <cmath>

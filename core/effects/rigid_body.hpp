@@ -71,7 +71,7 @@ class RigidBody {
   static constexpr double kGripRampS = 0.05, kMaxSpeed = 20.0, kMaxSpin = 200.0,
                           kContactDampingRatio = 0.5;
 
-  /// The body has no pose; call `place` ahead of the first step.
+  /// The body has no pose; `place` must precede the first step.
   explicit RigidBody(const BodyShape& shape) noexcept : shape_(shape) {}
 
   /// Places the body at `pose`, gripped by a tool at the same pose if `held`.

@@ -143,7 +143,7 @@ class DistanceField {
 
 /// Builds the field of the mesh of `voxmap`; concatenate several static meshes. Bit-identical for
 /// any `parallel_for`. Throws std::invalid_argument for options out of range. Throws
-/// VoxelBudgetError, ahead of any allocation, if the bricks would exceed `memory_limit_bytes`. The
+/// VoxelBudgetError, without any allocation, if the bricks would exceed `memory_limit_bytes`. The
 /// overload for a mesh creates the ClosedMesh itself.
 DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap,
                                    const DistanceFieldOptions& options,

@@ -1,6 +1,5 @@
 #pragma once
-/// A mesh in grid coordinates, and the memory estimate of its voxels, computed ahead of any
-/// allocation.
+/// A mesh in grid coordinates, and the memory estimate of its voxels, computed without allocation.
 #include <array>
 #include <cstdint>
 #include <stdexcept>

@@ -14,7 +14,7 @@ namespace voxtouch::voxmap {
 struct SurfaceBits {
   VoxelIndex base;  ///< first voxel, a multiple of 8
   std::array<std::int64_t, 3> cells{};
-  /// of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel
+  /// Of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel.
   std::vector<std::int32_t> brick_of;
   std::vector<BrickMask> bricks;
 

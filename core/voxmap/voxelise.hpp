@@ -18,7 +18,7 @@
 namespace voxtouch::voxmap {
 
 /// Throws std::runtime_error for an unusable mesh and VoxelBudgetError for one that exceeds the
-/// limit, both ahead of any allocation. Concatenate several static meshes; surface takes precedence
+/// limit, both without any allocation. Concatenate several static meshes; surface takes precedence
 /// over interior. Bit-identical for any `parallel_for`.
 Voxmap voxelise(const mesh::TriangleMesh& mesh, const Grid& grid, const ParallelFor& parallel_for,
                 std::uint64_t memory_limit_bytes = kVoxelMemoryLimit);

@@ -39,8 +39,7 @@ void place(Options& options, const Pose& flange_B, const Vec3& rest_in_d, const 
   options.pose_BD = {(flange_B * options.pose_FT).position - rest_in_d, Quat::Identity()};
 }
 
-/// The controller starts ahead of the driver and ends after it, because it receives the driver's
-/// last messages.
+/// The controller starts first and ends last, because it receives the driver's last messages.
 template <class ArmDriver, class Options>
 class EmulatedArm final : ControllerProcess, public ArmDriver {
  public:

@@ -113,8 +113,8 @@ void Fr3Driver::ask_what_is_due() noexcept {
   } else {
     link_->send(fci::bare_request(*dialect_, *request, id));
   }
-  // The two channels have no common order. If runs must be reproducible, one is read completely
-  // ahead of the other.
+  // The two channels have no common order. If runs must be reproducible, one is read completely and
+  // then the other.
   while (virtual_time_) {
     const auto received = link_->wait(options_.virtual_timeout_s);
     if (!received)

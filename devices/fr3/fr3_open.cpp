@@ -105,7 +105,7 @@ fci::Received Fr3Driver::answer_to(const fci::Message& message, fci::Request req
                      options_.address, fci::name_of(request)));
 }
 
-/// Sets thresholds and load of the robot ahead of any motion.
+/// Sets thresholds and load of the robot for all motions.
 void Fr3Driver::set_up() {
   const auto set = [this](const fci::Message& message, fci::Request request) {
     const fci::Outcome outcome = fci::outcome_of(*dialect_, request, answer_to(message, request));

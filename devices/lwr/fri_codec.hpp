@@ -33,7 +33,7 @@ PacketFault decode(std::span<const std::byte> datagram, MsrPacket& packet) noexc
 PacketFault decode(std::span<const std::byte> datagram, CmdPacket& packet) noexcept;
 /// Whether the measured joint positions are finite.
 bool measured_finite(const MsrPacket& packet) noexcept;
-/// Whether every float of the command is finite: the last check ahead of sending.
+/// Whether every float of the command is finite: the last check at sending.
 bool finite(const CmdPacket& packet) noexcept;
 
 /// A packet with size and id filled in, and all other fields zero.

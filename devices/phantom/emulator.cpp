@@ -129,7 +129,7 @@ const HdSimHooks& hooks_of(const HdLibrary& library) {
                   kWire, library.name()));
 }
 
-/// The simulated library, configured ahead of the driver's start.
+/// The simulated library, configured for the driver that opens it.
 class SimulatedArm {
  protected:
   SimulatedArm(const PhantomOptions& driver, const devices::DeviceOptions& options,

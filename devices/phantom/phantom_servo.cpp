@@ -45,7 +45,7 @@ hd::HDCallbackCode PhantomServo::run(void* self) noexcept {
 }
 
 void PhantomServo::tick() noexcept {
-  errors_.drain(api_);  // heat and speed are checked ahead of the tick
+  errors_.drain(api_);  // heat and speed are checked first in a tick
   const std::uint64_t known = errors_.count();
   const std::int64_t now = now_ns();
   api_.hdBeginFrame(device_);
@@ -142,7 +142,7 @@ void PhantomServo::answer() noexcept {
   set(command.wrench);
 }
 
-/// The last check, directly ahead of the library call.
+/// The last check, at the call of the library.
 void PhantomServo::set(const Wrench& wrench) noexcept {
   Vec3 force = wrench.force;
   if (clamp_length(force, clamp_.limit_n()))

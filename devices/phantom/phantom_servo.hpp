@@ -35,10 +35,10 @@ struct ServoCounts {
   std::atomic<std::uint64_t> thermal{0};  ///< forces reduced because motors are warm
 };
 
-/// A tick: begin a frame, read, set the waiting command, end the frame. Errors are read ahead of
-/// the frame, ahead of the set and after the end. A command is set only if no error has occurred
-/// since its `write` and the pose of the tick is valid. Otherwise the tick sets nothing, which is
-/// zero force.
+/// A tick: begin a frame, read, set the waiting command, end the frame. Errors are read first,
+/// again when the command is to be set, and after the end. A command is set only if no error has
+/// occurred since its `write` and the pose of the tick is valid. Otherwise the tick sets nothing,
+/// which is zero force.
 class PhantomServo {
  public:
   using Clock = std::chrono::steady_clock;

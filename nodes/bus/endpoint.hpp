@@ -25,7 +25,7 @@ struct EndpointEntities {
 EndpointEntities make_writer(const Participant& participant, const qos::Topic& row,
                              std::string_view rig, const qos::Profile& profile,
                              const msg::AnyType& type);
-/// `following` (optional) filters each sample ahead of its storage; it must outlive the reader.
+/// `following` (optional) is the sample filter of the reader, which it must outlive.
 EndpointEntities make_reader(const Participant& participant, const qos::Topic& row,
                              std::string_view rig, const qos::Profile& profile,
                              const msg::AnyType& type, Following* following = nullptr);

@@ -1,6 +1,6 @@
 #pragma once
-/// Sample filter of a reader: it accepts the samples of one writer. DDS applies it ahead of storing
-/// a sample, so other writers occupy no history and wake no thread.
+/// Sample filter of a reader: it accepts the samples of one writer. DDS filters first and then
+/// stores, so other writers occupy no history and wake no thread.
 #include <array>
 #include <atomic>
 #include <map>
@@ -55,7 +55,7 @@ class Following {
   /// Handles the departure of a writer; stored if it is the followed one. Called in a thread of
   /// DDS.
   void see_go(dds_instance_handle_t writer) noexcept;
-  /// The filter that DDS applies ahead of storing a sample.
+  /// The filter that DDS applies to each received sample.
   dds_topic_filter filter() noexcept;
   /// Whether to accept a sample of `writer`; counts refusals. Real-time safe.
   bool admits(dds_instance_handle_t writer) noexcept;

@@ -23,7 +23,7 @@ struct Caller {
 /// The endpoints of one service of any type. Not for the loop: allocates.
 class ServiceEndpoints {
  public:
-  /// `fits` checks each request ahead of its storage, in a thread of DDS. A request that does not
+  /// `fits` is the filter for received requests, called in a thread of DDS. A request that does not
   /// fit is never answered. Throws Error.
   ServiceEndpoints(const Participant& participant, const qos::Service& row, std::string_view rig,
                    std::string_view node, const msg::AnyType& request, const msg::AnyType& response,

@@ -47,7 +47,7 @@ class WireForm {
   template <class F>
   bool read(std::string_view cdr, F&& f) const {
     if (cdr.size() < 4)
-      return false;  // no header: checked ahead of the DDS call
+      return false;  // no header: DDS does not check it
     const ddsrt_iovec_t part{const_cast<char*>(cdr.data()), cdr.size()};
     const Serdata data(ddsi_serdata_from_ser_iov(sample_->type, SDK_DATA, 1, &part, cdr.size()));
     if (!data)

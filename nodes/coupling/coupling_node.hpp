@@ -7,7 +7,7 @@
 namespace voxtouch::coupling_node {
 
 struct Options : runtime::NodeOptions {
-  /// Folder for records of faults; empty: no records
+  /// Folder for records of faults; empty: no records.
   std::filesystem::path fault_records;
 };
 

@@ -84,7 +84,7 @@ class CouplingWatch {
   bool locked() const noexcept { return lock_.engaged(); }
   /// Returns true once after the lock was reset. Keeps a record if the device reported a fault.
   bool opened() noexcept;
-  /// Call it ahead of answering a contact.
+  /// Call it first for each contact.
   void begin_sample(const coupling::CouplingCounters& counters) noexcept { before_ = counters; }
   /// Call it after the answer: records faults, and locks the force if the contact is unstable.
   void end_sample(const ContactSeen& seen, const coupling::CouplingCounters& now,

@@ -32,7 +32,7 @@ enum class End : std::uint32_t {
   kNone,
   kStopped,
   kFinished,
-  kPeersLate,  ///< ahead of the first sample
+  kPeersLate,  ///< at the start, without any sample
   kPeerSilent,
   kPeerGone,
   kDeviceGone,

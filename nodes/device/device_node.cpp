@@ -224,7 +224,7 @@ class DeviceNode {
   const scene::Scene& scene_;
   const std::uint64_t session_;
   runtime::NodeHost host_;
-  /// Declared first, so that the driver closes first: a blocked disk must not keep it open
+  /// Declared first, so that the driver closes first: a blocked disk must not keep it open.
   std::unique_ptr<Faults> faults_;
   LedDriver* led_ = nullptr;  ///< the driver, if a page leads the simulated operator
   std::unique_ptr<devices::Driver> driver_;

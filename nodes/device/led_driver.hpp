@@ -1,6 +1,6 @@
 #pragma once
-/// A simulated device whose operator is led by a page. Targets of the page are applied ahead of
-/// each sample.
+/// A simulated device whose operator is led by a page. Each sample first applies the newest target
+/// of the page.
 #include <atomic>
 #include <cstdint>
 #include <memory>

@@ -1,6 +1,5 @@
 #pragma once
-/// The nodes that a device waits for ahead of its first sample, and that must not be lost in
-/// lockstep.
+/// The nodes that a device waits for at its start, and that must not be lost in lockstep.
 #include <atomic>
 #include <string>
 

@@ -94,7 +94,7 @@ class LoggerNode {
     host_.session().stop();  // the final values are set
   }
 
-  /// Records the messages that other nodes wrote ahead of their stop. Reliable ones have been
+  /// Records the messages that other nodes wrote until they stopped. Reliable ones have been
   /// acknowledged by our readers; best-effort ones may still be in transit.
   /// The time is limited, because other writers may continue: a ring that this logger only records,
   /// or a robot whose topics are listed. Silence is counted in waits and not by the clock. A

@@ -48,7 +48,7 @@ class RecordedTopics {
     bool followed;  ///< used by a replay
   };
   std::span<const OfRole> of_roles() const noexcept { return of_roles_; }
-  /// The matches required ahead of a lockstep run.
+  /// The matches required for the start of a lockstep run.
   std::vector<runtime::Link> links() const;
   /// Reports which samples of `session` were recorded, for each stream of the ring. Any thread.
   void publish_figures(std::uint64_t session, runtime::Figures& figures) const;

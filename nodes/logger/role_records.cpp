@@ -8,7 +8,7 @@ namespace {
 constexpr std::size_t kMaxAuthorised =
     64;  ///< the newest ones; a ring rarely changes its rendering
 constexpr std::size_t kMaxNamed = 16;
-/// The first poll may have begun ahead of the record's arrival.
+/// The first poll may have begun when the record had not arrived.
 constexpr std::uint64_t kLooks = 2;
 
 }  // namespace

@@ -16,14 +16,14 @@ class ChangeValidator {
  public:
   ChangeValidator(const scene::Scene& scene, const rendering::BuiltScene& built);
 
-  /// As read from the file of the running scene
+  /// As read from the file of the running scene.
   const scene::Scene& scene() const noexcept { return scene_; }
-  /// As the loop has applied them
+  /// As the loop has applied them.
   const std::vector<effects::EffectSpec>& effects() const noexcept { return effects_; }
   /// With the current bounds of the effects.
   const rendering::Plan& plan() const noexcept { return plan_; }
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
-  /// Upper bound over everything that is rendered now
+  /// Upper bound over everything that is rendered now.
   const device_fit::SceneRequirements& demand() const noexcept { return demand_; }
   const device_fit::DeviceCompatibility& on_device() const noexcept { return on_device_; }
 
@@ -72,7 +72,7 @@ class ChangeValidator {
 
   scene::Scene scene_;
   std::vector<effects::EffectSpec> effects_;
-  /// Values that the effects may take until their ramps have ended
+  /// Values that the effects may take until their ramps have ended.
   std::vector<effects::EffectReach> reach_;
   /// Of the scene that fades out, upper bound.
   std::optional<device_fit::SceneRequirements> fading_;

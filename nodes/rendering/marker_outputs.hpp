@@ -17,12 +17,12 @@ namespace voxtouch::rendering_node {
 
 /// One frame of the ring for the ROS outputs.
 struct Shown {
-  /// Of the sample, by the device's clock. `show` converts it to wall time, except in lockstep
+  /// Of the sample, by the device's clock. `show` converts it to wall time, except in lockstep.
   std::int64_t stamp_ns = 0;
   std::uint64_t session = 0;
   double scene_time_s = 0.0;  ///< time of the moving objects
   /// T in W: `hand` as requested by the operator, `object` where contact was computed. They differ
-  /// with a virtual tool or a rigid body
+  /// with a virtual tool or a rigid body.
   Pose hand, object;
   Wrench wrench;                      ///< as sent to the coupling, W axes
   Vec3 contact_force = Vec3::Zero();  ///< contact force only, W axes

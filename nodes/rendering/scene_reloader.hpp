@@ -46,7 +46,7 @@ class SceneReloader {
   Result build(const scene::Scene& running, double voxel_size_m, const std::string& model) const;
 
   const std::filesystem::path file_;
-  /// Rendered, fading or waiting for the loop
+  /// Rendered, fading or waiting for the loop.
   std::vector<std::unique_ptr<rendering::BuiltScene>> scenes_;
   std::optional<ChangeRequest> request_;
   std::atomic<bool> stop_{false};

@@ -72,7 +72,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
       die_with_parent(parent);
     options.announce = parent == 0;
     options.rig_is_checked = parent != 0;
-    options.require_keys(program.name);  // fails ahead of any start-up work
+    options.require_keys(program.name);  // fails first, without any start-up work
     if (!program.in_ring)
       options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.scheduling());

@@ -33,7 +33,7 @@ void catch_signals() {
 void die_with_parent(int parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent)
-    raise(SIGTERM);  // the parent ended ahead of the request to the kernel
+    raise(SIGTERM);  // the parent had already ended at the request
 }
 
 }  // namespace voxtouch::runtime

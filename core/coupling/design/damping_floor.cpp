@@ -28,7 +28,7 @@ double ratio(const LoopPlant& plant, const LoopController& law, double contact) 
   }
 }
 
-/// The law at a fraction of its displayed stiffness, and the contact ahead of it.
+/// The law at a fraction of its displayed stiffness, and the contact in series with it.
 struct Loop {
   LoopController law;
   double contact;

@@ -63,9 +63,9 @@ struct LoopPlant {
 /// Takes 10 to 100 us, increasing with the delay. Throws std::invalid_argument if the numbers are
 /// too far apart for a matrix.
 /// A freely integrating loop (the device is released and no contact acts: k = 0 or K = 0) has
-/// modulus 1: its position stays constant. That eigenvalue is removed ahead of the computation, and
-/// so is that of an undamped free velocity. Together they would be a double root, which rounding
-/// would spread by 1e-8 to either side. With any k > 0 nothing is removed.
+/// modulus 1: its position stays constant. That eigenvalue is removed first, and so is that of an
+/// undamped free velocity. Together they would be a double root, which rounding would spread by
+/// 1e-8 to either side. With any k > 0 nothing is removed.
 double spectral_radius(const LoopPlant& plant, const LoopController& controller,
                        double contact_stiffness);
 

@@ -61,7 +61,7 @@ class Line {
     ++counts_.duplicated;
     queue(msr, now_s, delay);
   }
-  /// The next one sent ahead of `until_s`; null without one. Valid until the next call.
+  /// The next one with a send time below `until_s`; null without one. Valid until the next call.
   const Packet* take(double until_s) noexcept {
     if (waiting_.empty() || !(waiting_.front().due_s < until_s))
       return nullptr;

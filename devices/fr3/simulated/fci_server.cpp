@@ -89,7 +89,7 @@ void FciServer::send_message(const fr3::fci::Message& message) noexcept {
     (void)::send(client_, message.span().data(), message.size, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-/// Departures are processed ahead of arrivals: consecutive programs do not count as simultaneous.
+/// Departures are processed first: consecutive programs do not count as simultaneous.
 void FciServer::read_channel() noexcept {
   read_client();
   accept_clients();
@@ -213,7 +213,7 @@ bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
     if (serving())
       wait_for_input(arm_sim::kPollPeriod);
   }
-  read_channel();  // requests sent ahead of the command
+  read_channel();  // requests sent earlier than the command
   return true;
 }
 
