@@ -17,9 +17,9 @@ namespace voxtouch::effects {
 struct TouchPoint {
   double push_n = 0.0;         ///< |F| > 0
   Vec3 normal = Vec3::Zero();  ///< F / |F|: direction of the object's force on the tool
-  /// Contact centre, from the tool's origin: foot of the perpendicular on the wrench's axis, (F x
-  /// torque) / F^2. It is the force-weighted mean of the contact points as seen along the normal,
-  /// shortened to the reach.
+  /// Contact centre, from the tool's origin: the nearest point of the wrench's axis, (F x torque) /
+  /// F^2. It is the force-weighted mean of the contact points as seen along the normal, shortened
+  /// to the reach.
   Vec3 contact_centre = Vec3::Zero();
   double height_m = 0.0;  ///< along the normal from the contact centre to the deepest point
 };

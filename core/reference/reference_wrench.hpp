@@ -21,8 +21,8 @@ struct TrueWrench {
 ///
 ///     F = k integral over the tool's surface inside the static object of depth(x) n(x) dA
 ///
-/// and the torque likewise. depth is minus the signed distance to the static triangles, n the
-/// inward normal of the closed tool, for either orientation of its triangles. By the divergence
+/// with the corresponding torque. The depth is minus the signed distance to the static triangles, n
+/// the inward normal of the closed tool, for either orientation of its triangles. By the divergence
 /// theorem, F is the gradient of the energy k times the integral of depth over the shared volume
 /// (the pressure law of a liquid). It is therefore conservative. A sphere of radius R at depth h in
 /// a half space receives the force k pi h^2 (R - h / 3) along the normal.

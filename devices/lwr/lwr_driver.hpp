@@ -54,7 +54,7 @@ DeviceDescription describe_lwr(double period_s);
 ///
 /// Time: periods counted from the first measurement (virtual time: from the first sample in command
 /// mode). A controller that announces virtual time (fri::kVirtualTime) makes `simulated()` true. It
-/// waits for each reply, so `read` waits for it up to `virtual_timeout_s`, whatever its own
+/// waits for each reply, so `read` waits for it up to `virtual_timeout_s`, independent of its own
 /// timeout. The constructor then returns in command mode.
 class LwrDriver : public arm::RequestReplyDriver {
  public:

@@ -1,6 +1,6 @@
 #pragma once
-/// Fault schedule of a simulated controller: faults of the network, the arm and the persons around
-/// it.
+/// Fault schedule of a simulated controller: faults of the network, of the arm and of its
+/// operation.
 #include <cstddef>
 #include <cstdint>
 #include <limits>
