@@ -16,15 +16,15 @@ namespace {
 
 constexpr std::size_t kSides = 8;
 
-/// In each direction: the row of least gap, and the rows deepest after a tilt to each side. Rows by
-/// their numbers, as doubles.
+/// Selected rows of each direction: the row of least gap, and the rows that are deepest after a
+/// tilt to each side. Row numbers are stored as doubles.
 struct Chosen {
   double row = 0.0, gap = std::numeric_limits<double>::infinity();
   alignas(64) double side[3][kSides];
   alignas(64) double tilted_row[kSides], tilted_gap[kSides];
 };
 
-/// Eight directions round `normal`.
+/// Eight directions around `normal`.
 std::array<Vec3, kSides> sides_of(const Vec3& normal) noexcept {
   const Vec3 a = normal.unitOrthogonal(), b = normal.cross(a);
   constexpr double h = 0.70710678118654752;
@@ -41,7 +41,7 @@ void begin_choice(const Vec3& normal, Chosen& chosen) noexcept {
   }
 }
 
-/// What `choose` looks at of many rows.
+/// Block of rows for `choose`.
 struct RowBlock {
   static constexpr std::size_t kRows = NormalBlock::kNormals;
   std::size_t first = 0, count = 0;
@@ -67,11 +67,11 @@ VOXTOUCH_CLONES void choose(const RowBlock& __restrict rows, double tilt,
   }
 }
 
-/// What each hit of a block gives.
+/// Result for each hit of a block.
 struct Screened {
   static constexpr double kOfFace = 4.0;
-  /// 1: a row, if its gap is not too wide; 2: one of the wall's face, if there is one; 3: of that,
-  /// else of the field; kOfFace: it is of that.
+  /// 1: a row, if its gap is small enough; 2: a row of the wall's face, if there is one; 3: like 2,
+  /// otherwise of the field; kOfFace: taken from the face.
   alignas(64) double kind[HitBlock::kHits];
 };
 
@@ -91,7 +91,7 @@ VOXTOUCH_CLONES void screen(const HitBlock& __restrict block,
   }
 }
 
-/// The second halves of the rows' jacobians.
+/// The second halves of the jacobians.
 VOXTOUCH_CLONES void find_levers(const HitBlock& __restrict block,
                                  const FieldPlanes& __restrict planes, double lever,
                                  double (&__restrict levers)[3][HitBlock::kHits]) noexcept {
@@ -107,8 +107,8 @@ Vec3 taken(const double (&columns)[3][HitBlock::kHits], std::size_t n) noexcept 
   return {columns[0][n], columns[1][n], columns[2][n]};
 }
 
-/// Where a hit of a bent field has a wall's face, the plane is that face's, and the hit's kind
-/// kOfFace; where not, it is what the field makes of it.
+/// Replaces the plane of a hit in a bent field by that of the wall's face, with kind kOfFace.
+/// Without a face the plane of the field remains.
 void take_wall_faces(const HitBlock& block, const voxmap::DistanceField& field,
                      const RowFrame& frame, Screened& screened, FieldPlanes& planes) noexcept {
   WallFaces faces;
@@ -248,7 +248,7 @@ void keep_nearest(std::vector<ConstraintRow>& rows, double tilt) noexcept {
         used[k] = true, begin_choice(rows[block.first + n].normal(), bins[k]);
     choose(block, tilt, bins.data());
   }
-  // First the nearest of every direction, then one side after the other, until there is no room.
+  // First the nearest row of every direction, then one side after the other while there is room.
   std::array<std::uint32_t, limits::kMaxRows> kept;
   std::size_t count = 0;
   const auto keep = [&](double row) {

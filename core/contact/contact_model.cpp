@@ -22,8 +22,8 @@ constexpr NamedModel kModels[] = {{ContactModelKind::kOriginal, "original"},
                                   {ContactModelKind::kAdapted, "adapted"},
                                   {ContactModelKind::kField, "field"}};
 
-/// What both laws report in the same way: counts, mean normal, coherence. True if the points agree
-/// well enough on it.
+/// Sets the results common to both laws: counts, mean normal, coherence. Returns true if the
+/// normals are sufficiently coherent.
 bool summarise(const HitList& hits, ContactResult& result) noexcept {
   begin_result(hits, result);
   if (!(hits.surface.weight_sum() > 0.0))

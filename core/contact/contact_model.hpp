@@ -1,5 +1,5 @@
 #pragma once
-/// One interface for all contact models: the hits of a pose in, wrench out.
+/// Common interface of all contact models: from the hits of a pose to a wrench.
 #include <cstdint>
 #include <memory>
 #include <string_view>
@@ -11,88 +11,90 @@
 
 namespace voxtouch::contact {
 
-/// Numbers as in ContactState; 3 was a model that is gone.
+/// Numbers of ContactState; 3 is reserved.
 enum class ContactModelKind : std::uint8_t { kOriginal = 1, kAdapted = 2, kField = 4 };
 
-/// "original", "adapted", ... ; and back (false where the word is unknown).
+/// Converts to "original", "adapted" or "field".
 std::string_view name_of(ContactModelKind kind) noexcept;
-/// The kind called `word`; false, and `kind` untouched, where there is none. Real-time safe.
+/// Parses the name of a kind. Returns false, with `kind` unchanged, for an unknown name. Real-time
+/// safe.
 bool parse_contact_model(std::string_view word, ContactModelKind& kind) noexcept;
 
-/// What one pose gives. All in W; torque about the tool's origin.
+/// Contact result of one pose, in W; torque about the tool's origin.
 struct ContactResult {
   Wrench wrench;
-  Vec3 mean_normal = Vec3::Zero();  ///< normalised mean of the colliding points' normals; zero
-                                    ///< where there are none
-  double coherence = 0.0;           ///< |sum n| / |S|: 1 = all agree, 0 = they cancel
-  std::uint32_t surface_hits = 0;   ///< |S|: shell points in surface voxels, also with depth 0
-  std::uint32_t interior_hits = 0;  ///< shell points in interior voxels (gone through)
-  Vec3 deepest_point =
-      Vec3::Zero();              ///< the point with the largest depth [m]; zero without contact
-  double deepest_depth_m = 0.0;  ///< [m]
-  /// K sum w_i over the points that push. Bounds the spectral norm of dF/dx, x the tool's position,
-  /// while the colliding set stays: -dF/dx = K sum w_i u_i u_i^T. Not bounded: the step when a
-  /// point crosses a voxel border, and the stiffness against rotation.
+  /// Normalised mean of the normals of colliding points; zero without any.
+  Vec3 mean_normal = Vec3::Zero();
+  double coherence = 0.0;  ///< |sum n| / |S|: 1 = parallel, 0 = cancelling
+  /// |S|: shell points in surface voxels, including those with depth 0.
+  std::uint32_t surface_hits = 0;
+  std::uint32_t interior_hits = 0;    ///< shell points in interior voxels
+  Vec3 deepest_point = Vec3::Zero();  ///< the point of largest depth [m]; zero without contact
+  double deepest_depth_m = 0.0;       ///< [m]
+  /// K sum w_i over the points with force [N/m]. It bounds the spectral norm of dF/dx, with x the
+  /// tool's position, for a constant set of colliding points:
+  ///     -dF/dx = K sum w_i u_i u_i^T
+  /// It bounds neither the step when a point crosses a voxel border nor the rotational stiffness.
   double stiffness_bound_n_per_m = 0.0;
-  /// K sum w_i J_i' J_i over the same points, J_i = [u_i', (arm_i x u_i)']: stiffness [N/m, N,
-  /// Nm/rad], W axes, about the tool's origin; symmetric, positive semidefinite. How -wrench
-  /// changes with the depths while the colliding set stays; a rotation also turns arms and
-  /// directions, which adds terms of the size of the wrench. A retained point counts like any
-  /// other, so that the matrix does not fall where points go through.
+  /// Stiffness over the same points, W axes, about the tool's origin [N/m, N, Nm/rad]; symmetric,
+  /// positive semidefinite:
+  ///     K sum w_i J_i' J_i,   J_i = [u_i', (arm_i x u_i)']
+  /// It is the change of -wrench with the depths for a constant set of colliding points. A rotation
+  /// also changes arms and directions, which adds terms of the size of the wrench. Latched points
+  /// count like any other, so the matrix does not drop where points go through.
   Mat6 stiffness = Mat6::Zero();
   bool fallback =
-      false;  ///< normals face each other (coherence <= 0.3): `original` was used for this frame
-  /// `field`: going deeper need not meet more force. Some point that pushes is deeper than the
-  /// distances held, near the middle of a body
-  /// (|gradient| < 1/2), or pushed away from the nearest way out (normal . gradient < -1/2).
+      false;  ///< opposite normals (coherence <= 0.3): `original` was used for this frame
+  /// `field`: the force may not grow with depth. Some point with force is deeper than the stored
+  /// distances, is near the middle of a body (|gradient| < 1/2), or pushes away from the nearest
+  /// exit (normal . gradient < -1/2).
   bool saturated = false;
   PoseStatus pose_status = PoseStatus::kUsable;
-  std::uint32_t points_tested = 0;  ///< points that culling left to test
+  std::uint32_t points_tested = 0;  ///< points left by the culling
 };
 
-/// Turns the hits of one frame into a wrench. Memoryless; interior voxels give no force. Sums run
-/// over the hits in their order, in double, so that a list gives bit-identical results whenever it
-/// is evaluated. Real-time safe: no allocation, lock, throw.
+/// Computes the wrench from the hits of one frame. Memoryless; interior voxels give no force. Sums
+/// run over the hits in their order, in double, so a list always gives bit-identical results.
+/// Real-time safe: no allocation, lock or exception.
 class ContactModel {
  public:
   virtual ~ContactModel() = default;
   virtual ContactModelKind kind() const noexcept = 0;
   /// Overwrites all of `result`.
   virtual void evaluate(const HitList& hits, ContactResult& result) const noexcept = 0;
-  /// The same for a result that goes to the stage: where that blends directions it sums up all
-  /// pushes anew, and they may be missing.
+  /// The same for a result that is passed to the stage. When the stage blends directions it
+  /// recomputes the forces, so they may be missing here.
   virtual void evaluate_for_stage(const HitList& hits, ContactResult& result) const noexcept {
     evaluate(hits, result);
   }
 };
 
-/// The fraction of the mean normal in a surface point's direction, as the stage behind the model
-/// blends it; 1 or 0: as the model itself.
+/// Fraction of the mean normal in the direction of a surface point, as the stage blends it. At 1 or
+/// 0 the direction is that of the model itself.
 double mean_weight(ContactModelKind kind, double coherence) noexcept;
 
-/// What a shell point counts in every sum of a contact model.
+/// Weight of a shell point in every sum of a contact model.
 enum class PointWeights : std::uint8_t {
-  kOne,   ///< w_i = 1 (the paper): the force grows with the number of points that the shell happens
-          ///< to have
-  kArea,  ///< w_i = the point's fraction of the tool's surface [m^2]: the force belongs to the
-          ///< contact's area
+  kOne,  ///< w_i = 1 (the paper): the force grows with the number of shell points
+  /// w_i = the area that the point represents [m^2]: the force depends on the contact area.
+  kArea,
 };
 
-/// What the force laws need from the scene.
+/// Parameters of the force laws.
 struct ContactParameters {
-  /// K > 0: force for one metre of depth and a weight of one. [N/m] for points that weigh one each,
-  /// [N/m^3], a pressure for one metre of depth, for areas.
+  /// K > 0: force per metre of depth for unit weight. [N/m] for unit weights; [N/m^3], a pressure
+  /// per metre of depth, for areas.
   double stiffness = 1.0;
   PointWeights weights = PointWeights::kOne;
-  /// ContactRenderer::render gives what the model gives, bit for bit: no depths are held, no
-  /// directions blended (`original` and `adapted` as in the papers). Behind its layer of voxels
-  /// nothing pushes back.
+  /// ContactRenderer::render returns the result of the model, bit-identically: no latched depths,
+  /// no blended directions (`original` and `adapted` as in the papers). Beyond its surface layer
+  /// there is no force.
   bool memoryless = false;
 };
 
-/// The model for `kind`; `distances`, which `field` looks up, must outlive it. Throws
-/// std::invalid_argument for a stiffness that is not finite and positive, and for `field` with
-/// other weights than areas or without distances.
+/// Creates the model `kind`. `distances`, used by `field`, must outlive it. Throws
+/// std::invalid_argument for a stiffness that is not finite and positive, and for `field` without
+/// distances or without area weights.
 std::unique_ptr<ContactModel> make_contact_model(ContactModelKind kind,
                                                  const ContactParameters& parameters,
                                                  const voxmap::DistanceField* distances = nullptr);

@@ -33,7 +33,7 @@ void check_areas(const pointshell::Pointshell& shell) {
                                   " of the pointshell is not a number >= 0; check its mesh");
 }
 
-/// In single precision, up to a whole leaf of the tree.
+/// Converts to single precision, padded to a whole leaf of the tree.
 std::vector<float> rounded(const std::vector<double>& values) {
   std::vector<float> out(values.begin(), values.end());
   out.resize((out.size() + SphereTree::kLeafPoints - 1) / SphereTree::kLeafPoints *

@@ -7,8 +7,8 @@
 namespace voxtouch::contact {
 namespace {
 
-/// The middle of the shell's area, where it is inside: the solid angle that the shell takes up as
-/// seen from there is 4 pi, and 0 from outside (Gauss).
+/// Centre of the shell's area, if it is inside. The solid angle of the shell seen from an inner
+/// point is 4 pi, from an outer point 0 (Gauss).
 std::optional<Vec3> middle_inside(const pointshell::Pointshell& shell) {
   Vec3 sum = Vec3::Zero();
   double area_m2 = 0.0, solid_angle = 0.0;
@@ -86,8 +86,8 @@ bool ContactRenderer::tool_centre_in_solid() const noexcept {
          map.at(voxmap::Grid::voxel_of(u)) != voxmap::VoxelKind::kFree;
 }
 
-/// Whether anything of the scene may lie where some point of the tool has been since it moved by
-/// `moved_m` to where it is.
+/// Whether any voxel of the scene may lie where some point of the tool has been since it moved by
+/// `moved_m` to its present pose.
 bool ContactRenderer::near_within(double moved_m) const noexcept {
   const voxmap::Voxmap& map = query_.voxmap();
   const double edge = map.grid().edge;

@@ -10,14 +10,14 @@
 
 namespace voxtouch::contact {
 
-/// What one call of `apply` carries along.
+/// Intermediate values of one call of `apply`.
 struct ContactStage::Frame {
-  double moved_m = 0.0;     ///< bound on every point's path since the last pose
-  PushDirection direction;  ///< of the surface law; its fraction is 1 here where the mean normal
-                            ///< alone is meant
-  std::uint32_t shared_points = 0;  ///< that push along g in this frame
-  StiffnessSum stiffness;           ///< of the points that the model has not summed ...
-  CommonDirectionSum shared;        ///< ... and of those that push along g
+  double moved_m = 0.0;  ///< bound on the path of every point since the last pose
+  /// Of the surface law; its fraction is 1 if only the mean normal is used.
+  PushDirection direction;
+  std::uint32_t shared_points = 0;  ///< number of points with force along g in this frame
+  StiffnessSum stiffness;           ///< of the points that the model has not summed
+  CommonDirectionSum shared;        ///< of those with force along g
 };
 
 ContactStage::ContactStage(const StageConfig& config) : config_(config) {
@@ -67,8 +67,8 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
   if (!works()) {
-    // Nothing to blend, and nothing to hold: the depths of `field` reach into interior voxels, a
-    // model alone has none there.
+    // Nothing to blend or latch: the depths of `field` reach into interior voxels, and a memoryless
+    // model has no force there.
   } else if (hits.surface.empty() && hits.interior.empty()) {
     shared_.setZero();
     last_surface_.clear();
@@ -103,8 +103,8 @@ double ContactStage::motion_bound(const Pose& pose) const noexcept {
 }
 
 void ContactStage::update_shared_direction(const HitList& hits) noexcept {
-  // Over the points gone through as well: the rim alone is few points and turns over beyond the
-  // tool's equator.
+  // Includes the points in interior voxels: the rim alone has few points, and its mean reverses
+  // beyond the tool's equator.
   Vec3 mean = hits.surface.normal_sum() + hits.interior.normal_sum();
   const double weights = hits.surface.weight_sum() + hits.interior.weight_sum();
   const double length = mean.norm();
@@ -114,14 +114,14 @@ void ContactStage::update_shared_direction(const HitList& hits) noexcept {
                         : 0.0;
   if (fraction > 0.0)
     mean /= length;
-  // While points hang on g, it may be led but not turned over.
+  // While points depend on g, it may be rotated but not reversed.
   if (shared_points_ > 0)
     fraction *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
   if (fraction >= 1.0)
     shared_ = mean;
   shared_now_ = shared_;
-  // In between only this frame's direction leans: `shared_` itself must not creep while the tool
-  // rests. The two are less than 90 degrees apart here, so their mix cannot vanish.
+  // In between, only the direction of this frame is mixed: `shared_` itself must not drift while
+  // the tool rests. The two are less than 90 degrees apart here, so their mix cannot vanish.
   if (fraction > 0.0 && fraction < 1.0 && shared_points_ > 0)
     shared_now_ = (fraction * mean + (1.0 - fraction) * shared_).normalized();
 }
@@ -140,7 +140,7 @@ Vec3 ContactStage::latched_direction(Push push, const Hit& hit) const noexcept {
   return push == Push::kShared ? shared_now_ : hit.normal;
 }
 
-/// Which way a point that has just gone through is pushed from now on.
+/// Selects the force direction of a point that has just gone through.
 ContactStage::Push ContactStage::choose_direction(const HitList& hits,
                                                   const Hit& hit) const noexcept {
   if (shared_.isZero(0.0))
@@ -177,8 +177,8 @@ void ContactStage::count_latched(Push push, const Hit& hit, Frame& frame,
 
 void ContactStage::surface_points(const HitList& hits, Frame& frame,
                                   StageResult& result) const noexcept {
-  // At both ends of the blend the model has already summed exactly this; only in between is the sum
-  // made anew.
+  // At both ends of the blend the model has already computed this sum; only in between it is
+  // recomputed.
   const bool blended = frame.direction.mean_weight > 0.0 && frame.direction.mean_weight < 1.0;
   ContactResult& contact = result.contact;
   if (blended) {
@@ -206,7 +206,7 @@ void ContactStage::returning_point(const HitList& hits, const Hit& hit, const La
   returning_.push_back({hit.point, before.push, left});
 }
 
-/// What a point that has just gone through pushes with from now on.
+/// Latched force of a point that has just gone through.
 ContactStage::LatchedHit ContactStage::gone_through(const HitList& hits,
                                                     const Hit& hit) const noexcept {
   if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size())
@@ -214,10 +214,11 @@ ContactStage::LatchedHit ContactStage::gone_through(const HitList& hits,
   return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
 }
 
-/// The points in interior voxels, and those of the last frame that are back in the surface layer.
+/// Handles the points in interior voxels, and those of the last frame that have returned to the
+/// surface layer.
 void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
   inside_.clear(), returning_.clear();
-  std::size_t next = 0, back = 0;  // in retained_ and in the surface hits, which both ascend
+  std::size_t next = 0, back = 0;  // in latched_ and in the surface hits, which are both ascending
   const auto up_to = [&](std::uint32_t point) {
     for (; next < latched_.size() && latched_[next].point < point; ++next) {
       const LatchedHit& before = latched_[next];
@@ -252,7 +253,7 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
   up_to(std::numeric_limits<std::uint32_t>::max());
 }
 
-/// How the held points of a block push, which are those from `first` on of inside_.
+/// Forces of the latched points of a block, which are those of inside_ from `first` on.
 void ContactStage::push_latched(const HitBlock& block, std::size_t first, Pushes& pushes,
                                 PushLanes& lanes) const noexcept {
   pushes.add_all(block);

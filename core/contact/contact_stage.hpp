@@ -1,6 +1,6 @@
 #pragma once
-/// The stage that follows the contact model in the ring: it remembers the last frame, which the
-/// models may not.
+/// The stage after the contact model in the ring. It keeps state from frame to frame, while the
+/// models are memoryless.
 #include <cstdint>
 #include <vector>
 
@@ -11,73 +11,73 @@ namespace voxtouch::contact {
 
 /// One frame of the ring.
 struct StageResult {
-  ContactResult
-      contact;  ///< the model's result, with blended directions and the retained points' push added
-  bool latched = false;  ///< points have gone through (or just came back): remembered depths push
-  bool fast = false;     ///< some point may have moved more than half a voxel since the last pose
-  bool tunnelling_suspected = false;  ///< ContactRenderer: so fast next to the scene that something
-                                      ///< may have been passed unseen
-  bool passed_through = false;  ///< ContactRenderer, of a model alone: the tool's middle is in what
-                                ///< it touches, and nothing holds it from passing
+  ContactResult contact;  ///< The model's result, with blended directions and the forces of latched
+                          ///< points added.
+  /// Points have gone through (or just returned): latched depths give force.
+  bool latched = false;
+  bool fast = false;  ///< some point may have moved more than half a voxel since the last pose
+  /// ContactRenderer: fast near the scene, so a wall may have been passed undetected.
+  bool tunnelling_suspected = false;
+  /// ContactRenderer, memoryless: the tool's centre is in an object, and no force prevents it from
+  /// passing.
+  bool passed_through = false;
 };
 
-/// How a stage is set up.
+/// Configuration of a stage.
 struct StageConfig {
-  std::size_t points = 0;  ///< size of the shell
+  std::size_t points = 0;  ///< number of shell points
   double reach_m = 0.0;    ///< largest distance of a shell point from the tool's origin
   double edge_m = 0.0;     ///< voxel edge e of the static grid
-  double stiffness = 0.0;  ///< K of a weight of one, as ContactParameters
+  double stiffness = 0.0;  ///< K of unit weight, as ContactParameters
   ContactModelKind model = ContactModelKind::kAdapted;
-  bool memoryless = false;  ///< as ContactParameters: nothing but the fast flag
+  bool memoryless = false;  ///< as ContactParameters: only the fast flag is set
 };
 
-/// Whether the stage keeps a depth for each point: for the contact models that know none beyond the
-/// surface layer.
+/// Whether the stage latches a depth for each point: for the contact models without depth beyond
+/// the surface layer.
 constexpr bool remembers(ContactModelKind model) noexcept {
   return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
 }
 
-/// Blends directions (`adapted` only), retains depths of points that have gone through, and sets
-/// the fast flag; formulas in laws.md.
-///
-/// Where nothing is retained, and directions are not blended, this costs a copy of the points'
-/// numbers and nothing else a point. `field`, and any model that is to be alone, passes through
-/// with the fast flag only: `field` has neither a fallback to blend nor a layer to go through.
-///
-/// All memory is taken at construction; `apply` and `reset` are real-time safe. Not safe to share
-/// between threads.
+/// Blends directions (`adapted` only), latches the depths of points that have gone through, and
+/// sets the fast flag; formulas in laws.md.
+/// If no depth is latched and no direction is blended, the cost per point is a copy of its number.
+/// `field` and memoryless models pass through with the fast flag only. `field` has neither a
+/// fallback to blend nor a layer to go through.
+/// The constructor allocates all memory; `apply` and `reset` are real-time safe. One thread at a
+/// time.
 class ContactStage {
  public:
-  /// Takes all memory for a shell of `config.points` points. Allocates.
+  /// Allocates all memory for a shell of `config.points` points.
   explicit ContactStage(const StageConfig& config);
 
-  /// `plain` is what the model gave for `hits`. A pose that could not be looked up passes through
-  /// and leaves the memory alone.
+  /// `plain` is the model's result for `hits`. An invalid pose passes through and leaves the memory
+  /// unchanged.
   StageResult apply(const HitList& hits, const ContactResult& plain) noexcept {
     return apply(hits, plain,
                  hits.pose_status == PoseStatus::kUsable ? motion_to(hits.pose_WT) : 0.0);
   }
-  /// The same with what `motion_to(hits.pose_WT)` gave.
+  /// The same with the result of `motion_to(hits.pose_WT)`.
   StageResult apply(const HitList& hits, const ContactResult& plain, double moved_m) noexcept;
 
-  /// Bound of every point's path from the last pose to `pose` [m]; 0 where there is no last pose.
-  /// Real-time safe.
+  /// Bound of every point's path from the last pose to `pose` [m]; 0 without a last pose. Real-time
+  /// safe.
   double motion_to(const Pose& pose) const noexcept {
     return has_last_pose_ ? motion_bound(pose) : 0.0;
   }
 
-  /// For the members of one solid, whose voxels are different ones of one grid: a point that went
-  /// from one to the next is remembered. Each adds the others' memory to the first one's, and takes
-  /// that. Once a frame at most, before `apply`. Real-time safe.
+  /// For the members of one solid, with disjoint voxels of one grid, so that a point that moves
+  /// from one to the next stays latched. Each adds the memories of the others to the first one's
+  /// and copies that. Call it at most once per frame; `apply` follows. Real-time safe.
   void merge_memory(const ContactStage& other) noexcept;
   void copy_memory(const ContactStage& other) noexcept;
 
-  /// Forgets everything, also the last pose.
+  /// Forgets all state, including the last pose.
   void reset() noexcept;
 
  private:
-  enum class Push : std::uint8_t { kShared, kOwn };  ///< retained, along g; along the own normal
-  /// A point whose remembered depth pushes.
+  enum class Push : std::uint8_t { kShared, kOwn };  ///< latched, along g; along the own normal
+  /// A point with a latched depth.
   struct LatchedHit {
     std::uint32_t point = 0;
     Push push = Push::kOwn;
@@ -103,17 +103,17 @@ class ContactStage {
   void count_latched(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
 
   StageConfig config_;
-  // Of the last frame: the points in the surface layer, whose depths are worked out only should
-  // they go through, with the direction they pushed along; and those that were retained, ascending.
+  // State of the last frame: the points in the surface layer with their force direction (depths are
+  // computed only if they go through), and the latched points, ascending.
   Hits last_surface_;
   PushDirection last_direction_;
   std::vector<LatchedHit> latched_;
-  std::vector<LatchedHit> returning_, inside_;  ///< of the frame in work
+  std::vector<LatchedHit> returning_, inside_;  ///< of the present frame
   Pose last_pose_;
   bool has_last_pose_ = false;
-  Vec3 shared_ = Vec3::Zero();       ///< last good direction; zero: none yet
+  Vec3 shared_ = Vec3::Zero();       ///< last valid direction; zero: none so far
   Vec3 shared_now_ = Vec3::Zero();   ///< g of this frame
-  std::uint32_t shared_points_ = 0;  ///< points that pushed along g in the last frame
+  std::uint32_t shared_points_ = 0;  ///< number of points with force along g in the last frame
 };
 
 }  // namespace voxtouch::contact

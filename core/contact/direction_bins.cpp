@@ -18,7 +18,7 @@ std::array<Vec3, kDirectionBins> bin_directions() {
       out[n++] = Vec3(a, b, 0);
       out[n++] = Vec3(b, 0, a);
     }
-  // Vertices of this icosahedron are 2 apart where they share an edge, and farther otherwise.
+  // Vertices of this icosahedron are 2 apart if they share an edge, and farther otherwise.
   for (std::size_t i = 0; i < 12; ++i)
     for (std::size_t j = i + 1; j < 12; ++j)
       if ((out[i] - out[j]).squaredNorm() < 4.5)
@@ -38,7 +38,7 @@ const std::array<std::array<double, kDirectionBins>, 3> kColumns = [] {
   return out;
 }();
 
-/// All directions one after the other, each for all normals at once, added as in a dot product.
+/// Evaluates one direction after the other for all normals at once, summed as in a dot product.
 VOXTOUCH_CLONES void find_nearest(const NormalBlock& __restrict normals,
                                   double (&__restrict cosine)[NormalBlock::kNormals],
                                   double (&__restrict bin)[NormalBlock::kNormals]) noexcept {

@@ -1,6 +1,6 @@
 #pragma once
-/// The sphere of directions in bins, fixed in W: the vertices and the edge middles of an
-/// icosahedron, 31 to 36 degrees apart.
+/// Bins of directions on the sphere, fixed in W: the vertices and edge centres of an icosahedron,
+/// 31 to 36 degrees apart.
 #include <cstddef>
 #include <cstdint>
 
@@ -10,14 +10,14 @@ namespace voxtouch::contact {
 
 inline constexpr std::size_t kDirectionBins = 42;
 
-/// Normals (unit, in W) as structure of arrays, as many as are looked at together.
+/// Normals (unit, in W) as structure of arrays, of the number processed together.
 struct NormalBlock {
   static constexpr std::size_t kNormals = 64;
   std::size_t count = 0;
   alignas(64) double along[3][kNormals];
 };
 
-/// The bins whose directions are nearest to the normals; of two as near the first. Real-time safe.
+/// The bins nearest to the normals; for equal distances the first. Real-time safe.
 void nearest_direction_bins(const NormalBlock& normals,
                             std::uint32_t (&bins)[NormalBlock::kNormals]) noexcept;
 

@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kRho = limits::kRowStiffness;
 using OfRows = std::array<double, limits::kMaxRows>;
-constexpr std::size_t kWide = 8;  ///< rows or columns that are looked at together
+constexpr std::size_t kWide = 8;  ///< rows or columns processed together
 static_assert(limits::kMaxRows % (2 * kWide) == 0);
 
-/// The rows that push, ascending.
+/// The active rows, ascending.
 struct Active {
   std::array<std::uint8_t, limits::kMaxRows> row;
   std::size_t count = 0;
@@ -29,14 +29,14 @@ struct Active {
 };
 static_assert(limits::kMaxRows <= 256);
 
-/// Gaps of all rows at one place, and how they change along the direction of search; beyond the
-/// rows there are some that never push.
+/// Gaps of all rows at one position, and their change along the search direction. The padding rows
+/// are never active.
 struct Gaps {
-  alignas(64) OfRows gap, slope, at_end;  ///< the last: a whole step of the direction farther
+  alignas(64) OfRows gap, slope, at_end;  ///< the last: at the end of the whole step
   std::size_t count = 0;
 };
 
-/// Without branches: which rows push cannot be foretold.
+/// Without branches, since the active rows are unpredictable.
 void find_active(const OfRows& gap, std::size_t rows, Active& active) noexcept {
   std::size_t count = 0;
   for (std::size_t n = 0; n < rows; ++n) {
@@ -48,16 +48,16 @@ void find_active(const OfRows& gap, std::size_t rows, Active& active) noexcept {
 
 using WideRow = double[kWide];
 
-/// The rows' jacobians: as structure of arrays for all rows at once, and row after row, filled up
-/// with zeros, for sums over few of them.
+/// Jacobians of the rows: as structure of arrays for all rows at once, and row by row, padded with
+/// zeros, for sums over few rows.
 struct Jacobians {
   alignas(64) std::array<OfRows, 6> column;
   alignas(64) WideRow row[limits::kMaxRows];
   alignas(64) OfRows gap;  ///< at the start
 };
 
-/// What the rows that push add: the identity and rho sum J'J, and `start` less rho sum gap J; row
-/// after row. Columns beyond the sixth are zeros.
+/// Sums of the active rows: the identity plus rho sum J'J, and `start` minus rho sum gap J; row by
+/// row. Columns beyond the sixth are zero.
 struct Sums {
   alignas(64) WideRow square[6], pull;
 };
@@ -83,7 +83,7 @@ VOXTOUCH_CLONES void sum_up(const Jacobians& __restrict rows, const Active& __re
   }
 }
 
-/// All rows times one step, added as in a dot product of six numbers.
+/// Product of all rows with one step, summed as in a dot product of six numbers.
 VOXTOUCH_INLINE double product(const std::array<OfRows, 6>& j, std::size_t n,
                                const std::array<double, 6>& v) noexcept {
   return (j[0][n] * v[0] + (j[2][n] * v[2] + j[4][n] * v[4])) +
@@ -112,12 +112,12 @@ double added(const WideRow& of) noexcept {
   return ((of[0] + of[1]) + (of[2] + of[3])) + ((of[4] + of[5]) + (of[6] + of[7]));
 }
 
-/// What the rows add to slope and curvature of the energy at `s` of the direction: each eighth row
-/// is summed up on its own.
+/// Contribution of the rows to slope and curvature of the energy at `s` along the direction: every
+/// eighth row has its own sum.
 struct LineSums {
   alignas(64) WideRow slope, curvature;
 };
-/// Over `kGroups` times eight rows. Unrolled, so that the sums of all eight are kept in registers.
+/// Over `kGroups` times eight rows. Unrolled, so that all eight sums stay in registers.
 template <std::size_t kGroups>
 VOXTOUCH_INLINE void sum_groups(const Gaps& __restrict gaps, double s,
                                 LineSums& __restrict sums) noexcept {
@@ -140,9 +140,9 @@ VOXTOUCH_CLONES void sum_line(const Gaps& __restrict gaps, double s,
   sum_groups<kGroups / 2>(gaps, s, sums);
 }
 
-/// The root of the energy's slope along the direction: `linear` + s `square` are the spring's part.
-/// The slope rises with s and is straight between the places where rows begin or cease to push:
-/// Newton's method, kept between the bounds.
+/// Root of the energy's slope along the direction, with the spring's part `linear` + s `square`.
+/// The slope increases with s and is linear between the points where rows become active or
+/// inactive: Newton's method, kept within the bounds.
 double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
   LineSums sums;
   double low = 0.0, high = -1.0, s = 1.0;
@@ -163,7 +163,7 @@ double line_minimum(const Gaps& gaps, double linear, double square) noexcept {
   return low > 0.0 ? low : s;
 }
 
-/// The displacement to the lowest place among the steps that are allowed.
+/// Displacement to the minimum among the allowed steps.
 Vec6 allowed_displacement(const Mat6& hessian, const Vec6& down,
                           const Restriction& allowed) noexcept {
   const Mat6 system = allowed.free * (hessian - Mat6::Identity()) * allowed.free + Mat6::Identity();
@@ -189,7 +189,7 @@ EquilibriumStep equilibrium_step(std::span<const ConstraintRow> rows, const Vec6
   std::fill(gaps.gap.begin() + static_cast<std::ptrdiff_t>(gaps.count), gaps.gap.end(), 1.0);
   std::fill(gaps.slope.begin() + static_cast<std::ptrdiff_t>(gaps.count), gaps.slope.end(), 0.0);
   Sums sums;
-  Active active, at_end, summed;  // the last: the rows of `sums`
+  Active active, at_end, summed;  // the last one: the rows in `sums`
   const auto move_to = [&](const Vec6& delta) noexcept {
     step.delta = delta;
     find_gaps(jacobians, numbers_of(delta), gaps);

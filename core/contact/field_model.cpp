@@ -22,8 +22,8 @@ void FieldModel::evaluate(const HitList& hits, ContactResult& result) const noex
 
 void FieldModel::add_pushes(const Hits& hits, const Vec3& tool, StiffnessSum& sum,
                             ContactResult& result) const noexcept {
-  const Vec3 local =
-      tool - field_.grid().origin;  // first, so that a grid at 1e6 m costs no digits of the arms
+  const Vec3 local = tool - field_.grid().origin;  // subtracted first, so that a grid at 1e6 m
+                                                   // costs no digits of the arms
   const double depth_voxels = field_.arrays().depth_voxels;
   const PushKernel& kernel = push_kernel(instructions());
   PushLanes lanes;

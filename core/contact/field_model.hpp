@@ -7,13 +7,12 @@
 
 namespace voxtouch::contact {
 
-/// F = k sum A_i d_i n_i over the points in surface and in interior voxels, d_i = max(0,
-/// -phi(x_i)); torque sum r_i x F_i. Conservative and continuous; proofs, and what `stiffness` is,
-/// in laws.md.
-///
-/// `mean_normal` and `coherence` are weighed by area over all hits, those in interior voxels
-/// included. Points at a depth of 0, or without an area, do not push: they have no part in
-/// `stiffness` and the deepest is none of them.
+/// Force over the points in surface and interior voxels, with torque sum r_i x F_i:
+///     F = k sum A_i d_i n_i,   d_i = max(0, -phi(x_i))
+/// It is conservative and continuous; laws.md has the proofs and the definition of `stiffness`.
+/// `mean_normal` and `coherence` are weighted by area over all hits, including those in interior
+/// voxels. Points with zero depth or area have no force: they do not contribute to `stiffness` and
+/// are never the deepest point.
 class FieldModel final : public ContactModel {
  public:
   /// `field` must outlive the model. `stiffness` k [N/m^3].

@@ -12,13 +12,14 @@ namespace {
 constexpr std::size_t kHits = HitBlock::kHits;
 using Arrays = voxmap::DistanceField::Arrays;
 
-/// Voxels of the table, and the places in them.
+/// Voxels of the table and the positions in them.
 struct Places {
   alignas(64) double within[3][kHits], inside[kHits];  ///< 0: outside the table
   alignas(64) std::int32_t voxel[3][kHits];
 };
 
-// No two arguments of what follows overlap: said, or the loops would not be vectors'.
+// The arguments of the following functions do not overlap. Without this declaration the loops are
+// not vectorised.
 
 VOXTOUCH_CLONES void find_places(const HitBlock& __restrict block, const Vec3& local, double edge,
                                  const Arrays& arrays, Places& __restrict places) noexcept {
@@ -40,7 +41,7 @@ VOXTOUCH_CLONES void find_places(const HitBlock& __restrict block, const Vec3& l
   }
 }
 
-/// The eight nodes of each voxel. Where nothing is stored all are what is cut off to.
+/// The eight nodes of each voxel. Without a stored entry all have the cut-off value.
 void find_nodes(const Places& places, const Arrays& arrays, std::size_t count,
                 double (&nodes)[8][kHits]) noexcept {
   using Field = voxmap::DistanceField;
@@ -82,11 +83,11 @@ VOXTOUCH_CLONES void interpolate(const Places& __restrict places,
   }
 }
 
-/// Three products, added as Eigen adds them in a dot product: the first two are a packet.
+/// Three products, summed as in Eigen's dot product: the first two form a packet.
 VOXTOUCH_INLINE double dot(double x, double y, double z) noexcept { return (x + y) + z; }
 
-/// `length` >= 0 to divide by. A sum, since of a choice between it and a constant GCC 12 makes a
-/// choice between quotients, and divides by zero.
+/// `length` >= 0 as a divisor. It is a sum, because for a conditional expression GCC 12 selects
+/// between quotients and divides by zero.
 VOXTOUCH_INLINE double one_where_zero(double length) noexcept {
   return length + (length > 0.0 ? 0.0 : 1.0);
 }
@@ -105,7 +106,7 @@ VOXTOUCH_CLONES void divide(const FieldSamples& __restrict samples, std::size_t 
   }
 }
 
-/// `ends`: 1 where going deeper would meet no more push, else 0.
+/// `ends`: 1 if the force would not grow with depth, else 0.
 VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples& __restrict samples,
                            double depth_voxels, Pushes& __restrict normal,
                            Pushes& __restrict gradient, double (&__restrict ends)[kHits]) noexcept {

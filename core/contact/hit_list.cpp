@@ -18,7 +18,8 @@ Hit HitSource::hit(std::uint32_t point) const noexcept {
     out.arm[row] = row_sum(which, x, y, z);
     out.normal[row] =
         row_sum(which, r[row][0] * inward.x(), r[row][1] * inward.y(), r[row][2] * inward.z());
-    // Centre minus point within the voxel: the grid's own origin, perhaps 1e6 m away, never enters.
+    // Centre minus point within the voxel: the grid's own origin, perhaps 1e6 m away, is not
+    // involved.
     out.to_centre[row] = edge * ((std::floor(u) + 0.5) - u);
   }
   out.weight = area != nullptr ? area[point] : 1.0;

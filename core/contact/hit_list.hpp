@@ -1,5 +1,5 @@
 #pragma once
-/// The colliding points of one frame, what every contact model reads.
+/// The colliding points of one frame, the input of every contact model.
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
@@ -11,14 +11,15 @@
 
 namespace voxtouch::contact {
 
-/// Whether a pose could be looked up at all. Anything but kUsable comes with no hits and no force.
+/// Whether the pose is usable. Any other status has no hits and no force.
 enum class PoseStatus : std::uint8_t {
   kUsable = 0,
   kNotAPose = 1,    ///< NaN, Inf, or a quaternion norm outside [1e-3, 1e3]
-  kOutOfRange = 2,  ///< so far from the grid that voxel indices leave int32
+  kOutOfRange = 2,  ///< voxel indices exceed int32 at this distance from the grid
 };
 
-/// Adds the ascending list `from` to the ascending list `into`. Real-time safe where there is room.
+/// Merges the ascending list `from` into the ascending list `into`. Real-time safe if the capacity
+/// suffices.
 template <class Vector, class Less>
 void merge_ascending(const Vector& from, Vector& into, Less&& less) {
   std::size_t a = into.size(), b = from.size(), to = a + b;
@@ -36,8 +37,7 @@ struct Hit {
   double weight = 1.0;            ///< w_i: 1, or the point's area [m^2]; see PointWeights
 };
 
-/// A vector that does not write what it grows by: memory that no hit has reached yet is not
-/// touched.
+/// A vector that leaves new elements uninitialised, so that unused memory is never touched.
 template <class T>
 struct Unwritten : std::allocator<T> {
   template <class U>
@@ -54,42 +54,41 @@ struct Unwritten : std::allocator<T> {
   }
 };
 
-/// The three products of a row of a rotation with a vector, added as Eigen adds them in a matrix
-/// times a vector: the first two rows from the left, the last from the right. Kernels keep to it,
-/// so that every model sees bit-identical values.
+/// Sum of the three products of a rotation row with a vector, in the order of Eigen's matrix-vector
+/// product: the first two rows from the left, the last from the right. Kernels use it, so that all
+/// models get bit-identical values.
 inline double row_sum(std::size_t row, double x, double y, double z) noexcept {
   return row < 2 ? x + y + z : x + (y + z);
 }
 
-/// The pose and the points in single precision, as the query decides with them (query_kernel.hpp):
-/// enough to determine which hits surely do not push.
+/// Pose and points in single precision, as the query uses them (query_kernel.hpp): sufficient to
+/// find hits that certainly have no force.
 struct RoughSource {
   float a[3][3] = {};                     ///< as QueryFrame's
-  float shift[3] = {};                    ///< likewise
-  float certain = -1.0F;                  ///< likewise; below zero: nothing is certain
+  float shift[3] = {};                    ///< as QueryFrame's
+  float certain = -1.0F;                  ///< as QueryFrame's; negative: nothing is certain
   const float* place[3] = {};             ///< of the shell's points, frame T [m]
   const std::uint32_t* normal = nullptr;  ///< packed_normals.hpp; null: they cannot be packed
 };
 
-/// Where the tool is, and what it is made of: with it a point's number is all that a hit is. The
-/// shell must outlive it.
+/// Pose and shell of the tool, from which a hit is computed by its point number. The shell must
+/// outlive it.
 struct HitSource {
   double r[3][3] = {};           ///< rotation of T in W
-  double t[3] = {};              ///< tool's origin from the grid's [m]
+  double t[3] = {};              ///< tool's origin relative to the grid's [m]
   double edge = 1.0;             ///< voxel edge e [m]
   const double* place[3] = {};   ///< of the shell's points, frame T [m]
-  const double* normal[3] = {};  ///< likewise
-  const double* area = nullptr;  ///< likewise; null: a point weighs 1
+  const double* normal[3] = {};  ///< of the shell's points, frame T
+  const double* area = nullptr;  ///< of the shell's points; null: unit weights
   RoughSource rough;
 
-  /// The point as a hit, in doubles and always in this order, so that it is bit-identical whenever
-  /// it is requested.
+  /// Computes the hit of a point in double precision and fixed order, so that it is always
+  /// bit-identical.
   Hit hit(std::uint32_t point) const noexcept;
 };
 
-/// Hits in ascending order of their points: `for (const Hit& hit : hits)`. Only the points' numbers
-/// are kept; what a hit says is worked out when it is looked at, which costs less than to write it
-/// down and read it again.
+/// Hits in ascending order of their points: `for (const Hit& hit : hits)`. Only point numbers are
+/// stored; a hit is computed on access, which is cheaper than storing and loading it.
 class Hits {
  public:
   class Iterator {
@@ -116,38 +115,37 @@ class Hits {
   Iterator end() const noexcept { return {*this, size()}; }
 
   std::uint32_t point(std::size_t n) const noexcept { return points_[n]; }
-  /// Where `point` stands in the list, or size(). Looks from `from` on, near it first: for points
-  /// that are asked for in order.
+  /// Index of `point` in the list, or size(). The search starts at `from` and is fast nearby, for
+  /// ascending queries.
   std::size_t find(std::uint32_t point, std::size_t from = 0) const noexcept;
-  /// Where the first point that is not below `point` stands, likewise.
+  /// Index of the first point that is not below `point`, searched in the same way.
   std::size_t not_below(std::uint32_t point, std::size_t from) const noexcept;
-  /// Sum of weight * normal and of weight, as `set_sums` says.
+  /// Sum of weight * normal and of weight, as set by `set_sums`.
   const Vec3& normal_sum() const noexcept { return normal_sum_; }
   double weight_sum() const noexcept { return weight_sum_; }
 
-  /// For kernels: the numbers, and where to work hits out from.
+  /// For kernels: the point numbers, and the source to compute hits from.
   const std::uint32_t* points() const noexcept { return points_.data(); }
   const HitSource& source() const noexcept { return source_; }
 
-  /// A kernel may write so many numbers more than it has found.
+  /// A kernel may write up to this many numbers beyond those found.
   static constexpr std::size_t kSpareRoom = 8;
-  /// For the query: room for `count` numbers and kSpareRoom more, none written yet.
+  /// For the query: uninitialised room for `count` numbers and kSpareRoom more.
   std::uint32_t* room(std::size_t count);
-  /// Keeps the first `found` numbers of those that were written into `room`, hits of `source`.
-  /// Real-time safe.
+  /// Keeps the first `found` numbers written into `room`, as hits of `source`. Real-time safe.
   void keep(std::size_t found, const HitSource& source);
-  /// What `normal_sum` and `weight_sum` give from now on. Real-time safe.
+  /// Sets the results of `normal_sum` and `weight_sum`. Real-time safe.
   void set_sums(const Vec3& normals, double weights) noexcept {
     normal_sum_ = normals, weight_sum_ = weights;
   }
 
-  /// Adds the numbers of `other`, of the same pose, shell and grid, none of which is here. The sums
-  /// stay. Real-time safe where there is room for all.
+  /// Merges the numbers of `other`, of the same pose, shell and grid, and disjoint from these. The
+  /// sums do not change. Real-time safe if the capacity suffices.
   void merge(const Hits& other) noexcept;
 
-  /// Room for `count` hits. Allocates.
+  /// Reserves room for `count` hits. Allocates.
   void reserve(std::size_t count) { points_.reserve(count + kSpareRoom); }
-  /// No hits; the memory stays. Real-time safe.
+  /// Removes all hits and keeps the memory. Real-time safe.
   void clear() noexcept;
 
  private:
@@ -157,14 +155,14 @@ class Hits {
   double weight_sum_ = 0.0;
 };
 
-/// The hits of one frame, in the shell's order. Reserved once for the whole shell: filling it never
-/// allocates. A list that a query has filled is good while that query is.
+/// The hits of one frame, in the order of the shell. Reserved once for the whole shell, so filling
+/// it never allocates. A filled list is valid during the lifetime of its query.
 struct HitList {
   Hits surface;   ///< points in surface voxels: the set S
-  Hits interior;  ///< points in interior voxels: gone through
-  Pose pose_WT;   ///< the pose looked up, its quaternion brought to unit norm
+  Hits interior;  ///< points in interior voxels
+  Pose pose_WT;   ///< the queried pose with normalised quaternion
   PoseStatus pose_status = PoseStatus::kUsable;
-  std::uint32_t tested = 0;  ///< points that culling left to test
+  std::uint32_t tested = 0;  ///< points left by the culling
 
   void reserve(std::size_t points) { surface.reserve(points), interior.reserve(points); }
   void clear() noexcept {

@@ -1,10 +1,9 @@
 #pragma once
-/// For which processor the kernels of the contact query and of its sums are chosen. All do the same
-/// IEEE operations in the same order, so the bits do not depend on it; a test holds them against
-/// each other.
+/// Selects the instruction set of the kernels for the contact query and its sums. All perform the
+/// same IEEE operations in the same order, so results do not depend on it; a test compares them.
 #include <cstdint>
 
-/// Where the wider kernels are compiled: their code is GCC's.
+/// The wider kernels use extensions of GCC.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
 #define VOXTOUCH_WIDE_KERNELS 1
 #else
@@ -14,20 +13,19 @@
 namespace voxtouch::contact {
 
 enum class Instructions : std::uint8_t {
-  kAny = 0,   ///< what every processor of the kind has that this was compiled for
-  kAvx2 = 1,  ///< AVX2 and FMA, which is used for quotients that are exact with it, and for nothing
-              ///< else
+  kAny = 0,     ///< baseline of the compiled architecture
+  kAvx2 = 1,    ///< AVX2 and FMA; FMA is used only for exact quotients
   kAvx512 = 2,  ///< AVX-512 F, DQ, BW, VL
 };
 
-/// The widest that this processor has.
+/// The widest set of this processor.
 Instructions widest_instructions() noexcept;
 
-/// Those in use: the widest, unless `use_instructions` said less. Real-time safe.
+/// The selected set: the widest, unless `use_instructions` limits it. Real-time safe.
 Instructions instructions() noexcept;
 
-/// For tests and benchmarks: `most` from now on, or the widest that there are. For all threads,
-/// between two frames.
+/// For tests and benchmarks: limits the set to `most`. Affects all threads; call it between two
+/// frames.
 void use_instructions(Instructions most) noexcept;
 
 }  // namespace voxtouch::contact

@@ -1,4 +1,4 @@
-// Plain loops, for any processor: what the others have to give, too.
+// Plain loops for any processor; the other kernels must give the same results.
 #include "core/contact/leaf_kernel.hpp"
 
 #include <cmath>
@@ -80,7 +80,7 @@ std::array<std::uint8_t, 3> classify(const Lookup& lookup, Leaves& leaves) noexc
     const float* const y = lookup.data.y + kRun * leaves.leaf[n];
     const float* const z = lookup.data.z + kRun * leaves.leaf[n];
     std::int32_t v[3][kRun];
-    float farthest[kRun] = {};  // of the three coordinates from the middle of the voxel
+    float farthest[kRun] = {};  // of the three coordinates from the voxel centre
     for (std::size_t row = 0; row < 3; ++row) {
       const float a0 = f.a[row][0], a1 = f.a[row][1], a2 = f.a[row][2], shift = f.shift[row],
                   low = f.low[row], high = f.high[row];
@@ -176,7 +176,7 @@ VOXTOUCH_INLINE __m256i mask_of(unsigned bits, std::size_t half) noexcept {
       half == 0 ? _mm256_setr_epi64x(1, 2, 4, 8) : _mm256_setr_epi64x(16, 32, 64, 128);
   return _mm256_cmpeq_epi64(_mm256_and_si256(_mm256_set1_epi64x(bits), each), each);
 }
-/// Zero where the mask is not set, and nothing read there.
+/// Zero where the mask is not set; no memory is read there.
 VOXTOUCH_INLINE Doubles chosen_of(const double* from, __m256i mask) noexcept {
   return _mm256_maskload_pd(from, mask);
 }

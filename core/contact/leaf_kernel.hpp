@@ -1,6 +1,5 @@
 #pragma once
-/// The loops of the query that run over many points or spheres at once, one set of them for each
-/// kind of processor.
+/// The loops of the query over many points or spheres, with one set for each instruction set.
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -11,23 +10,23 @@
 
 namespace voxtouch::contact {
 
-/// What is looked up: the shell, the pose, the ground.
+/// Input of a query: the shell, the pose and the static voxels.
 struct Lookup {
   const QueryData& data;
   const QueryFrame& frame;
   voxmap::Voxmap::Arrays map;
 };
 
-/// Leaves that are looked at together, ascending, and what was found in them.
+/// A batch of leaves, ascending, and its results.
 struct Leaves {
   static constexpr std::size_t kMax = 64;
   std::size_t count = 0;
   alignas(64) std::uint32_t leaf[kMax];
-  /// One bit for each point of the leaf. The first two are good where `unsure` is not set.
+  /// One bit for each point of the leaf. The first two are valid where `unsure` is not set.
   alignas(64) std::uint8_t surface[kMax], interior[kMax], unsure[kMax];
 };
 
-/// Places of the bits that are set in a byte, and how many they are.
+/// Positions and number of the bits set in a byte.
 struct BitsOf {
   alignas(8) std::uint8_t places[256][SphereTree::kLeafPoints] = {};
   std::uint8_t count[256] = {};
@@ -42,48 +41,49 @@ inline constexpr BitsOf kBitsOf = [] {
 }();
 static_assert(Hits::kSpareRoom >= SphereTree::kLeafPoints);
 
-/// Points of the leaves, one bit each, and which leaves have any: a branch at each leaf instead
-/// would often be guessed wrong.
+/// Points of the leaves, one bit each, and the leaves that contain any. A branch at each leaf
+/// instead would often be mispredicted.
 struct Chosen {
-  const std::uint8_t* bits;  ///< of each of the leaves
+  const std::uint8_t* bits;  ///< one byte for each leaf
   std::size_t count = 0;
-  std::uint8_t leaf[Leaves::kMax];  ///< `count` of them, by their places in `Leaves`
+  std::uint8_t leaf[Leaves::kMax];  ///< `count` indices into `Leaves`
   Chosen(const Leaves& leaves, const std::uint8_t* of_each) noexcept : bits(of_each) {
     for (std::size_t n = 0; n < leaves.count; ++n)
       leaf[count] = static_cast<std::uint8_t>(n), count += of_each[n] != 0;
   }
 };
 
-/// Weight times normal and weight, frame T: point p is added to lane p mod 8, in the points' order.
+/// Weight times normal, and weight, in frame T: point p is added to lane p mod 8, in the order of
+/// the points.
 struct NormalLanes {
   alignas(64) double sum[4][SphereTree::kLeafPoints] = {};
 };
 
-/// Bricks are read in halves of their words, the lower first, so that a look is one of 32 bits for
+/// Bricks are read in halves of their words, the lower first, so that a lookup reads 32 bits for
 /// each point.
 using HalfWord = std::uint32_t __attribute__((may_alias));
 inline constexpr std::int32_t kHalfWords = sizeof(voxmap::Voxmap::Brick) / sizeof(HalfWord);
-/// A page likewise: the codes of four cells along x at a time; (y, z) of a block at y + 4 z.
+/// Pages likewise: the codes of four cells along x at a time; (y, z) of a block is at y + 4 z.
 using CodeWord = std::uint32_t __attribute__((may_alias));
 inline constexpr std::int32_t kCodeWords = sizeof(voxmap::Voxmap::Page) / sizeof(CodeWord);
 static_assert(kCodeWords == 16 && voxmap::Voxmap::kSharedCode == 64 &&
               voxmap::Voxmap::kFreeBrick == 0 && sizeof(voxmap::Voxmap::Block) == 8);
 static_assert(std::endian::native == std::endian::little);
 
-/// All are real-time safe.
+/// The loops of one instruction set. All are real-time safe.
 struct LeafKernel {
-  /// Which of the sixteen spheres from `first` on may touch something, as bits. No distance falls
-  /// faster than the distance from where it was measured, the middle of a cell of free distances;
-  /// outside the table there is nothing nearer than the table.
+  /// Bits of the sixteen spheres from `first` on that may touch a voxel. A distance decreases no
+  /// faster than the displacement from the centre of its cell, where it was measured. Outside the
+  /// table, the table itself is the nearest obstacle.
   std::uint32_t (*near_spheres)(const Lookup& lookup, const SphereTree::Level& level,
                                 std::size_t first) noexcept;
-  /// Puts the points of the leaves into voxels. \returns the bits of `surface`, `interior` and
-  /// `unsure` of all leaves together.
+  /// Assigns the points of the leaves to voxels. \returns the bits of `surface`, `interior` and
+  /// `unsure`, combined over all leaves.
   std::array<std::uint8_t, 3> (*classify)(const Lookup& lookup, Leaves& leaves) noexcept;
-  /// Adds the chosen points of the leaves to the hits found. Eight places are written each time,
-  /// which costs less than to ask how many.
+  /// Appends the chosen points of the leaves to the hits. It always writes eight numbers, which is
+  /// cheaper than a count.
   void (*append)(const Leaves& leaves, const Chosen& chosen, FoundHits& found) noexcept;
-  /// Adds the chosen points of the leaves.
+  /// Adds the normals of the chosen points.
   void (*add_normals)(const HitSource& source, const Leaves& leaves, const Chosen& chosen,
                       NormalLanes& lanes) noexcept;
 };

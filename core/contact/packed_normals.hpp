@@ -1,6 +1,6 @@
 #pragma once
-/// Unit normals in ten bits a component: four bytes for a hit that surely does not push, where
-/// doubles are 24.
+/// Unit normals with ten bits per component: four bytes for a hit that certainly has no force,
+/// instead of 24.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -9,12 +9,12 @@
 
 namespace voxtouch::contact::packed_normals {
 
-/// A component is the whole number of these below it, x in the upper ten bits of the word, then y,
-/// then z. So a word that is shifted to a component's bits, and read as a signed number, is that
-/// component but for less than a step, whatever stands below.
+/// A component is stored as a multiple of this step, x in the upper ten bits of the word, then y,
+/// then z. A word shifted to a component's bits and read as a signed number is that component
+/// within one step, whatever the lower bits are.
 inline constexpr double kStep = 1.0 / 511.0;
-inline constexpr double kWordStep = kStep / (1 << 22);  ///< of the word as a number
-/// A normal so read is off by no more than this: a step in each of its components.
+inline constexpr double kWordStep = kStep / (1 << 22);  ///< step of the word as a number
+/// Largest error of a normal read in this way: one step in each component.
 inline constexpr double kMaxOff = kStep * 1.7321;
 
 inline std::uint32_t packed(double x, double y, double z) noexcept {
@@ -25,8 +25,8 @@ inline std::uint32_t packed(double x, double y, double z) noexcept {
   return bits(x) << 22 | bits(y) << 12 | bits(z) << 2;
 }
 
-/// Of all points; none where a component is not within -1..1 but for rounding, as a unit vector's
-/// is. Allocates.
+/// Packs all normals; empty if a component exceeds -1..1 by more than the rounding of a unit
+/// vector. Allocates.
 inline std::vector<std::uint32_t> all_packed(const std::vector<double>& x,
                                              const std::vector<double>& y,
                                              const std::vector<double>& z) {

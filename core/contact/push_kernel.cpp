@@ -11,7 +11,7 @@
 
 namespace voxtouch::contact {
 
-// Two doubles at once: every processor of this kind.
+// Two doubles at once: available on every processor of the architecture.
 namespace any_processor {
 namespace {
 
@@ -37,9 +37,9 @@ VOXTOUCH_INLINE bool all_set(Fours mask) noexcept {
 #if VOXTOUCH_WIDE_KERNELS
 #define VOXTOUCH_LOOK_UP_SINGLE(c, p) \
   c[p[0]], c[p[1]], c[p[2]], c[p[3]], c[p[4]], c[p[5]], c[p[6]], c[p[7]]
-// a / b for 1 / b rounded to the nearest, which a division costs and many share: what is missing to
-// a product of it and b is exact with fused operations, so that the second correction rounds as a
-// division does (Markstein 1990). No other result of this file is fused.
+// a / b from 1 / b rounded to nearest, which costs one division and is shared. The remainder of its
+// product with b is exact with fused operations, so the second correction rounds like a division
+// (Markstein 1990). No other result of this file uses fused operations.
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
 namespace avx2 {

@@ -1,9 +1,9 @@
 #pragma once
-/// The loops over hits that a force law is summed up with, one set of them for each kind of
-/// processor.
+/// The loops over hits that sum a force law, with one set for each instruction set.
 ///
-/// A sum over hits is eight sums, hit n of the list in lane n mod 8, each in the hits' order, added
-/// up in a fixed order: bit-identical whether two, four or eight numbers are added at once.
+/// A sum over hits consists of eight sums, hit n of the list in lane n mod 8, each in the order of
+/// the hits. They are combined in a fixed order, so the result is bit-identical for two, four or
+/// eight numbers at a time.
 #include <cstddef>
 #include <cstdint>
 
@@ -14,30 +14,30 @@ namespace voxtouch::contact {
 
 inline constexpr std::size_t kLanes = 8;
 
-/// A few dozen hits as structure of arrays, within the first cache. They come in groups of kLanes,
-/// each from a place in the list that is a multiple of kLanes, ascending, so a hit's lane does not
-/// depend on the groups left out. The last group is filled up with hits of no weight.
+/// A few dozen hits as structure of arrays, within the first-level cache. They form groups of
+/// kLanes, each starting at a multiple of kLanes in the list, ascending. The lane of a hit thus
+/// does not depend on skipped groups. The last group is padded with hits of zero weight.
 struct HitBlock {
   static constexpr std::size_t kHits = 64, kGroups = kHits / kLanes;
   std::size_t groups = 0;
-  std::size_t place[kGroups];  ///< of each group's first hit in the list
-  std::size_t count = 0;       ///< hits that are real
+  std::size_t place[kGroups];  ///< index of each group's first hit in the list
+  std::size_t count = 0;       ///< number of actual hits
   alignas(64) double arm[3][kHits], normal[3][kHits], to_centre[3][kHits], weight[kHits];
 
-  /// With what it is filled up.
+  /// Number including the padding.
   std::size_t filled() const noexcept { return kLanes * groups; }
-  /// Where in the list the group of hit `n` begins.
+  /// Index in the list of the first hit in the group of hit `n`.
   std::size_t group_place(std::size_t n) const noexcept { return place[n / kLanes]; }
 };
 
-/// How the hits of a block push: along j[0..2], at most of unit length, with `push` times the
-/// stiffness; and what each counts in the stiffness matrix. Both must be 0 beyond the block's hits.
-/// Added are `groups` of them, which begin at the hits `group`.
+/// Forces of the hits of a block: along j[0..2], at most of unit length, with `push` times the
+/// stiffness, and the weight of each in the stiffness matrix. Both must be 0 in the padding.
+/// `groups` of them are summed, starting at the hits `group`.
 struct Pushes {
   std::size_t groups = 0;
   std::uint32_t group[HitBlock::kGroups];
-  alignas(64) double j[6][HitBlock::kHits];  ///< J = [u', (arm x u)']; the second half is worked
-                                             ///< out by `add`
+  /// J = [u', (arm x u)']; `add` computes the second half.
+  alignas(64) double j[6][HitBlock::kHits];
   alignas(64) double push[HitBlock::kHits], weight[HitBlock::kHits];
 
   void add_all(const HitBlock& block) noexcept {
@@ -47,60 +47,60 @@ struct Pushes {
   }
 };
 
-/// Sums of pushes.
+/// Sums of forces.
 struct PushLanes {
-  alignas(64) double push[6][kLanes] = {};        ///< of push J: the wrench for a stiffness of one
+  alignas(64) double push[6][kLanes] = {};        ///< of push J: the wrench for unit stiffness
   alignas(64) double weight[kLanes] = {};         ///< of the weights
   alignas(64) double stiffness[21][kLanes] = {};  ///< of weight J' J: the upper triangle by rows
-  alignas(64) double deepest[kLanes] = {};        ///< the largest depth of a lane, and ...
+  alignas(64) double deepest[kLanes] = {};        ///< the largest depth of a lane
   alignas(64) double deepest_hit[kLanes] =
-      {};  ///< ... its hit's place in the list less the lane: the first of equals
+      {};  ///< index of that hit in the list minus the lane; the first of equals
 };
 
-/// The same along one common direction: what each hit adds is its arm's moments.
+/// The same along one common direction: each hit adds the moments of its arm.
 struct MeanLanes {
   alignas(64) double push[4][kLanes] = {};      ///< of push and push times arm
   alignas(64) double moments[10][kLanes] = {};  ///< of weights as CommonDirectionSum::kSums
   alignas(64) double deepest[kLanes] = {}, deepest_hit[kLanes] = {};  ///< as PushLanes
 };
 
-/// The way a point pushes: u_i = s m + (1 - s) n_i, brought to unit length
-/// (limits::kShortestDirection); n_i itself for s = 0.
+/// Force direction of a point: u_i = s m + (1 - s) n_i, normalised (limits::kShortestDirection);
+/// n_i itself for s = 0.
 struct PushDirection {
   Vec3 mean = Vec3::Zero();  ///< m
-  double mean_weight = 0.0;  ///< s in [0, 1]; for 1 there are sums of their own
+  double mean_weight = 0.0;  ///< s in [0, 1]; for 1 there are separate sums
 };
 
-/// The same for what single precision can decide: a hit pushes only where mean . off + back' off .
-/// n is below `most`; `off`: the point from its voxel's middle [e], n its packed normal.
+/// The same in single precision: a hit has a force only if mean . off + back' off . n is below
+/// `most`. `off` is the point relative to its voxel centre [e], n its packed normal.
 struct RoughDirection {
-  bool own = false, common = false;  ///< which of the two there are
+  bool own = false, common = false;  ///< which of the two terms exist
   float mean[3] = {};                ///< s m
   float back[3][3] =
-      {};             ///< rotation of T in W, times 1 - s and what a packed normal's words count
-  float most = 0.0F;  ///< all that rounds
+      {};             ///< rotation of T in W, times 1 - s and the scale of a packed normal's word
+  float most = 0.0F;  ///< sum of all rounding errors
 };
 
-/// All are real-time safe.
+/// The loops of one instruction set. All are real-time safe.
 struct PushKernel {
-  /// Which groups of eight hits may push, of a block's hits from `begin` on: bit k for hits begin +
-  /// 8 k and on. The hits are a query's, and `certain` is above zero; packed normals are looked at
-  /// only where `own` is set.
+  /// Finds groups of eight hits that may have a force, among a block's hits from `begin` on: bit k
+  /// for the hits from begin + 8 k on. Requires hits of a query with `certain` > 0; packed normals
+  /// are read only if `own` is set.
   std::uint32_t (*may_push)(const Hits& hits, std::size_t begin,
                             const RoughDirection& direction) noexcept;
-  /// The hits of a query in the block's groups. Hit by hit the bits of HitSource::hit.
+  /// Fills in the hits of a query in the block's groups, bit-identical to HitSource::hit.
   void (*fill)(const Hits& hits, HitBlock& block) noexcept;
   /// The same without normals.
   void (*fill_places)(const Hits& hits, HitBlock& block) noexcept;
-  /// Works out how the hits push: d_i = max(0, u_i . (c_i - x_i)), push = w_i d_i; the weight is
-  /// w_i where d_i > 0, else 0.
+  /// Computes the forces, with weight w_i if d_i > 0, else 0:
+  ///     d_i = max(0, u_i . (c_i - x_i)),   push = w_i d_i
   void (*push)(const HitBlock& block, const PushDirection& direction, Pushes& pushes,
                PushLanes& lanes) noexcept;
-  /// Adds the pushes.
+  /// Adds the forces.
   void (*add)(const HitBlock& block, Pushes& pushes, PushLanes& lanes) noexcept;
-  /// Adds what they count in the stiffness alone: nothing pushes.
+  /// Adds only their stiffness; no force.
   void (*add_stiffness)(const HitBlock& block, Pushes& pushes, PushLanes& lanes) noexcept;
-  /// Both at once, all hits along `mean`.
+  /// Both at once, with all hits along `mean`.
   void (*push_along_mean)(const HitBlock& block, const Vec3& mean, MeanLanes& lanes) noexcept;
 };
 

@@ -9,7 +9,7 @@
 namespace voxtouch::contact {
 namespace {
 
-/// The deepest of all lanes, where it is deeper than the result's so far.
+/// The deepest of all lanes, if it is deeper than that of the result so far.
 void give_deepest(const Hits& hits, const double (&deepest)[kLanes],
                   const double (&deepest_hit)[kLanes], const Vec3& tool,
                   ContactResult& result) noexcept {
@@ -30,14 +30,14 @@ void give_deepest(const Hits& hits, const double (&deepest)[kLanes],
   result.deepest_point = tool + hits[static_cast<std::size_t>(place(best))].arm;
 }
 
-/// Takes the group of eight hits that begins at `place`; the list's last one may be of fewer.
+/// Adds the group of eight hits at `place`; the last group of the list may be smaller.
 void take_group(const Hits& hits, std::size_t place, HitBlock& block) noexcept {
   block.count = kLanes * block.groups + std::min(kLanes, hits.size() - place);
   block.place[block.groups++] = place;
 }
 
-/// What single precision needs to determine which hits surely do not push along `direction`. False
-/// where it cannot.
+/// Prepares the single-precision test for hits that certainly have no force along `direction`.
+/// Returns false if it is not possible.
 bool make_rough(const HitSource& source, const PushDirection& direction,
                 RoughDirection& rough) noexcept {
   const double own = 1.0 - direction.mean_weight;
@@ -53,16 +53,16 @@ bool make_rough(const HitSource& source, const PushDirection& direction,
           static_cast<float>(own * packed_normals::kWordStep * source.r[axis][column]);
   }
   rough.own = own > 0.0, rough.common = size > 0.0;
-  // A point's place is off by less than what `certain` leaves of half a voxel, in each axis; it is
-  // at most 0.87 voxels from the middle, with normals that are off as packing has them. Some twenty
-  // roundings of numbers of about that size are less than the last.
+  // The position error of a point is less than half a voxel minus `certain` in each axis. The point
+  // is at most 0.87 voxels from the centre, and the normals have the error of their packing. The
+  // last term exceeds the sum of about twenty roundings of numbers of that size.
   const double off = 0.5 - static_cast<double>(source.rough.certain);
   rough.most = static_cast<float>((size + 2.0 * own) * off + 0.87 * own * packed_normals::kMaxOff +
                                   1e-5 * (size + own));
   return true;
 }
 
-/// When single precision is asked: where it leaves out nothing, seldom.
+/// Decides when the single-precision test runs: rarely, if it skips nothing.
 class Asking {
  public:
   bool now() noexcept { return waiting_ == 0 || --waiting_ == 0; }
@@ -76,8 +76,8 @@ class Asking {
   std::uint32_t wait_ = 0, waiting_ = 0;
 };
 
-/// Hands the hits to `each` in blocks, less the groups of eight none of which pushes: what these
-/// add is zero, so that no bit changes.
+/// Passes the hits to `each` in blocks, without the groups of eight that have no force. Their
+/// contribution is zero, so the result stays bit-identical.
 template <class Fill, class Each>
 void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
                               const PushKernel& kernel, Fill&& fill, Each&& each) noexcept {

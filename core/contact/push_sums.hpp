@@ -1,6 +1,6 @@
 #pragma once
-/// What the force laws sum up over the hits of a frame: block by block, in lanes (push_kernel.hpp),
-/// bit-identically on every processor.
+/// Sums of the force laws over the hits of a frame: block by block, in lanes (push_kernel.hpp),
+/// bit-identical on every processor.
 #include <cstddef>
 
 #include "core/contact/contact_model.hpp"
@@ -9,33 +9,33 @@
 
 namespace voxtouch::contact {
 
-/// Adds the pushes of all hits along their own directions, d_i = max(0, u_i . (c_i - x_i)): to
-/// `result` the wrench, the deepest point (the first of equals) and the stiffness bound, to `sum`
-/// those that push. `tool`: its origin in W.
+/// Adds the forces of all hits along their own directions, d_i = max(0, u_i . (c_i - x_i)).
+/// `result` receives the wrench, the deepest point (the first of equals) and the stiffness bound,
+/// `sum` the stiffness of the hits with force. `tool`: its origin in W.
 void push_along_directions(const Hits& hits, const PushDirection& direction, double stiffness,
                            const Vec3& tool, ContactResult& result, StiffnessSum& sum) noexcept;
 
-/// All hits along the common direction `mean`; sets wrench and stiffness, and adds as above.
+/// All hits along the common direction `mean`; sets wrench and stiffness, and adds the rest as
+/// above.
 void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const Vec3& tool,
                      ContactResult& result) noexcept;
 
-/// For laws of their own: the hits of a list from `begin` on, as many as a block holds.
+/// For other laws: the hits of a list from `begin` on, as many as fit into a block.
 void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin,
                 HitBlock& block) noexcept;
-/// What all eight lanes come to: in halves, as wide registers are added up.
+/// Sum of all eight lanes, combined in halves as wide registers are.
 inline double combined(const double (&lanes)[kLanes]) noexcept {
   return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) +
          ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
 }
-/// Adds what the lanes have of `hits` to the result and to `sum`.
+/// Adds the lane sums of `hits` to the result and to `sum`.
 void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool,
                ContactResult& result, StiffnessSum& sum) noexcept;
 
-/// Begins a result with what every model reports alike: the counts, and whether the pose could be
-/// looked up.
+/// Initialises a result with the values common to all models: counts and pose status.
 void begin_result(const HitList& hits, ContactResult& result) noexcept;
 
-/// Coherence and mean normal from such sums.
+/// Sets coherence and mean normal from these sums.
 void give_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept;
 
 }  // namespace voxtouch::contact

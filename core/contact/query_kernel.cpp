@@ -16,7 +16,7 @@ constexpr std::size_t kNodes = SphereTree::kFanOut;
 constexpr std::size_t kRun = SphereTree::kLeafPoints;
 static_assert(kRun == 8 && kLanes == kRun);
 
-/// What doubles say, for the bits of `unsure`.
+/// Decides the `unsure` points in double precision.
 void decide(const QueryData& data, const HitSource& s, Leaves& leaves) noexcept {
   for (std::size_t n = 0; n < leaves.count; ++n) {
     const unsigned unsure = leaves.unsure[n];
@@ -50,8 +50,8 @@ void set_sums(const HitSource& s, const NormalLanes& lanes, FoundHits& found) no
   found.weights = combined(lanes.sum[3]);
 }
 
-/// Depth first, one group of spheres a level: `left` are those of it still to go through. Calls
-/// `leaf(n)` for each leaf that may touch.
+/// Traverses the tree depth first, one group of spheres per level; `left` are the remaining ones.
+/// Calls `leaf(n)` for each leaf that may touch.
 template <class Leaf>
 void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree,
           Leaf&& leaf) noexcept {
@@ -87,7 +87,7 @@ void walk(const Lookup& lookup, const LeafKernel& kernel, const SphereTree& tree
   }
 }
 
-/// One query on its way.
+/// State of one query.
 class Search {
  public:
   Search(const QueryData& data, const QueryFrame& frame, FoundHits& surface,
@@ -122,7 +122,7 @@ class Search {
       std::fill_n(leaves_.unsure, leaves_.count, std::uint8_t{255});
     }
     tested_ += static_cast<std::uint32_t>(kRun * leaves_.count);
-    // The shell's last leaf may be of fewer points.
+    // The last leaf of the shell may have fewer points.
     const std::size_t last = leaves_.count - 1, end = kRun * (leaves_.leaf[last] + std::size_t{1});
     if (end > data.points) {
       const auto real = static_cast<std::uint8_t>(255U >> (end - data.points));
@@ -174,7 +174,7 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
     beyond = std::max({beyond, -from_corner, from_corner - size});
     f.shift[axis] = static_cast<float>(origin - voxel + before_first);
     f.corner_shift[axis] = static_cast<float>(from_corner);
-    f.size[axis] = static_cast<float>(size - 0.5);  // in the last voxel still
+    f.size[axis] = static_cast<float>(size - 0.5);  // still in the last voxel
     const double first = voxel - before_first - base[axis];
     f.low[axis] = static_cast<float>(0.5 - first);
     f.high[axis] = static_cast<float>(size - 0.5 - first);
@@ -182,11 +182,10 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   }
   constexpr double kFloat = 0x1p-24, kDouble = 0x1p-53;
   const double of_doubles = 16.0 * kDouble * (far + reach);
-  // A point: 3 roundings of each product, 2 inner sums, the last one and that of the shift come to
-  // 2^-24 (8 reach + 6).
+  // For a point, the roundings of three products, two inner sums, the last sum and the shift add up
+  // to 2^-24 (8 reach + 6).
   const double band = 16.0 * kFloat * (reach + 4.0) + of_doubles;
-  constexpr double kMaxReach =
-      0x1p20;  // beyond that the single numbers of voxels are not whole any more
+  constexpr double kMaxReach = 0x1p20;  // beyond that, single-precision voxel numbers are not exact
   const bool small = reach < kMaxReach && largest < kMaxReach &&
                      voxmap.arrays().brick_count < std::size_t{1} << 26;
   f.certain = small ? static_cast<float>(0.5 - 2.0 * kFloat - band) : -1.0F;

@@ -12,7 +12,7 @@ struct Run {
   const pointshell::Pointshell& shell;
   std::size_t begin, end;
 
-  /// Index of the point farthest from `centre`, and how far it is.
+  /// Index of the point farthest from `centre`, and its distance.
   std::size_t farthest(const Vec3& centre, double& distance) const {
     double best = -1.0;
     std::size_t point = begin;
@@ -26,8 +26,8 @@ struct Run {
   }
 };
 
-/// Badoiu-Clarkson: from the box's centre, step towards the farthest point by 1/(i+1); the best
-/// centre seen is kept. Twenty steps come within a few per cent of the smallest sphere, and a
+/// Badoiu-Clarkson: from the centre of the box, step towards the farthest point by 1/(i+1), and
+/// keep the best centre. Twenty steps come within a few per cent of the smallest sphere, and a
 /// smaller sphere culls more.
 Vec3 middle(const Run& run) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -52,8 +52,8 @@ void add_sphere(const Run& run, SphereTree::Level& level) {
   double radius = 0.0;
   run.farthest(centre.cast<double>(), radius);  // of the rounded centre
   level.x.push_back(centre.x()), level.y.push_back(centre.y()), level.z.push_back(centre.z());
-  // Square root and conversion round: a few ulp more, so that the farthest point is inside for
-  // certain.
+  // Square root and conversion round, so the radius is enlarged by a few ulp to enclose the
+  // farthest point for certain.
   level.radius.push_back(std::nextafter(static_cast<float>(radius * (1.0 + 1e-6)),
                                         std::numeric_limits<float>::infinity()));
   ++level.count;

@@ -1,17 +1,16 @@
 #pragma once
-/// Sums of w J' J over the points that push, J = [u', (arm x u)']: the part of -d(wrench)/d(pose)
-/// that comes from the depths.
+/// Sums of w J' J over the points with force, J = [u', (arm x u)']: the part of -d(wrench)/d(pose)
+/// caused by the depths.
 #include <array>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch::contact {
 
-/// For points that push each along its own direction. Adds in the order of the calls; real-time
-/// safe.
+/// For points with individual directions. Adds in the order of the calls; real-time safe.
 class StiffnessSum {
  public:
-  /// A point with depth u . (c - x), pushing along u (at most of unit length); `arm` from the
+  /// Adds a point with depth u . (c - x) and force along u (at most of unit length); `arm` from the
   /// tool's origin [m], W axes; `weight` as Hit::weight.
   void add(const Vec3& arm, const Vec3& u, double weight = 1.0) noexcept {
     const Vec3 lever = arm.cross(u);
@@ -21,11 +20,11 @@ class StiffnessSum {
       for (std::size_t column = row; column < 6; ++column)
         sums_[n++] += weight * (j[row] * j[column]);
   }
-  /// Whether anything was added that pushes.
+  /// Whether any point with force was added.
   bool any() const noexcept { return sums_[0] > 0.0 || sums_[6] > 0.0 || sums_[11] > 0.0; }
   /// The upper triangle by rows.
   std::array<double, 21>& entries() noexcept { return sums_; }
-  /// Adds the sum times `stiffness` (of a weight of one); the matrix stays exactly symmetric.
+  /// Adds the sum times `stiffness` (for unit weight); the matrix stays exactly symmetric.
   void add_to(double stiffness, Mat6& matrix) const noexcept {
     std::size_t n = 0;
     for (Eigen::Index row = 0; row < 6; ++row)
@@ -39,11 +38,11 @@ class StiffnessSum {
   std::array<double, 21> sums_{};
 };
 
-/// For points that all push along one direction m: arm x m is linear in the arm, so that the arms'
-/// own moments will do, which is half the work a point.
+/// For points with one common direction m: arm x m is linear in the arm, so the moments of the arms
+/// suffice, which halves the work per point.
 class CommonDirectionSum {
  public:
-  /// Of weights w: w; w arm; then w arm arm' by rows of the upper triangle.
+  /// Sums of the weights w: w; w arm; then w arm arm', the upper triangle by rows.
   static constexpr std::size_t kSums = 10;
   CommonDirectionSum() = default;
   explicit CommonDirectionSum(const double (&sums)[kSums]) noexcept
@@ -56,7 +55,7 @@ class CommonDirectionSum {
         yz_(sums[8]),
         zz_(sums[9]) {}
 
-  /// One point at `arm` from the tool's origin [m], W axes. Real-time safe.
+  /// Adds one point at `arm` from the tool's origin [m], W axes. Real-time safe.
   void add(const Vec3& arm, double weight = 1.0) noexcept {
     const Vec3 weighed = weight * arm;
     weights_ += weight;
@@ -65,7 +64,7 @@ class CommonDirectionSum {
     yy_ += weighed.y() * arm.y(), yz_ += weighed.y() * arm.z(), zz_ += weighed.z() * arm.z();
   }
   bool any() const noexcept { return weights_ > 0.0; }
-  /// The sum times `stiffness` (of a weight of one) for the direction `m`, unit; exactly symmetric.
+  /// The sum times `stiffness` (for unit weight) for the unit direction `m`; exactly symmetric.
   Mat6 matrix(double stiffness, const Vec3& m) const noexcept {
     Mat6 out = Mat6::Zero();
     if (!any())

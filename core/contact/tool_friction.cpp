@@ -9,9 +9,9 @@
 namespace voxtouch::contact {
 namespace {
 
-/// The rows that push, as one patch.
+/// The active rows as one contact patch.
 struct Patch {
-  double push_m = 0.0;  ///< sum of the pushes' sizes, over k
+  double push_m = 0.0;  ///< sum of the force magnitudes, over k
   Vec3 centre = Vec3::Zero(), normal = Vec3::Zero();
   double radius_m = 0.0;
 };
@@ -40,14 +40,14 @@ Patch patch_of(std::span<const ConstraintRow> rows, const Vec6& delta, double le
   }
   patch.radius_m /= patch.push_m;
   if (!(patch.radius_m > limits::kMinPatch * lever_m))
-    patch.radius_m = 0.0;  // a point does not hold against rotation
+    patch.radius_m = 0.0;  // a point does not resist rotation
   return patch;
 }
 
 Vec3 across(const Vec3& normal, const Vec3& v) noexcept { return v - normal * normal.dot(v); }
 
-/// Part of its limit that a friction must be away from it to hold with all of the spring's
-/// stiffness.
+/// Relative distance from its limit at which a friction force holds with the full stiffness of the
+/// spring.
 constexpr double kFirmSlack = 0.5;
 
 /// The step without slip.
@@ -79,7 +79,7 @@ EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& s
   EquilibriumStep sticking = sticking_step(rows, spring, lever_m, patch, free.delta);
   sticking.iterations += free.iterations;
 
-  Vec6 unbalanced = spring - sticking.delta;  // what neither spring nor rows balance
+  Vec6 unbalanced = spring - sticking.delta;  // remainder that neither spring nor rows balance
   double push_sticking = 0.0;
   for (const ConstraintRow& row : rows) {
     const double push = push_of(row, sticking.delta);
@@ -92,8 +92,8 @@ EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& s
                           : 0.0;
   const double needed = std::hypot(shift, turn), at_most = friction * push_sticking;
   if (needed <= at_most) {
-    // Near the limit the hold fades: the encoder's steps make a slide stick and slip by turns, and
-    // damping follows the stiffness.
+    // Near the limit the friction fades: encoder steps would make a sliding tool alternately stick
+    // and slip, and damping depends on the stiffness.
     const double slack = smoothstep(0.0, kFirmSlack, at_most > 0.0 ? 1.0 - needed / at_most : 0.0);
     sticking.loose = Mat6::Identity() - slack * (Mat6::Identity() - sticking.loose);
     return sticking;

@@ -6,10 +6,10 @@
 
 namespace voxtouch::contact {
 
-/// The part of `free` that friction lets happen: sticks where the friction needed is at most
-/// `friction` times the sum of all rows' pushes, else slips as little as that leaves (laws.md).
-/// `rows` and `spring` are those that gave `free`. Both steps keep to the rows, and so does what
-/// lies between. `friction` 0 is bit-identical to `free`. Real-time safe.
+/// The part of the step `free` that friction allows. The tool sticks if the required friction is at
+/// most `friction` times the sum of the row forces, otherwise it slips by the least amount
+/// (laws.md). `rows` and `spring` are those of `free`. Both steps satisfy the rows, and so does
+/// every step between them. `friction` 0 is bit-identical to `free`. Real-time safe.
 EquilibriumStep with_friction(std::span<const ConstraintRow> rows, const Vec6& spring,
                               double lever_m, double friction,
                               const EquilibriumStep& free) noexcept;

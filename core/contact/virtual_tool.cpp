@@ -15,7 +15,8 @@
 namespace voxtouch::contact {
 namespace {
 
-/// `turn` or the same the other way round: near half a turn, whichever lies nearer to the last one.
+/// `turn` or the equivalent rotation in the other sense: near half a turn, the one nearer to the
+/// last.
 Vec3 keep_axis(const Vec3& turn, const Vec3& last) noexcept {
   const double angle = turn.norm();
   constexpr double kNearHalfATurn = 3.0;
@@ -41,15 +42,15 @@ Pose less(const Pose& pose, const Vec3& displacement) noexcept {
   return {pose.position - displacement, pose.orientation};
 }
 
-/// Multiples of a power of two some 2^-26 e wide: a scene that is moved by multiples of e gives
-/// bit-identical results.
+/// Multiples of a power of two, about 2^-26 e: a scene moved by multiples of e gives bit-identical
+/// results.
 Vec3 quantize(const Vec3& position, double edge) noexcept {
   const double step = std::ldexp(1.0, std::ilogb(edge) - 26);
   return {std::round(position.x() / step) * step, std::round(position.y() / step) * step,
           std::round(position.z() / step) * step};
 }
 
-/// length^2 / 2, and straight on from where the pull grows no more.
+/// length^2 / 2, continued linearly beyond the limit of the spring force.
 double spring_energy(double length, double most) noexcept {
   return length <= most ? 0.5 * length * length : most * (length - 0.5 * most);
 }
@@ -83,7 +84,7 @@ void VirtualTool::reset() noexcept {
   turn_ = Vec3::Zero();
 }
 
-/// Judges the pose as ContactQuery::find does, and returns one of unit norm bit-identically.
+/// Checks the pose like ContactQuery::find, and returns its normalised form bit-identically.
 PoseStatus VirtualTool::status_of(Pose& hand, std::span<const ToolGround> grounds) const noexcept {
   Quat unit = hand.orientation;
   if (grounds.size() > options_.objects || !hand.position.allFinite() ||
@@ -102,15 +103,15 @@ PoseStatus VirtualTool::status_of(Pose& hand, std::span<const ToolGround> ground
   return PoseStatus::kUsable;
 }
 
-/// `position`: the tool's less the object's displacement.
+/// `position`: the tool's position minus the displacement of the object.
 RowFrame VirtualTool::row_frame(const Vec3& position, std::span<const ToolGround> grounds,
                                 std::size_t n) const noexcept {
   return {position - grounds[n].field->grid().origin, options_.lever_m,
           static_cast<std::uint32_t>(n)};
 }
 
-/// All rows at `tool`, the rows' energy there, and what the frame reports of it. `smooth`: the tool
-/// may come to rest here.
+/// Computes all rows at `tool`, their energy and the values that the frame reports. `smooth`: the
+/// tool may come to rest here.
 void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds, bool smooth,
                           VirtualToolFrame& out) noexcept {
   rows_.clear();
@@ -147,7 +148,7 @@ void VirtualTool::look_up(const Pose& tool, std::span<const ToolGround> grounds,
   rows_known_ = true;
 }
 
-/// Whether a wall of any object stands inside the tool.
+/// Whether a wall of any object lies inside the tool.
 bool VirtualTool::wall_inside(const Pose& tool, std::span<const ToolGround> grounds) noexcept {
   for (std::size_t n = 0; n < grounds.size(); ++n) {
     grounds[n].query->find(less(tool, grounds[n].displacement), hits_);
@@ -158,7 +159,7 @@ bool VirtualTool::wall_inside(const Pose& tool, std::span<const ToolGround> grou
   return false;
 }
 
-/// Makes `tool` the virtual tool where it lies outside.
+/// Starts the virtual tool at `tool` if that pose is outside all objects.
 bool VirtualTool::start(const Pose& tool, std::span<const ToolGround> grounds,
                         VirtualToolFrame& out) noexcept {
   look_up(tool, grounds, true, out);
@@ -185,8 +186,8 @@ bool VirtualTool::place(const Pose& tool, std::span<const ToolGround> grounds) n
   return true;
 }
 
-/// Path of the object that has moved most since the last frame [m]; the rows are of no use any more
-/// where one has.
+/// Largest displacement of an object since the last frame [m]. The rows are invalid if any object
+/// has moved.
 double VirtualTool::objects_moved(std::span<const ToolGround> grounds) noexcept {
   double most = 0.0;
   for (std::size_t n = 0; n < grounds.size(); ++n) {
@@ -206,7 +207,7 @@ Vec6 VirtualTool::spring_to(const Pose& hand) noexcept {
   return spring;
 }
 
-/// No point of the tool goes farther in a step `delta` [m].
+/// Upper bound of the displacement of any tool point in a step `delta` [m].
 double VirtualTool::length_of(const Vec6& delta) const noexcept {
   return delta.head<3>().norm() + delta.tail<3>().norm() * options_.reach_m / options_.lever_m;
 }
@@ -231,17 +232,17 @@ EquilibriumStep VirtualTool::solve(const Vec6& spring, double friction) const no
   return friction > 0.0 ? with_friction(rows_, spring, options_.lever_m, friction, free) : free;
 }
 
-/// Goes back to a pose that was looked up before, whose rows are in `others_`.
+/// Returns to an earlier pose of this frame, whose rows are in `others_`.
 void VirtualTool::go_back_to(const Kept& kept, VirtualToolFrame& out) noexcept {
   tool_ = kept.tool;
-  rows_ = others_;  // of the same capacity: nothing is allocated
+  rows_ = others_;  // equal capacity: no allocation
   rows_energy_ = kept.rows_energy, worst_depth_m_ = kept.worst_depth_m;
   out.surface_hits = kept.surface_hits, out.interior_hits = kept.interior_hits,
   out.points_tested = kept.points_tested;
 }
 
-/// Moves the virtual tool towards its balance with `hand`. \returns the last step that was solved,
-/// which is not taken.
+/// Moves the virtual tool towards equilibrium with `hand`. \returns the last computed step, which
+/// is not taken.
 EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
                                     std::span<const ToolGround> grounds, const Reach& reach,
                                     VirtualToolFrame& out) noexcept {
@@ -256,7 +257,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
     const Vec6 spring = spring_to(hand);
     const double length = spring.norm();
     const Vec6 cut = !rows_.empty() && length > pull ? Vec6(spring * (pull / length)) : spring;
-    // Where the path is used up, what still is inside is pushed out, and no more.
+    // Once the path is used up, remaining penetrations are resolved without further motion.
     const bool pulled = remaining_m > 0.1 * limits::kRestEdges * edge;
     const EquilibriumStep step =
         pulled ? solve(cut, friction) : equilibrium_step(rows_, Vec6::Zero());
@@ -302,7 +303,7 @@ EquilibriumStep VirtualTool::follow(const Pose& hand, double friction,
   }
 }
 
-/// The step from where the tool is: what still pulls and pushes there.
+/// The step from the present pose: remaining spring and contact forces.
 EquilibriumStep VirtualTool::balance(const Pose& hand, double friction,
                                      VirtualToolFrame& out) noexcept {
   const double pull = limits::kPullEdges * options_.edge_m;
@@ -325,7 +326,8 @@ void VirtualTool::report_step(const EquilibriumStep& step, VirtualToolFrame& out
   if (step.pushed) {
     out.displayed = Mat6::Identity() - step.loose * step.hessian.inverse() * step.loose;
   } else if (blocked_) {
-    out.displayed.setIdentity();  // no row determines which way it gives: as if none
+    out.displayed.setIdentity();  // no row determines the direction in which it yields: as without
+                                  // contact
   }
   double most = 0.0;
   for (const ConstraintRow& row : rows_) {
@@ -375,15 +377,15 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
   hand_path << hand.position - hand_.position,
       options_.lever_m * rotation_vector(hand_.orientation, hand.orientation);
   Reach reach{length_of(hand_path) + moved, std::numeric_limits<double>::infinity()};
-  if (pressed_)  // in contact the tool snaps slowly; free, it is the hand
+  if (pressed_)  // in contact the tool catches up slowly; in free space it is the hand
     reach.tool_m = reach.hand_m + std::max(limits::kCatchUpRatio * length_of(spring_to(hand)),
                                            limits::kSnapEdges * options_.edge_m);
   hand_ = hand;
   const EquilibriumStep step = follow(hand, std::max(0.0, sample.friction), grounds, reach, out);
   report_step(step, out);
   const bool free = same(tool_, hand);
-  // Short of a face, where no point is in its voxels any more, no row pushes; but the way on was
-  // tried, and led into the wall.
+  // Just in front of a face, with no point in its voxels, no row is active. The further motion was
+  // tried and led into the wall.
   out.not_converged = !free && !step.pushed && !pressed_ && !blocked_;
   out.constrained = !free && !out.not_converged;
   pressed_ = out.constrained;

@@ -13,24 +13,25 @@ namespace {
 constexpr std::size_t kPoints = WallFaces::kPoints, kCorners = 16;
 using Lanes = double[kPoints];
 
-/// Distances at the corners of two voxels for each point: its own, and the one an edge farther out
-/// along the tool's normal.
+/// Distances at the corners of two voxels for each point: its own, and that one edge farther along
+/// the tool's normal.
 struct Corners {
-  alignas(64) Lanes offset[2][3][2];  ///< from the point to the faces of either voxel, below and
-                                      ///< above on each axis [e]
+  /// From the point to the lower and upper faces of either voxel on each axis [e].
+  alignas(64) Lanes offset[2][3][2];
   alignas(
-      64) Lanes distance[kCorners];  ///< [e]; as the field has it; beyond limits::kSheetFarEdges it
-                                     ///< may be cut off, or the two voxels are one
+      /// [e]; as stored in the field. Beyond limits::kSheetFarEdges it may be cut off, or the two
+      /// voxels coincide.
+      64) Lanes distance[kCorners];
 
   VOXTOUCH_INLINE double from_point(std::size_t k, std::size_t axis, std::size_t n) const noexcept {
     return offset[k / 8][axis][k >> axis & 1][n];
   }
 };
 
-/// Planes n.x = c that are fitted to them.
+/// Planes n.x = c fitted to the corners.
 struct Fits {
   alignas(64) Lanes normal[3], c,
-      is_plane;  ///< the last: 1; 0 where there is none, and the normal before stays
+      is_plane;  ///< the last: 1; 0 without a plane, and the previous normal is kept
 };
 
 VOXTOUCH_INLINE bool is_there(double distance) noexcept {
@@ -49,7 +50,7 @@ void look_up(const voxmap::DistanceField::Arrays& arrays, const voxmap::VoxelInd
   const std::int32_t entry =
       in_table ? arrays.table[(x >> 3) + arrays.cells[0] * ((y >> 3) + arrays.cells[1] * (z >> 3))]
                : Field::kFree;
-  if (entry < 0) {  // nothing is stored: all are cut off
+  if (entry < 0) {  // no stored entry: all have the cut-off value
     for (int k = 0; k < 8; ++k)
       distance[k] = entry == Field::kDeep ? -arrays.depth_voxels : arrays.band_voxels;
     return;
@@ -59,7 +60,7 @@ void look_up(const voxmap::DistanceField::Arrays& arrays, const voxmap::VoxelInd
     distance[k] = node[(k & 1) + kY * (k >> 1 & 1) + kZ * (k >> 2)];
 }
 
-/// \returns how many corners there are.
+/// \returns the number of corners.
 std::size_t put_corners(const voxmap::DistanceField::Arrays& arrays, const Vec3& u,
                         const Vec3& outward, std::size_t lane, Corners& corners) noexcept {
   const voxmap::VoxelIndex here = voxmap::Grid::voxel_of(u),
@@ -88,13 +89,14 @@ std::size_t put_corners(const voxmap::DistanceField::Arrays& arrays, const Vec3&
   return count;
 }
 
-/// Fits the planes once more, to the corners on the side of the normal. For these n.x_k - d_k is c;
-/// behind the wall it falls short of c by the wall's thickness and twice the distance, so they are
-/// those near the largest. Sums are in the corners' order, unrolled so that they stay in registers;
-/// the planes are by the factors L D L' of the moments.
+/// Repeats the fit with the corners on the side of the normal. For these n.x_k - d_k is c. Behind
+/// the wall it is less than c by the thickness of the wall and twice the distance, so the valid
+/// corners are those near the largest value. Sums are in the order of the corners, unrolled to stay
+/// in registers. The planes follow from the L D L' factors of the moments.
 VOXTOUCH_CLONES void fit(const Corners& __restrict corners, double tolerance,
                          Fits& __restrict fits) noexcept {
-  constexpr double kKeep = 1e-3;  // where the corners leave a direction open, the one before stays
+  constexpr double kKeep = 1e-3;  // if the corners leave a direction undetermined, the previous one
+                                  // is kept
   for (std::size_t n = 0; n < kPoints; ++n) {
     const double nx0 = fits.normal[0][n], ny0 = fits.normal[1][n], nz0 = fits.normal[2][n];
     double reach[kCorners], most = -std::numeric_limits<double>::infinity();
@@ -145,8 +147,8 @@ VOXTOUCH_CLONES void fit(const Corners& __restrict corners, double tolerance,
   }
 }
 
-/// Whether the faces may reach the points' feet on them (1, else 0): nothing lies nearer to a
-/// corner than its distance, so a foot that does is beyond the face's rim.
+/// Whether the faces may reach the projections of the points (1, else 0). No surface is nearer to a
+/// corner than its distance, so a nearer projection is beyond the rim of the face.
 VOXTOUCH_CLONES void ask_whether_reached(const Corners& __restrict corners,
                                          const Fits& __restrict fits,
                                          Lanes& __restrict reached) noexcept {
@@ -174,7 +176,7 @@ void find_wall_faces(const voxmap::DistanceField& field, WallFaces& faces) noexc
   Fits fits;
   std::size_t left = 0;
   for (std::size_t n = 0; n < kPoints; ++n) {
-    const std::size_t p = n < faces.count ? n : 0;  // filled up with the first once more
+    const std::size_t p = n < faces.count ? n : 0;  // padded with the first point
     const Vec3 &u = faces.at[p], &outward = faces.outward[p];
     faces.found[n] =
         put_corners(arrays, u, outward, n, corners) >= limits::kSheetCorners && n < faces.count;
@@ -202,8 +204,8 @@ void find_wall_faces(const voxmap::DistanceField& field, WallFaces& faces) noexc
   for (std::size_t n = 0; n < faces.count; ++n) {
     faces.normal[n] = Vec3(fits.normal[0][n], fits.normal[1][n], fits.normal[2][n]);
     faces.gap_m[n] = -fits.c[n] * field.grid().edge;
-    // In a thick body one is deeper an edge farther in. Without this a round hole would be too
-    // narrow for its pin.
+    // In a thick body the depth increases one edge farther in. Without this test a round hole would
+    // be too narrow for its pin.
     faces.found[n] = faces.found[n] &&
                      faces.normal[n].dot(faces.outward[n]) >= limits::kSheetAgree &&
                      field.at(faces.at[n] - faces.normal[n]).distance_m >= faces.gap_m[n];

@@ -5,14 +5,14 @@
 namespace voxtouch::contact {
 namespace {
 
-/// A point of the static object, in grid coordinates, and the normal of the thin wall that it is in
-/// the middle of; zero: it is in the inside that the field knows.
+/// A point of the static object, in grid coordinates, and the normal of the thin wall around it;
+/// zero: it is in the interior that the field represents.
 struct WallPoint {
   Vec3 at, normal;
 };
 
-/// Looks for one at `u`, and within an edge of it for the middle of a thin wall: from either side
-/// of that the distance grows.
+/// Searches for a wall at `u`, and within an edge of it for the middle of a thin wall, from which
+/// the distance grows to either side.
 bool find_wall(const voxmap::DistanceField& field, const Vec3& u, WallPoint& wall) noexcept {
   wall = {u, Vec3::Zero()};
   if (field.at(u).distance_m < 0.0)
@@ -35,15 +35,15 @@ bool find_wall(const voxmap::DistanceField& field, const Vec3& u, WallPoint& wal
   return widest > 0.0;
 }
 
-/// Whether a point, `arm` from the tool's origin, is inside the tool, deeper than a start may be:
-/// by the hits near it, of which there must be one. Looks from hit `from` on to both sides, since
-/// those near it in the list are near it in the tool, and one is enough to say no.
+/// Whether a point, `arm` from the tool's origin, is deeper inside the tool than a start allows, by
+/// the hits near it; at least one is required. Searches from hit `from` to both sides, since
+/// neighbours in the list are neighbours in the tool. A single hit can refute it.
 bool deep_inside(const Hits& hits, std::size_t from, const Vec3& arm, double edge) noexcept {
   const double near = limits::kNearEdges * edge, depth = limits::kPlacedDepthEdges * edge;
   bool any = false;
   for (std::size_t k = 0; k < 2 * hits.size(); ++k) {
     const std::size_t n =
-        k % 2 == 0 ? from + k / 2 : from - k / 2 - 1;  // below zero it is beyond the end
+        k % 2 == 0 ? from + k / 2 : from - k / 2 - 1;  // negative values are beyond the end
     if (n >= hits.size())
       continue;
     const Hit hit = hits[n];

@@ -1,5 +1,6 @@
 #pragma once
-/// What is left of the command while the clutch is pressed: the tool stays, the device moves free.
+/// Fades the command while the clutch is pressed: the tool stays in place and the device moves
+/// freely.
 #include <algorithm>
 
 #include "core/coupling/ramp.hpp"
@@ -7,13 +8,14 @@
 
 namespace voxtouch::coupling {
 
-/// Pressing fades the command out. With the release the coupling starts from what is left, and
-/// fades its contact in (RunningCoupling::reset). Real-time safe.
+/// Pressing the clutch fades the command out. On release, the coupling starts from the faded
+/// command and fades its contact in (RunningCoupling::reset). Real-time safe.
 class ClutchFade {
  public:
   static constexpr double kFadeS = 0.1;
 
-  /// Of a sample `dt_s` after the last. True: the clutch has been released with it.
+  /// Advances by one sample of `dt_s` [s]. Returns true if the clutch was released with this
+  /// sample.
   bool advance(bool pressed, double dt_s) noexcept {
     const bool released = pressed_ && !pressed;
     if (pressed && !pressed_)
@@ -24,9 +26,9 @@ class ClutchFade {
     return released;
   }
   bool pressed() const noexcept { return pressed_; }
-  /// What the device is to give of `wrench`.
+  /// The faded `wrench` for the device.
   Wrench of(const Wrench& wrench) const noexcept { return pressed_ ? scaled(wrench) : wrench; }
-  /// What it still gave of `wrench`, the last command, when the clutch was released.
+  /// The last command `wrench` as it was faded at the release of the clutch.
   Wrench scaled(const Wrench& wrench) const noexcept {
     return {left_.now() * wrench.force, left_.now() * wrench.torque};
   }

@@ -8,7 +8,7 @@
 namespace voxtouch::coupling {
 namespace {
 
-/// Below this a stiffness is none: its inverse would overflow.
+/// A smaller stiffness counts as zero, since its inverse would overflow.
 constexpr double kNoStiffness = 1e-200;
 
 }  // namespace
@@ -55,7 +55,7 @@ InjectedWrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law
                                    const Twist& velocity) const noexcept {
   InjectedWrench out;
   const Mat6& k = contact.contact_stiffness;
-  // It is there to make up for stiffness that comes late; a force without any (a medium's drag, a
+  // Damping compensates stiffness that acts late. A force without stiffness (drag of a medium, a
   // weight) needs none.
   if (!(contact.contact_stiffness_n_per_m > 0.0) && k.isZero(0.0))
     return out;

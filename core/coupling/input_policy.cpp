@@ -44,7 +44,7 @@ PolicedSample InputPolicy::apply(const CouplingInput& input, double dt_s) noexce
   return sample;
 }
 
-/// True where good inputs have been missing for too long, and where they are back after that.
+/// Returns true when valid inputs have been missing for too long, and when they return after that.
 bool InputPolicy::begins_again(const PolicedSample& sample) noexcept {
   if (sample.good) {
     repeated_s_ = 0.0;
@@ -61,9 +61,9 @@ double InputPolicy::weight_after(const PolicedSample& sample) noexcept {
     if (start_ == Start::kFade || (sample.good && in_contact_))
       elapsed_s_ = 0.0;
     else if (sample.good)
-      elapsed_s_ = ramp_s_;  // started in free space: nothing to fade
+      elapsed_s_ = ramp_s_;  // started in free space: no fade needed
     else
-      return 0.0;  // nothing known yet
+      return 0.0;  // no valid input so far
     start_ = Start::kRunning;
   }
   if (elapsed_s_ >= ramp_s_)

@@ -1,51 +1,53 @@
 #pragma once
-/// What is done with a sample before a law sees it: mend the period, refuse what is not a number,
-/// fade in what would otherwise be a step. Once for whichever law runs.
+/// Prepares each sample for a coupling law: corrects the period, rejects invalid numbers and fades
+/// in steps. Common to all laws.
 #include <cstdint>
 
 #include "core/coupling/coupling.hpp"
 
 namespace voxtouch::coupling {
 
-/// Periods within [T/5, 5T] are used as measured; beyond 10 T the loop has stood still.
+/// Periods within [T/5, 5T] are used as measured. A gap of more than 10 T means that the loop was
+/// suspended.
 inline constexpr double kPeriodBand = 5.0, kGapPeriods = 10.0;
-/// A component beyond this [N, Nm, N/m] is no force but a fault, and is treated as NaN is.
+/// A larger component [N, Nm, N/m] is a fault, and is handled like NaN.
 inline constexpr double kLargestInput = 1e12;
 
-/// What the policy finds about one sample.
+/// Result of the policy for one sample.
 struct PolicedSample {
-  double dt_s = 0;    ///< the period as measured, within the band, or the nominal one
-  double weight = 1;  ///< fraction of the contact in what the law is given; the rest belongs to the
-                      ///< force of the start
-  bool good = false;  ///< the input is made of numbers; else the last good one is repeated
+  double dt_s = 0;    ///< the measured period if it is within the band, else the nominal one
+  double weight = 1;  ///< fraction of the contact in the law's input; the rest is the start force
+  bool good = false;  ///< the input is valid; else the last valid one is repeated
   bool lost =
-      false;  ///< none was good for kGapPeriods: from now on the contact is none, until one is
-  bool gap = false;  ///< the loop stood still, or good inputs have ended or come back: start again
-                     ///< at the force given last
+      false;  ///< no valid input for kGapPeriods: the contact is zero until the next valid one
+  /// The loop was suspended, or valid inputs have ended or returned: restart at the last force.
+  bool gap = false;
 };
 
-/// Whether contact, bound and stiffness matrix are numbers that a law can take. The pose is not
-/// asked. Real-time safe.
+/// Whether contact, stiffness bound and stiffness matrix are valid. The pose is not checked.
+/// Real-time safe.
 bool usable(const CouplingInput& input) noexcept;
 
-/// Real-time safe; one per coupling. An input that is not usable is replaced by the last good one
-/// for at most kGapPeriods periods: a force that no longer follows the hand can be pumped for
-/// energy. Then, as after a gap of time, the coupling starts again at the force given last and
-/// fades, first to no contact and, when good inputs are back, to theirs.
+/// Input policy of one coupling. Real-time safe.
+/// An invalid input is replaced by the last valid one for at most kGapPeriods periods, because a
+/// force that does not follow the operator can generate energy. Then the coupling restarts at the
+/// last force, as after a gap in time, and fades to zero contact. When valid inputs return, it
+/// fades to them.
 class InputPolicy {
  public:
-  /// `nominal_s`: the sample time [s]; `ramp_s`: how long an input is faded in [s]. Both above 0.
+  /// `nominal_s`: sample time [s]. `ramp_s`: duration of the fade-in [s]. Both > 0.
   InputPolicy(double nominal_s, double ramp_s) noexcept : nominal_s_(nominal_s), ramp_s_(ramp_s) {}
 
-  /// One sample, `dt_s` [s] after the last; call once a sample. What is wrong with either is
-  /// counted, and answered as above.
+  /// Processes one sample, `dt_s` [s] after the last; call it once per sample. Faults of input or
+  /// period are counted.
   PolicedSample apply(const CouplingInput& input, double dt_s) noexcept;
-  /// The next samples are faded in from a force that is given already, or, where there is none,
-  /// only if the first good one is in contact: a contact that begins later begins at depth zero by
-  /// itself, and fading it would let the tool sink below the layer that pushes.
+  /// Fades in the next samples from the present force. Without a present force, it fades only if
+  /// the first valid sample is in contact. A contact that begins later starts at depth zero; fading
+  /// it would let the tool sink below the force layer.
   void restart(bool gives_force) noexcept;
 
-  std::uint64_t faults() const noexcept { return faults_; }  ///< bad periods and bad inputs so far
+  /// Number of invalid periods and inputs.
+  std::uint64_t faults() const noexcept { return faults_; }
 
  private:
   enum class Start : std::uint8_t { kRunning, kFadeIfInContact, kFade };

@@ -6,7 +6,7 @@
 namespace voxtouch::coupling {
 namespace {
 
-/// A direction shorter than this is none.
+/// A shorter direction counts as zero.
 constexpr double kNoLength = 1e-200;
 
 void keep(double& energy_j) noexcept {

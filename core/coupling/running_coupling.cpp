@@ -32,7 +32,7 @@ const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limi
   return spec;
 }
 
-/// By as much a contact that is just at the caps may seem to be above them.
+/// Tolerance by which a contact exactly at the caps may appear to exceed them.
 constexpr double kScaleRounding = 1e-6;
 
 constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
@@ -81,8 +81,8 @@ double RunningCoupling::gain() const noexcept {
   return filter ? filter->gain() : 1.0;
 }
 
-/// The next samples fade from `start` to theirs; what is not finite or over the limits is not
-/// given.
+/// The next samples fade from `start` to their own force. A non-finite start becomes zero; one over
+/// the limits is clamped.
 void RunningCoupling::start_law_at(const Wrench& start) noexcept {
   given_ = start.finite() ? start : Wrench{};
   clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
@@ -147,8 +147,8 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   return out;
 }
 
-/// Of what was supplied in W the hand gets as much as the law shows of a force. Never more than the
-/// largest force can do.
+/// Scales the energy supplied in W like a force of the law. The largest force at the largest speed
+/// bounds it.
 double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) noexcept {
   if (!std::isfinite(input.supplied_energy_j))
     return 0.0;
@@ -159,7 +159,7 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
   return std::clamp(displayed_ * more, -most, most);
 }
 
-/// The contact, scaled and cut, through the law.
+/// Applies the law to the scaled and clamped contact.
 Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample,
                                 CouplingOutput& out) noexcept {
   if (sample.good) {
@@ -181,8 +181,8 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     out.clamped =
         clamp_wrench(in.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
   } else {
-    in.contact = {};  // gives zero anyhow, and an uncut input must not wait in the law's state for
-                      // the gain to come back
+    in.contact = {};  // the output is zero, and an unlimited input must not wait in the law's state
+                      // until the gain returns
   }
   given_ = std::visit(
       [&](auto& law) {
@@ -201,12 +201,12 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
 void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const Twist& velocity = motion_.velocity();
   const InjectedWrench injected =
-      injected_.of(contact_, law.force, velocity);  // none where the contact does not push
+      injected_.of(contact_, law.force, velocity);  // zero without contact force
   sum.force += injected.wrench.force, sum.torque += injected.wrench.torque;
   out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
 }
 
-/// Never pulling, nothing in free space, within the limits, finite.
+/// Makes the command never pull, vanish in free space, stay within the limits and be finite.
 void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const double part = one_sided(contact_.coherence);
   never_pull(sum.force, law.force.isZero(0.0) ? contact_.contact.force : law.force, part);
@@ -215,13 +215,13 @@ void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out
     ++counters_.not_finite;
     sum = law;
   }
-  // The filter's tail: damping may take from it, not add to it.
+  // Filter output after the contact: damping may reduce it and not add to it.
   if (!in_contact_)
     clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
   out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
 }
 
-/// A force that has grown by itself fades, and stays away.
+/// Fades the command to zero, permanently, after self-excited growth of the force.
 void RunningCoupling::give_up(double dt_s, Wrench& sum, CouplingOutput& out) noexcept {
   if (!swing_.growing())
     return;
@@ -230,7 +230,7 @@ void RunningCoupling::give_up(double dt_s, Wrench& sum, CouplingOutput& out) noe
   sum.force *= left_, sum.torque *= left_;
 }
 
-/// The step that the last command has worked on.
+/// Records the step during which the last command acted.
 void RunningCoupling::count_path() noexcept {
   const Wrench& applied = passivity_.applied();
   if (applied.zero())

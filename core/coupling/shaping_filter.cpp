@@ -5,7 +5,7 @@
 namespace voxtouch::coupling {
 namespace {
 
-/// Force x y z, torque x y z.
+/// Index order: force x y z, torque x y z.
 template <class W>
 auto& component(W& w, std::size_t i) noexcept {
   return i < 3 ? w.force[static_cast<Eigen::Index>(i)] : w.torque[static_cast<Eigen::Index>(i - 3)];
@@ -36,9 +36,9 @@ void ShapingFilter::start_at(const Wrench& start) noexcept {
 
 Wrench ShapingFilter::step(const LawInput& in) noexcept {
   const Pt2Coefficients k = Pt2Coefficients::of(w0_, d_, in.dt_s);
-  const double back =
-      gain_ > 0.0 ? (1.0 - in.weight) / gain_
-                  : 0.0;  // input that would keep the force of the start, times its fraction
+  const double back = gain_ > 0.0
+                          ? (1.0 - in.weight) / gain_
+                          : 0.0;  // input that would maintain the start force, times its fraction
   Wrench given;
   for (std::size_t i = 0; i < states_.size(); ++i) {
     const double u = in.weight < 1.0

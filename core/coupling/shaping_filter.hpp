@@ -1,5 +1,5 @@
 #pragma once
-/// The paper's coupling: each component of the contact's wrench through the same second-order
+/// The coupling of the paper: each component of the contact's wrench passes the same second-order
 /// low-pass (pt2.hpp).
 #include <array>
 
@@ -12,26 +12,24 @@ namespace voxtouch::coupling {
 /// Fastest change of the gain at run time [1/s], counted in nominal periods.
 inline constexpr double kGainSlewPerS = 1.0;
 
-/// Force in, force out; K dimensionless, so that a held contact is given back times K exactly.
-/// Works in W: the axes of the six components do not turn with the tool. Real-time safe.
+/// Force in, force out. K is dimensionless, so a constant contact is returned times K exactly. The
+/// filter works in W: the axes of its six components do not rotate with the tool. Real-time safe.
 class ShapingFilter {
  public:
-  /// `spec` as `validate` accepts it.
+  /// Requires a validated `spec`.
   ShapingFilter(const CouplingSpec& spec, double nominal_period_s) noexcept;
 
-  /// One sample: K H_f of the contact, faded in from the force given at the start [N, Nm], W axes.
-  /// Source: the paper, section 3.
+  /// One sample: K H_f of the contact, faded in from the start force [N, Nm], W axes. Source: the
+  /// paper, section 3.
   Wrench step(const LawInput& input) noexcept;
-  /// Starts again, giving `start` without a jump.
+  /// Restarts from the force `start` without a jump.
   void start_at(const Wrench& start) noexcept;
-  /// New parameters while running, as `validate` accepts them: cut-off and damping at once (the
-  /// state cannot grow by it), the gain no faster than kGainSlewPerS.
+  /// Sets validated parameters at run time. Cut-off and damping change immediately (the state
+  /// cannot grow by it), the gain no faster than kGainSlewPerS.
   void redesign(const CouplingSpec& spec) noexcept;
-  double gain() const noexcept {
-    return gain_;
-  }  ///< as it is now, on its way to the one that was set
-  /// Moves the gain on by a sample. The input of `step` is to be cut at limit / gain, so that the
-  /// state never winds up on a peak that the device cannot give.
+  double gain() const noexcept { return gain_; }  ///< the present gain during a ramp
+  /// Advances the gain by one sample. The input of `step` must be clamped to limit / gain, so that
+  /// the state does not wind up on a peak that the device cannot give.
   double advance_gain() noexcept;
 
  private:

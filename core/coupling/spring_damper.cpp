@@ -6,7 +6,8 @@
 namespace voxtouch::coupling {
 namespace {
 
-/// A displacement component below this [m] is set to zero, before it decays into denormal numbers.
+/// A smaller displacement component [m] is set to zero, so that it does not decay into denormal
+/// numbers.
 constexpr double kRest = 1e-30;
 
 void settle(Vec3& delta) noexcept {
@@ -21,8 +22,7 @@ Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r,
                                   double dt_s) noexcept {
   const double damper = r / dt_s;
   const double left =
-      damper /
-      (c + damper);  // fraction of the displacement that an unpushed object keeps over the step
+      damper / (c + damper);  // fraction of the displacement that a free object keeps over the step
   const double size = f.norm();
   if (!(size > 0.0)) {
     delta *= left;
@@ -31,12 +31,12 @@ Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r,
   }
   const Vec3 along = f / size;
   const double before = along.dot(delta);
-  // Below zero (the force has turned round within a step) the object would be pushed by more than
-  // the contact gives.
+  // A negative displacement (the force has reversed within a step) would need more force than the
+  // contact gives.
   double now = std::max(0.0, (size + damper * before) / (k + c + damper));
   double given = size - k * now;
   if (given < 0.0)
-    given = 0.0, now = left * before;  // off the surface
+    given = 0.0, now = left * before;  // the object has left the surface
   delta = left * (delta - before * along) + now * along;
   settle(delta);
   return given * along;
@@ -58,7 +58,7 @@ Wrench SpringDamper::step(const LawInput& in) noexcept {
   Wrench contact = in.contact;
   if (in.weight < 1.0) {
     const double back = (1.0 - in.weight) * (c + in.stiffness_n_per_m) /
-                        c;  // f that would keep the force of the start at rest
+                        c;  // f that would maintain the start force at rest
     contact.force = in.weight * in.contact.force + back * start_.force;
     contact.torque = in.weight * in.contact.torque + back * start_.torque;
   }

@@ -1,52 +1,52 @@
 #pragma once
-/// The spring-damper coupling that the paper compares its filter with. Real-time safe.
+/// The spring-damper coupling, with which the paper compares its filter. Real-time safe.
 #include "core/coupling/coupling.hpp"
 #include "core/coupling/law_input.hpp"
 #include "core/coupling/ramp.hpp"
 
 namespace voxtouch::coupling {
 
-/// One vector's part of the spring-damper's law: a massless object hangs on the device by a spring
-/// c and a damper r, and is pushed out of the static scene.
+/// The spring-damper law for one vector: a massless object, connected to the device by a spring c
+/// and a damper r, is pushed out of the static scene.
 ///
-/// Let delta be how far the object stands off the device's pose. The contact is computed at the
-/// device's pose, where it pushes with f; an object that yields by delta receives less, to first
-/// order f - k delta, with k the contact's stiffness bound. It has no mass, so what pushes it is
-/// what pulls it back: f - k delta = c delta + r delta'. With the backward difference delta' =
-/// (delta - delta_prev)/T, which needs no smaller step for a stiff contact,
+/// Let delta be the displacement of the object from the pose of the device. The contact is computed
+/// at the pose of the device, where its force is f. An object displaced by delta receives, to first
+/// order, f - k delta, with k the stiffness bound of the contact. Without mass both forces balance:
 ///
-///     delta = (f + r delta_prev / T) / (k + c + r / T),     F = c delta + r (delta - delta_prev) /
-///     T = f - k delta.
+///     f - k delta = c delta + r delta'
 ///
-/// At rest F = c/(c + k) f: two springs in a row. The law holds along f. Across f there is nothing
-/// to push with, and the object swings back to the device by spring and damper alone; likewise
-/// along f once the object has left the surface (F would pull), and in free space. F is never
-/// against f and never longer than f.
+/// With the backward difference delta' = (delta - delta_prev)/T, which allows any stiffness at a
+/// given step,
+///
+///     delta = (f + r delta_prev / T) / (k + c + r / T),
+///     F     = c delta + r (delta - delta_prev) / T = f - k delta.
+///
+/// At rest F = c/(c + k) f: two springs in series. The law applies along f. Across f there is no
+/// contact force, and the object returns to the device by spring and damper alone. The same holds
+/// along f in free space and once the object has left the surface, where F would pull. F never
+/// opposes f and is never longer than f.
 struct UnilateralSpringDamper {
   Vec3 delta = Vec3::Zero();
-  /// F of one sample for the contact's force `f` [N or Nm], its stiffness `k`, spring `c` [N/m],
+  /// F of one sample, for the contact's force `f` [N or Nm], its stiffness `k`, spring `c` [N/m],
   /// damper `r` [Ns/m] and the period [s].
   Vec3 step(const Vec3& f, double k, double c, double r, double dt_s) noexcept;
 };
 
-/// Forces and torques take the same law with the same c, r and k: the torque is the sum of (arm x
-/// force) over the contact's points, and a law that is linear in the forces acts on that sum as on
-/// each of them. The torque thus keeps its proportion to the force, with no rotational stiffness to
-/// be tuned.
+/// Applies the same law, with the same c, r and k, to force and torque. The torque is the sum of
+/// (arm x force) over the contact's points, and a law linear in the forces applies to that sum. The
+/// torque thus keeps its ratio to the force, without a rotational stiffness to tune.
 class SpringDamper {
  public:
-  /// c and r of `spec`, as `validate` accepts it.
+  /// Takes c and r of a validated `spec`.
   explicit SpringDamper(const CouplingSpec& spec) noexcept
       : c_(spec.stiffness_n_per_m),
         r_(spec.damping_ns_per_m) {}
 
-  /// One sample of the law above for force and torque [N, Nm], W axes, faded in from the force
-  /// given at the start.
+  /// One sample of the law for force and torque [N, Nm], W axes, faded in from the start force.
   Wrench step(const LawInput& input) noexcept;
-  /// Starts again, giving `start` without a jump.
+  /// Restarts from the force `start` without a jump.
   void start_at(const Wrench& start) noexcept;
-  /// New parameters while running, c > 0 and r >= 0; both go there in a straight line over
-  /// kDefaultRampS.
+  /// Sets c > 0 and r >= 0 at run time; both ramp linearly over kDefaultRampS.
   void redesign(const CouplingSpec& spec) noexcept;
   const Vec3& object_offset() const noexcept {
     return force_.delta;

@@ -7,7 +7,7 @@
 namespace voxtouch::coupling {
 namespace {
 
-/// Inverse of a cap; the upper end only keeps a cap that is next to nothing from overflowing.
+/// Inverse of a cap. The upper limit prevents an overflow for a cap close to zero.
 double per(double cap) noexcept { return std::min(1.0 / cap, 1e100); }
 
 /// Fixed size: Eigen keeps it on the stack, and its iteration is bounded.
@@ -15,8 +15,8 @@ template <class Matrix>
 double largest(const Matrix& matrix) noexcept {
   const Matrix symmetric = 0.5 * (matrix + matrix.transpose());
   const Eigen::SelfAdjointEigenSolver<Matrix> solver(symmetric, Eigen::EigenvaluesOnly);
-  // The Frobenius norm is never less than the largest eigenvalue: what is left if the iteration
-  // should not end.
+  // The Frobenius norm is an upper bound of the largest eigenvalue; used if the iteration does not
+  // converge.
   const double value =
       solver.info() == Eigen::Success ? solver.eigenvalues().maxCoeff() : symmetric.norm();
   return std::max(value, 0.0);
@@ -30,7 +30,7 @@ double largest_eigenvalue(const Mat6& matrix) noexcept { return largest(matrix);
 double cap_scale(const Mat6& stiffness, double bound, double per_cap_t, double per_cap_r) noexcept {
   if (!(per_cap_t > 0.0) && !(per_cap_r > 0.0))
     return 1.0;
-  double excess = 0.0;  // the stiffness in units of its caps
+  double excess = 0.0;  // stiffness in units of its caps
   if (stiffness.isZero(0.0)) {
     excess = bound * per_cap_t;
   } else if (per_cap_r > 0.0) {

@@ -1,12 +1,12 @@
 #pragma once
-/// How stiff a contact is compared with what is certified.
+/// Scales a contact that is stiffer than the certified stiffness.
 #include "core/coupling/coupling.hpp"
 #include "core/coupling/ramp.hpp"
 
 namespace voxtouch::coupling {
 
-/// Largest eigenvalue of the symmetric part of a finite matrix; not below zero. The same matrix
-/// gives bit-identical results: nothing is remembered from one to the next. Real-time safe.
+/// Largest eigenvalue of the symmetric part of a finite matrix, at least 0. Equal matrices give
+/// bit-identical results, because no state is kept. Real-time safe.
 double largest_eigenvalue(const Mat3& matrix) noexcept;
 double largest_eigenvalue(const Mat6& matrix) noexcept;
 
@@ -14,29 +14,28 @@ double largest_eigenvalue(const Mat6& matrix) noexcept;
 ///
 ///     s = min(1, 1 / lambda_max(N K N)),   N = diag(1/sqrt(cap_t) I, 1/sqrt(cap_r) I).
 ///
-/// Caps come as their inverses, 0 for none. Where the matrix is zero but `bound` (spectral norm of
-/// the translational part) is not, s = min(1, cap_t / bound). Finite inputs; always within [0, 1].
-/// Real-time safe.
+/// Caps are given as their inverses, 0 for no cap. If the matrix is zero but `bound` (spectral norm
+/// of the translational part) is not, s = min(1, cap_t / bound). Requires finite inputs; the result
+/// is in [0, 1]. Real-time safe.
 double cap_scale(const Mat6& stiffness, double bound, double per_cap_t, double per_cap_r) noexcept;
 
-/// The scale for a contact that is stiffer than the caps: s above. The rendering's spring
-/// (core/rendering/series_spring.hpp) leaves 1 of it; less is only needed where caps and spring
-/// change, and for a contact that comes without one. Nothing of the contact is stored. Real-time
-/// safe.
+/// The scale s above for a contact stiffer than the caps. The spring of the rendering
+/// (core/rendering/series_spring.hpp) normally makes it 1. A smaller scale is needed only while
+/// caps and spring change, and for a contact without a spring. Stores no contact. Real-time safe.
 class StiffnessScale {
  public:
-  /// The caps of `spec`, as `validate` accepts it; infinity: none.
+  /// Takes the caps of a validated `spec`; infinity: no cap.
   explicit StiffnessScale(const CouplingSpec& spec) noexcept;
-  /// New caps. A contact that pushes meanwhile does not jump: from what it is scaled to now it goes
-  /// to what the new caps ask for in a straight line over kDefaultRampS.
+  /// Sets new caps. During contact the scale ramps linearly from its present value to the new one
+  /// over kDefaultRampS.
   void redesign(const CouplingSpec& spec) noexcept;
-  /// s of this sample; `input` as `usable` accepts it.
+  /// s of this sample, for a `usable` input.
   double step(const CouplingInput& input, double dt_s) noexcept;
 
  private:
   double per_cap_t_, per_cap_r_, scale_ = 1.0;
   bool redesigned_ = false;
-  Ramp over_{1.0};  ///< the scale, in units of what the new caps ask for, on its way to one
+  Ramp over_{1.0};  ///< the scale relative to that of the new caps, ramping to 1
 };
 
 }  // namespace voxtouch::coupling

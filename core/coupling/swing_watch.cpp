@@ -37,7 +37,7 @@ bool SwingWatch::large_enough(const Cycle& cycle) const noexcept {
          cycle.shift.norm() <= kClosed * cycle.amplitude_m();
 }
 
-/// Of no more energy than nothing, as far as the encoder shows it.
+/// Whether the operator has put in no energy, within the resolution of the encoder.
 bool SwingWatch::without_hand(const Cycle& cycle) const noexcept {
   const double exchanged = 0.25 * std::numbers::pi * cycle.amplitude_m() * cycle.force_n();
   if (cycle.period_s > kVoluntaryS)
@@ -45,7 +45,7 @@ bool SwingWatch::without_hand(const Cycle& cycle) const noexcept {
   return cycle.hand_j() < kHandWorks * exchanged - kHidden * device_.resolution_m * cycle.force_n();
 }
 
-/// The mean over the last period of what the device gave.
+/// Mean force of the device over the last period.
 Vec3 SwingWatch::force_at_device(const Vec3& command, double dt_s) noexcept {
   const std::size_t size = commands_.size();
   newest_ = (newest_ + 1) % size;
@@ -85,7 +85,7 @@ void SwingWatch::see(const ToolStep& step, const Vec3& command, const Vec3& norm
     forget();
     return begin_cycle(force);
   }
-  // A turn counts once the tool has come back by more than the encoder may have it do at rest.
+  // A reversal counts once the tool has returned by more than encoder noise at rest.
   const double back = 1.5 * device_.resolution_m;
   turn_m_ = outward_ ? std::max(turn_m_, position_m_) : std::min(turn_m_, position_m_);
   const double returned = outward_ ? turn_m_ - position_m_ : position_m_ - turn_m_;
@@ -94,7 +94,7 @@ void SwingWatch::see(const ToolStep& step, const Vec3& command, const Vec3& norm
   outward_ = !outward_;
   turn_m_ = position_m_;
   if (outward_)
-    return;  // one cycle from one outermost point to the next
+    return;  // a cycle lasts from one outermost point to the next
   end_cycle();
   begin_cycle(force);
 }
@@ -106,7 +106,7 @@ void SwingWatch::watch_growth(bool by_itself, bool like) noexcept {
                     now_.force_n() > kGrowth * last_.force_n() &&
                     now_.amplitude_m() > last_.amplitude_m();
   grown_ = grew ? grown_ + 1 : 0;
-  // As small as that it may go on for a while.
+  // A growing swing this small may continue for a while.
   if (growing() && now_.force_n() < least_force_n(device_, kGrowingForce))
     grown_ = kGrowingCycles - 1;
 }
@@ -117,7 +117,8 @@ void SwingWatch::end_cycle() noexcept {
   const bool like = std::abs(now_.period_s - last_.period_s) <= kAlike * last_.period_s;
   watch_growth(by_itself, like);
   const double least_m = std::max(kNoSmaller, 1.0 - kSmallerACycle * alike_) * first_m_;
-  if (!by_itself || !like || now_.amplitude_m() < least_m) {  // another one, or it decays
+  if (!by_itself || !like || now_.amplitude_m() < least_m) {  // a different swing, or a decaying
+                                                              // one
     alike_ = 0, alike_s_ = 0.0;
     first_m_ = now_.amplitude_m();
     swinging_ = false;

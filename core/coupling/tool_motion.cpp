@@ -10,7 +10,7 @@
 namespace voxtouch::coupling {
 namespace {
 
-/// How far a quaternion's norm may be from one [F7], and a velocity component that is none:
+/// Tolerance of a quaternion's norm. Velocity components below kRest count as zero, because
 /// denormal numbers are slow.
 constexpr double kNormBand = 1e-3, kRest = 1e-30;
 
@@ -48,7 +48,7 @@ void ToolMotion::forget() noexcept {
   forget_velocity();
 }
 
-/// As of a tool that has rested.
+/// As for a tool at rest.
 void ToolMotion::forget_velocity() noexcept {
   fast_ = velocity_ = {};
   slow_.setZero();

@@ -1,5 +1,5 @@
 #pragma once
-/// How the tool has moved since the last sample, and how fast, out of poses alone.
+/// Displacement and velocity of the tool, from poses only.
 #include <array>
 #include <cstdint>
 
@@ -8,7 +8,7 @@
 
 namespace voxtouch::coupling {
 
-/// Faster than this, in W, no hand moves a tool: the pose has jumped. Multiply by the device's
+/// No operator moves a tool faster than this, in W: the pose has jumped. Multiply by the device's
 /// position scale.
 struct ToolSpeedLimits {
   double linear_m_per_s = 10.0;
@@ -18,47 +18,51 @@ struct ToolSpeedLimits {
 /// The displacement from one pose to the next.
 struct ToolStep {
   bool known =
-      false;  ///< false: first pose, bad pose, jump or gap; the displacements are zero then
+      false;  ///< false: first pose, invalid pose, jump or gap; the displacements are then zero
   Vec3 shift = Vec3::Zero();  ///< of the tool's origin [m], W axes
-  Vec3 turn = Vec3::Zero();   ///< rotation vector [rad], the shorter way round, W axes
+  Vec3 turn = Vec3::Zero();   ///< rotation vector [rad], the shorter rotation, W axes
 };
 
-/// Differences and the velocity that damping acts on. Real-time safe.
+/// Displacements and the velocity estimate that damping acts on. Real-time safe.
 ///
-///     v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / dt,   a = exp(-w_v dt),
+///     v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / dt,   a = exp(-w_v dt)
 ///
-/// a convex mean of difference quotients, so never larger than the largest of them. dt as measured,
-/// up to the gap; below the input policy's band, or no number: the nominal period. (Above the band
-/// a law must not trust dt, since its state would grow with it. Here a longer dt is the smaller
-/// velocity.) A sample without a usable pose leaves v^ as it is and its time counts towards the
-/// next; after a gap, and after a jump, v^ begins again at zero.
+/// This is a convex mean of difference quotients, so it never exceeds the largest of them. The
+/// measured period is used for dt, up to the gap. Below the band of the input policy, or if it is
+/// not finite, the nominal period is used. (A law must not use a dt above the band, since its state
+/// would grow with it. Here a longer dt only gives a smaller velocity.) A sample without a usable
+/// pose keeps v^, and its time adds to the next. After a gap or a jump, v^ restarts at zero.
 ///
-/// With a window v^ is the formula of velocity_window.hpp for periods as measured, u and w each a
-/// displacement over its time. The displacement of a longer time than a period, of samples that
-/// were lost, counts as that many differences. Until the window is full v^ is u, as if the tool had
-/// rested before the first.
+/// With a window, v^ is the formula of velocity_window.hpp for measured periods, with u and w each
+/// a displacement over its time. A displacement over several periods, after lost samples, counts as
+/// that many differences. Until the window is full v^ is u, as if the tool had been at rest.
 ///
-/// With a band the linear part of the velocity is v^ + clamp(u^ - v^, +- band), each axis by
-/// itself, u^ of a first-order filter of its own: an encoder's step is smoothed as u^ smooths it,
-/// and what moves by more than the band is as late as v^. Off v^ by no more than the band, so
-/// whatever is bounded on v^ is bounded on it.
+/// With a band, the linear velocity is
+///
+///     v^ + clamp(u^ - v^, +- band)
+///
+/// for each axis, with u^ from a slower first-order filter. Encoder steps are smoothed as by u^,
+/// and motions larger than the band are as late as v^. It deviates from v^ by at most the band, so
+/// bounds that hold for v^ hold for it.
 class ToolMotion {
  public:
-  /// `nominal_s`: the sample time [s]; `limits`: a pose that would need a faster tool is a jump.
-  /// `velocity_window`: n, 0 to kMaxVelocityWindow; 0: the first-order filter with that cut-off.
+  /// `nominal_s`: sample time [s]. `limits`: a pose that needs a faster tool is a jump.
+  /// `velocity_window`: n, 0 to kMaxVelocityWindow; 0 selects the first-order filter with that
+  /// cut-off [Hz].
   ToolMotion(double nominal_s, double velocity_filter_hz, const ToolSpeedLimits& limits,
              int velocity_window = 0) noexcept;
 
   /// The displacement to `tool` (T in W) and the velocity there, `dt_s` [s] after the last sample.
   /// Valid until the next call.
   const ToolStep& step(const Pose& tool, double dt_s) noexcept;
-  /// Another cut-off of v^ [Hz] or another window, from the next sample on.
+  /// Sets the cut-off of v^ [Hz] or the window, from the next sample on.
   void set_filter(double velocity_filter_hz, int velocity_window = 0) noexcept;
-  /// Another cut-off of u^ [Hz] and another band [m/s], 0 either: none; from the next sample on.
+  /// Sets the cut-off of u^ [Hz] and the band [m/s], from the next sample on. A value of 0 disables
+  /// it.
   void set_slow(double slow_velocity_hz, double band_m_per_s) noexcept;
-  /// The next pose is the first: no way leads to it, and v^ begins at zero.
+  /// Treats the next pose as the first: no displacement leads to it, and v^ starts at zero.
   void forget() noexcept;
-  /// v^, within a band of it u^; W axes.
+  /// v^ with the band applied, W axes.
   const Twist& velocity() const noexcept { return velocity_; }
   std::uint64_t jumps() const noexcept { return jumps_; }
 
@@ -82,10 +86,10 @@ class ToolMotion {
   bool anchored_ = false;
   Pose last_;
   ToolStep step_;
-  Twist fast_, velocity_;  ///< v^, and what is reported
-  Vec3 slow_;              ///< u^; v^ where there is none
+  Twist fast_, velocity_;  ///< v^, and the returned velocity
+  Vec3 slow_;              ///< u^; v^ without a band
   std::array<Displacement, window_span(kMaxVelocityWindow)>
-      displacements_;  ///< the last ones, a ring; for any window, so that another may be set
+      displacements_;  ///< ring buffer, long enough for any window
   int newest_ = 0, known_ = 0;
   std::uint64_t jumps_ = 0;
 };

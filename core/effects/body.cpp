@@ -1,5 +1,5 @@
-// The dynamic object as a body: it is carried, falls, and rests. rigid_body.hpp moves it; the scene
-// renderer runs that.
+// The dynamic object as a body that is carried, falls and rests. rigid_body.hpp computes its
+// motion; the scene renderer calls it.
 #include <array>
 #include <cmath>
 
@@ -30,7 +30,7 @@ constexpr std::array kParameters = {
                 "Largest distance from tool to body at which the button grips it [m]."),
 };
 
-/// All of it is in the body's motion: nothing is added to what acts on it.
+/// The body acts through its motion only and adds no force here.
 class Body final : public Effect {
  public:
   void apply(const EffectFrame&, const EffectValues&, EffectForce&) noexcept override {}
@@ -42,7 +42,7 @@ EffectNeeds needs(const EffectValues&) {
 
 EffectBound bound(const EffectValues& values) {
   const BodyParameters p = body_parameters(values);
-  // Taken up off its origin it turns the hand by its lever as well.
+  // Gripped off its origin, it also rotates the hand by its lever.
   const double lever =
       grab_button(values) < 0 ? 0.0 : p.grip_n_per_m * std::pow(grab_distance_m(values), 2);
   return {.stiffness_n_per_m = p.grip_n_per_m,

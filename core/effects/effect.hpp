@@ -1,5 +1,5 @@
 #pragma once
-/// One interface for all effects: what one sample gives, and what an effect adds to the wrench.
+/// Common interface of all effects: the input of one sample, and the wrench that an effect adds.
 #include <cstdint>
 #include <span>
 
@@ -9,79 +9,80 @@
 
 namespace voxtouch::effects {
 
-/// One static object as the tool meets it this sample.
+/// The contact of one static object with the tool in this sample.
 struct ObjectContact {
-  std::uint32_t object = 0;  ///< place in the scene's list of static objects
+  std::uint32_t object = 0;  ///< index in the scene's list of static objects
   const contact::ContactResult* contact = nullptr;
-  Twist twist;  ///< of the object, about the tool's origin; zero for one that rests
+  Twist twist;  ///< of the object, about the tool's origin; zero at rest
 };
 
-/// The distance to the static surface, smoothed over a length h: twice differentiable but for jumps
+/// Distance to the static surface, smoothed over a length h: twice differentiable except for jumps
 /// of the curvature.
 struct ProximitySample {
-  double distance_m = 0.0;       ///< signed, negative inside; never above what was built for
-  Vec3 gradient = Vec3::Zero();  ///< of that distance, W; at most sqrt(3), 1 but for edges
-  Mat3 curvature =
-      Mat3::Zero();  ///< its second derivatives [1/m], W; symmetric, no norm above 6 / h
+  double distance_m = 0.0;        ///< signed, negative inside; never above the built range
+  Vec3 gradient = Vec3::Zero();   ///< of that distance, W; at most sqrt(3), and 1 away from edges
+  Mat3 curvature = Mat3::Zero();  ///< second derivatives [1/m], W; symmetric, norm at most 6 / h
 };
 
-/// Looks up distances to the static surface. Real-time safe.
+/// Distances to the static surface. Real-time safe.
 class Proximity {
  public:
   virtual ~Proximity() = default;
-  /// At `x` in W: wherever the distance is below what was asked for it is right, and continuous
-  /// with its gradient; elsewhere it says no more than that it is not below.
+  /// Sample at `x` in W. Below the requested range the distance is valid and continuous with its
+  /// gradient. Elsewhere it is only a lower bound.
   virtual ProximitySample at(const Vec3& x) const noexcept = 0;
 };
 
-/// A point that stands for a piece of the tool's surface.
+/// A point that represents a part of the tool's surface.
 struct ToolPoint {
   Vec3 position = Vec3::Zero();  ///< T
-  double fraction = 0.0;         ///< of the tool's area; all of them sum to 1
+  double fraction = 0.0;         ///< of the tool's area; the fractions sum to 1
 };
 
-/// The wrench that a program outside the ring requests.
+/// The wrench requested by a program outside the ring.
 struct ExternalWrench {
-  Wrench wrench;  ///< W, torque about the tool's origin; may be anything, also no number
+  Wrench wrench;  ///< W, torque about the tool's origin; unchecked, may be NaN
   double taken_s =
-      0.0;  ///< time of the first sample that saw it, on the clock of EffectFrame::time_s
+      0.0;  ///< time of the first sample that used it, on the clock of EffectFrame::time_s
 };
 
-/// What one sample gives. All in W; points into storage of the caller that lives for the call.
+/// Input of one sample, in W. Refers to storage of the caller that is valid during the call.
 struct EffectFrame {
   Pose tool;                                ///< T in W
-  Twist twist;                              ///< of the tool's origin; zero where no effect needs it
+  Twist twist;                              ///< of the tool's origin; zero if no effect needs it
   double dt_s = 0.0;                        ///< since the last sample, > 0
-  double time_s = 0.0;                      ///< of the sample, since the session began
-  std::span<const ObjectContact> contacts;  ///< empty where no effect needs them
-  const Proximity* proximity = nullptr;     ///< null where no effect needs it
-  std::span<const ToolPoint> tool_points;   ///< empty where `proximity` is null
+  double time_s = 0.0;                      ///< of the sample, since the start of the session
+  std::span<const ObjectContact> contacts;  ///< empty if no effect needs them
+  const Proximity* proximity = nullptr;     ///< null if no effect needs it
+  std::span<const ToolPoint> tool_points;   ///< empty if `proximity` is null
   const ExternalWrench* external =
-      nullptr;  ///< the newest that was taken; null where none was, or no writer is followed
+      nullptr;  ///< the newest one taken; null without one, or if no writer is followed
   double fraction =
-      1.0;  ///< 0..1, what gain and region leave; of matter to EffectKind::scales_inside
+      1.0;  ///< 0..1, remaining after gain and region; used by EffectKind::scales_inside
 };
 
-/// What the effects of one sample add up to. W axes; torque and stiffness about the tool's origin.
+/// Sum of the effects of one sample. W axes; torque and stiffness about the tool's origin.
 struct EffectForce {
   Wrench wrench;
-  Mat6 stiffness = Mat6::Zero();  ///< symmetric positive semidefinite, at least the law's own
-  double stiffness_bound_n_per_m = 0.0;  ///< spectral norm of its translational part at most
-  double potential_j = 0.0;              ///< conservative kinds only
-  double energy_generated_j = 0.0;  ///< since the last sample, by kinds that keep to a budget of
-                                    ///< their own; below 0: taken. Gain and region are in it
+  /// Symmetric positive semidefinite, at least that of the force law.
+  Mat6 stiffness = Mat6::Zero();
+  /// Upper bound of the spectral norm of its translational part.
+  double stiffness_bound_n_per_m = 0.0;
+  double potential_j = 0.0;  ///< conservative kinds only
+  /// Since the last sample, for kinds with an energy budget of their own; negative: taken. Includes
+  /// gain and region.
+  double energy_generated_j = 0.0;
 };
 
-/// An effect's state, if it has any. Its parameters stay with the chain, which moves them smoothly
-/// when they are changed.
+/// State of an effect, if it has any. The chain owns its parameters and ramps them when they
+/// change.
 class Effect {
  public:
   virtual ~Effect() = default;
-  /// Adds this effect's part to `push`. Anything that is not finite in `frame` has been refused
-  /// before. Real-time safe.
+  /// Adds this effect's wrench to `push`. All values in `frame` are finite. Real-time safe.
   virtual void apply(const EffectFrame& frame, const EffectValues& values,
                      EffectForce& push) noexcept = 0;
-  /// Forgets the past: a new session, a jump that was meant. Real-time safe.
+  /// Clears the state, for a new session or an intended jump. Real-time safe.
   virtual void reset() noexcept {}
 };
 

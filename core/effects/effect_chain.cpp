@@ -15,7 +15,7 @@ bool usable(const EffectForce& push) noexcept {
          std::isfinite(push.energy_generated_j);
 }
 
-/// The same with the contact of one object only.
+/// The same frame with the contact of one object only.
 EffectFrame narrowed(const EffectFrame& frame, std::uint32_t object) noexcept {
   EffectFrame one = frame;
   one.contacts = {};
@@ -25,7 +25,7 @@ EffectFrame narrowed(const EffectFrame& frame, std::uint32_t object) noexcept {
   return one;
 }
 
-/// Without memory, and the same wherever the contact is.
+/// Whether the effect is memoryless and independent of the contact.
 bool is_of_position(const EffectSpec& spec, const EffectValues& now) noexcept {
   return spec.kind->energy == EnergyBehaviour::kConservative && !spec.kind->needs(now).contact;
 }
@@ -75,7 +75,7 @@ void EffectChain::weigh(const Link& link, const RegionWeight& weight, const Effe
     return;
   }
   const Region& region = link.goal.region;
-  // A limit that is scaled by the weight moves as a force of full weight would.
+  // A limit scaled by the weight moves like a force of full weight.
   const double slope = weight.gradient.norm();
   const double force =
       inside ? own.wrench.force.norm() / (gain * weight.weight) : own.wrench.force.norm();
@@ -132,7 +132,7 @@ EffectForce EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* su
                                     ? weight_at(link.goal.region, frame.tool.position)
                                     : RegionWeight{0.0};
     if (weight.weight <= 0.0 && (link.goal.kind->scales_inside || weight.gradient.isZero(0.0))) {
-      link.effect->reset();  // what it remembers must not push when it comes back
+      link.effect->reset();  // its state must exert no force when the effect returns
       continue;
     }
     EffectForce own;
@@ -152,7 +152,7 @@ EffectForce EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* su
 }
 
 bool EffectChain::at_rest() const noexcept {
-  // A number that does not count may be none at all: it is nowhere else than where it goes to.
+  // An unused number may be NaN, which counts as unchanged.
   const auto moves = [](double now, double goal) {
     return now != goal && !(std::isnan(now) && std::isnan(goal));
   };

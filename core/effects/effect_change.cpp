@@ -10,7 +10,7 @@ namespace {
 
 using CheckedChange = std::expected<EffectCommand, std::string>;
 
-/// What was not asked for when the scene was built is not there.
+/// Resources that were not requested when the scene was built do not exist.
 bool needs_more(const EffectNeeds& after, const EffectNeeds& before) {
   return (after.twist && !before.twist) || (after.contact && !before.contact) ||
          (after.torque && !before.torque) || (after.orientation && !before.orientation) ||
@@ -33,8 +33,8 @@ std::string names_of(std::span<const EffectParameter> parameters) {
   return names;
 }
 
-/// The numbers that count: a direction at unit length (0 and what is not finite stay, to be
-/// refused), zeros behind one number.
+/// The numbers in use: a direction normalised (0 and non-finite values are kept, to be refused),
+/// zeros after a single number.
 std::array<double, 3> in_shape(const EffectParameter& parameter,
                                const std::array<double, 3>& value) {
   if (parameter.shape == ParameterShape::kNumber)
@@ -49,12 +49,12 @@ std::array<double, 3> in_shape(const EffectParameter& parameter,
   return {unit.x(), unit.y(), unit.z()};
 }
 
-/// Why a kind that is `everywhere` is neither switched nor weighed.
+/// Why a kind with `everywhere` has no switch and no weight.
 std::string no_switch(const EffectSpec& effect) {
   return fmt::format("'{}' has no switch and no gain", effect.name);
 }
 
-/// The command of one parameter of one effect; its number is not looked at.
+/// The command for one parameter of one effect; its number is not checked.
 CheckedChange find_value(const EffectSpec& effect, std::string_view parameter,
                          const std::array<double, 3>& value) {
   const std::span<const EffectParameter> all = effect.kind->parameters;
@@ -72,7 +72,7 @@ CheckedChange find_value(const EffectSpec& effect, std::string_view parameter,
   return command;
 }
 
-/// What `request` asks for; of a parameter's number only the shape counts.
+/// The command for `request`; only the shape of a parameter's number is checked.
 CheckedChange find(std::span<const EffectSpec> effects, const EffectRequest& request) {
   const auto found = std::find_if(effects.begin(), effects.end(),
                                   [&](const EffectSpec& e) { return e.name == request.effect; });
@@ -107,7 +107,7 @@ CheckedChange find(std::span<const EffectSpec> effects, const EffectRequest& req
   return command;
 }
 
-/// Why `requested` cannot take the place of `effect`, of which `parameter` alters.
+/// Why `requested` cannot replace `effect`, from which it differs in `parameter`.
 std::string refusal(const EffectSpec& effect, const EffectSpec& requested,
                     std::uint32_t parameter) {
   const std::string_view name = effect.kind->parameters[parameter].name;

@@ -1,6 +1,6 @@
 #pragma once
-/// A change of one effect while it runs: asked for by name, judged once, then plain numbers that a
-/// loop can take.
+/// Run-time change of one effect: requested by name, validated once, then plain numbers for the
+/// loop.
 #include <array>
 #include <cstdint>
 #include <expected>
@@ -15,7 +15,7 @@ namespace voxtouch::effects {
 
 enum class EffectAction : std::uint8_t { kSwitch, kGain, kValue };
 
-/// As requested. Nothing of it is trusted.
+/// A request; nothing in it is validated.
 struct EffectRequest {
   EffectAction action = EffectAction::kSwitch;
   std::string_view effect;     ///< its name in the scene
@@ -24,29 +24,29 @@ struct EffectRequest {
       value{};  ///< kSwitch: 0 off, 1 on; kGain and parameters of one number: the first
 };
 
-/// As a loop takes it: no names, nothing left to check.
+/// A validated command for the loop, without names.
 struct EffectCommand {
   EffectAction action = EffectAction::kSwitch;
-  std::uint32_t effect = 0, parameter = 0;  ///< places in the scene's list and in the kind's
-  std::array<double, 3> value{};  ///< directions at unit length; numbers that do not count are 0
+  std::uint32_t effect = 0, parameter = 0;  ///< indices in the scene's list and in the kind's
+  std::array<double, 3> value{};            ///< directions normalised; unused numbers are 0
 };
 
-/// What `request` means for `effects`, or a sentence why not: an unknown name, a number that is not
-/// finite or out of its range, a word (which never changes while running), values that together
-/// need what was not built or bound the stiffness no more.
+/// The command for `request`, or a sentence with the reason for refusal. Reasons are an unknown
+/// name, a number that is not finite or out of range, and a word (words never change at run time).
+/// Values are also refused if together they need missing resources or leave the stiffness
+/// unbounded.
 std::expected<EffectCommand, std::string> judge(std::span<const EffectSpec> effects,
                                                 const EffectRequest& request);
-/// The same of several that are made together, in the same sample: each by what all of them lead
-/// to, so that values which only fit together may be asked for in any order. A sentence about the
-/// first that cannot be.
+/// The same for several changes in one sample. Each is validated with the combined result, so
+/// values that only fit together may be requested in any order. Returns a sentence about the first
+/// invalid one.
 std::expected<std::vector<EffectCommand>, std::string> judge(
     std::span<const EffectSpec> effects, std::span<const EffectRequest> requests);
 
-/// Does to the spec what the chain does to the effect, without a ramp: where it will have come to.
-/// Real-time safe.
+/// Applies the command to the specification without a ramp: the final state. Real-time safe.
 void carry_out(EffectSpec& effect, const EffectCommand& command) noexcept;
 
-/// `text` for a sentence: at most 64 characters, those that cannot be printed as '?'.
+/// `text` for a sentence: at most 64 characters, unprintable ones as '?'.
 std::string quotable(std::string_view text);
 
 }  // namespace voxtouch::effects

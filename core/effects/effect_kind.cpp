@@ -38,7 +38,7 @@ std::string check_value(const EffectParameter& p, const std::array<double, 3>& v
       return size >= p.low && size <= p.high ? ""
                                              : fmt::format("'{}' must be {}", p.name, requested(p));
     case ParameterShape::kText:
-      return "";  // the text itself is judged where it is read
+      return "";  // the text itself is checked by its reader
     case ParameterShape::kDirection:
       return std::abs(size - 1.0) <= 1e-6
                  ? ""

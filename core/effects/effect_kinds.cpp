@@ -1,4 +1,4 @@
-// The one list that an effect is added to; everything else about it stands in its own file.
+// The list of all effects. Everything else about an effect is in its own file.
 #include <algorithm>
 #include <array>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Where an effect may be while changes of it are on their way.
+/// Bounds of an effect while its changes are in progress.
 #include <span>
 #include <vector>
 
@@ -7,27 +7,26 @@
 
 namespace voxtouch::effects {
 
-/// All values between those that an effect has had and those that it goes to. Each number goes on a
-/// straight line in its own time (EffectChain), so that two that change one after the other may
-/// meet in any combination.
+/// All values between past values and goals of an effect. Each number ramps linearly in its own
+/// time (EffectChain), so two numbers that change one after the other may occur in any combination.
 class EffectReach {
  public:
-  /// At rest at the values of `spec`.
+  /// Starts at rest at the values of `spec`.
   explicit EffectReach(EffectSpec spec)
       : spec_(std::move(spec)),
         low_(spec_.values),
         high_(spec_.values) {}
 
-  /// It goes there as well, from wherever it is. Of the same kind.
+  /// Adds a goal of the same kind, reached from any present value.
   void widen(const EffectSpec& to);
-  /// All that `to` may come to is reached as well. Of the same kind.
+  /// Adds all values that `to` may reach. Same kind.
   void widen(const EffectReach& to);
 
-  const EffectSpec& spec() const noexcept { return spec_; }  ///< where it comes to rest
-  /// Of any state on the way, at full gain: the most over all combinations of least and largest
-  /// numbers. That is all of it where a kind's bound rises or falls with each number by itself,
-  /// which a test holds every kind to. Directions and points, which no bound looks at, stay as they
-  /// were last.
+  const EffectSpec& spec() const noexcept { return spec_; }  ///< final values
+  /// Bound of any state during the ramps, at full gain: the maximum over all combinations of
+  /// smallest and largest numbers. It is exact if a kind's bound is monotone in each number, which
+  /// a test checks for every kind. Directions and points, on which no bound depends, keep their
+  /// last values.
   EffectBound bound() const;
 
  private:
@@ -35,7 +34,7 @@ class EffectReach {
   EffectValues low_, high_;
 };
 
-/// Effects that are where they are to be.
+/// Effects without changes in progress.
 std::vector<EffectReach> at_rest(std::span<const EffectSpec> effects);
 
 }  // namespace voxtouch::effects

@@ -38,7 +38,7 @@ EffectBound bound_of(const EffectSpec& effect) {
   EffectBound bound = effect.kind->bound(effect.values);
   const double slope = slope_bound_per_m(effect.region);
   if (slope <= 0.0)
-    return bound;  // everywhere: 0 times infinity is not asked for
+    return bound;  // everywhere: avoids 0 times infinity
   if (effect.kind->energy == EnergyBehaviour::kConservative) {
     bound.stiffness_n_per_m +=
         2.0 * slope * bound.force_n + curvature_bound_per_m2(effect.region) * bound.potential_j;

@@ -1,5 +1,5 @@
 #pragma once
-/// One effect as a scene asks for it, and what a list of them needs and can do.
+/// One effect as specified by a scene, and the resources and bounds of a list of effects.
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -11,31 +11,31 @@
 
 namespace voxtouch::effects {
 
-/// One effect as a scene asks for it.
+/// One effect as specified by a scene.
 struct EffectSpec {
-  std::string name;  ///< of this one, for the change while running: the kind's, with a number from
-                     ///< the second on
+  /// Name for run-time changes: that of the kind, with a number from the second on.
+  std::string name;
   const EffectKind* kind = nullptr;
   EffectValues values;
   Region region;
   std::optional<std::uint32_t> object =
-      {};                  ///< feels the contact with this static object alone; 0: the ground
-  double gain = 1.0;       ///< 0..1
-  bool on = true;          ///< off: built and ready, gain 0
-  std::string place = {};  ///< where it was read, `file:line:column`, for messages; may be empty
-  std::string text = {};   ///< of its kind's kText parameter; empty: left out
+      {};             ///< responds to the contact with this static object only; 0: the static scene
+  double gain = 1.0;  ///< 0..1
+  bool on = true;     ///< off: built and ready, gain 0
+  /// Position in the file, `file:line:column`, for messages; may be empty.
+  std::string place = {};
+  std::string text = {};  ///< of its kind's kText parameter; empty if omitted
 };
 
-/// Union of what they need: the largest `proximity_m` and `smoothing_m`, the least `lever_m`.
+/// Union of their resources: the largest `proximity_m` and `smoothing_m`, the smallest `lever_m`.
 EffectNeeds needs_of(std::span<const EffectSpec> effects);
-/// The one that follows a program outside the ring; null where there is none. A scene has one at
-/// most.
+/// The effect that follows a program outside the ring; null without one. A scene has at most one.
 const EffectSpec* external_of(std::span<const EffectSpec> effects);
-/// What is reported of such an effect: that no certificate covers it, and what holds instead.
+/// States that no certificate covers such an effect, and which bounds hold instead.
 std::string no_certificate_sentence(std::string_view name);
-/// Bound of one effect behind its region, at full gain. A region adds 2 |grad w| F + |grad^2 w| U
-/// to the stiffness of a conservative kind and |grad w| F to that of any other: infinite where F or
-/// U has no bound.
+/// Bound of one effect with its region, at full gain. A region adds 2 |grad w| F + |grad^2 w| U to
+/// the stiffness of a conservative kind and |grad w| F to that of any other. The result is infinite
+/// if F or U is unbounded.
 EffectBound bound_of(const EffectSpec& effect);
 
 }  // namespace voxtouch::effects

@@ -1,4 +1,4 @@
-// A wrench from outside the ring: a remote robot's sensor, a simulator, an effect of one's own.
+// A wrench from outside the ring: the sensor of a remote robot, a simulator, a custom effect.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -42,28 +42,28 @@ constexpr std::array kParameters = {
                 "Power that it may give for longer [W], plus the power that the hand puts in."),
 };
 
-/// `now` towards `goal` by `most` at most.
+/// Moves `now` towards `goal` by at most `most`.
 void step_towards(Vec3& now, const Vec3& goal, double most) noexcept {
   Vec3 step = goal - now;
   clamp_length(step, most);
   now += step;
 }
 
-/// A store of energy as two-layer teleoperation has it (Franken et al. 2011), for a source that may
-/// react to the pose. It gives at most what is in the store, which holds `most_j`, and gets
-/// `refill_w` back in time, and what the hand puts in. So in any time t it gives the hand at most
-/// most_j + refill_w t. Energies are those of forces in W along paths in W [J]. Real-time safe.
+/// Energy budget for a source that may react to the pose, after two-layer teleoperation (Franken et
+/// al. 2011). Real-time safe.
+/// The source may give at most the energy in the store, which is limited to `most_j`. The store is
+/// refilled at `refill_w` and by energy from the operator. In any time t the operator thus receives
+/// at most most_j + refill_w t. Energies are those of forces in W along paths in W [J].
 class EnergyBudget {
  public:
-  /// `energy_generated_j`: what the source has given since the last call, below 0: what it took.
-  /// `most_j` > 0.
+  /// `energy_generated_j`: energy of the source since the last call; negative: taken. `most_j` > 0.
   void book(double energy_generated_j, double most_j, double refill_w, double dt_s) noexcept {
     if (!begun_)
       level_j_ = most_j, begun_ = true;
     level_j_ = std::min(most_j, level_j_ - energy_generated_j + refill_w * dt_s);
   }
-  /// Fraction of its force that the source may have: 1 down to half of the store, then falling to 0
-  /// with what is left, so that no period takes more than there is while its path is shorter than
+  /// Fraction of its force that the source may exert. It is 1 down to half of the store and then
+  /// falls to 0. No period takes more than the remaining energy while its path is shorter than
   /// most_j / (2 force).
   double fraction(double most_j) const noexcept {
     if (!begun_)
@@ -88,15 +88,15 @@ class External final : public Effect {
     push.wrench.force += out.force, push.wrench.torque += out.torque;
     given_ = {frame.fraction * out.force, frame.fraction * out.torque};
   }
-  /// The budget stays: a region that is left and entered again gives no new one.
+  /// Keeps the budget: leaving and entering a region gives no new one.
   void reset() noexcept override {
     filtered_ = given_ = {};
     last_.reset(), taken_s_.reset();
   }
 
  private:
-  /// What the last force did on the path since, taken off the budget. Of that the force's fraction:
-  /// the observer has no account of rotation, so no torque is allowed for.
+  /// Charges the work of the last force along the path to the budget. Returns the part of the force
+  /// alone: the observer has no allowance for torque.
   double book(const EffectFrame& frame, const EffectValues& values) noexcept {
     const Pose before = last_.value_or(frame.tool);
     last_ = frame.tool;
@@ -121,11 +121,11 @@ class External final : public Effect {
     };
     step_towards(filtered_.force, goal.force, rate(values.number(kSlew), max_force));
     step_towards(filtered_.torque, goal.torque, rate(values.number(kTorqueSlew), max_torque));
-    clamp_wrench(filtered_, max_force, max_torque);  // of limits that are on their way down
+    clamp_wrench(filtered_, max_force, max_torque);  // limits may be ramping down
   }
 
   Wrench requested_, filtered_, given_;
-  std::optional<double> taken_s_;  ///< when the request was taken
+  std::optional<double> taken_s_;  ///< time of the request
   std::optional<Pose> last_;
   EnergyBudget budget_;
 };

@@ -1,4 +1,4 @@
-// Coulomb friction with sticking: the tool hangs on bristles that bend, slip and let go.
+// Coulomb friction with stiction: a bristle model whose bristles bend, slip and detach.
 #include <array>
 #include <cmath>
 
@@ -19,13 +19,13 @@ constexpr std::array kParameters = {
 };
 
 struct Law {
-  double slides_n;  ///< friction of a bristle that has let go
-  double sticks_n;  ///< and before, >= slides_n
+  double slides_n;  ///< friction of a sliding bristle
+  double sticks_n;  ///< friction of a sticking bristle, >= slides_n
   double k;
 };
 
-/// `fraction` of the force that the bristles let go at, not of the one they store: half the
-/// friction behind a region's rim is a surface half as rough.
+/// `fraction` scales the force at which the bristles slip, not the stored force: half the friction
+/// at a region's border is that of a surface half as rough.
 Law law_at(double push_n, double fraction, const EffectValues& values) noexcept {
   const double most = fraction * values.number(kMaxForce),
                slides = fraction * values.number(kCoulomb) * push_n;
@@ -33,19 +33,19 @@ Law law_at(double push_n, double fraction, const EffectValues& values) noexcept 
           values.number(kStiffness)};
 }
 
-/// What one object holds the tool with.
+/// State of the friction with one object.
 struct Bristle {
   FollowedHeight height;
-  Vec3 bend = Vec3::Zero();    ///< of the tip against the root, W, across the normal [m]
-  Vec3 normal = Vec3::Zero();  ///< of the last sample; zero: none yet
-  double torn = 0.0;           ///< 0: holds with holds_n, 1: lets go at slides_n
+  Vec3 bend = Vec3::Zero();    ///< of the tip relative to the root, W, across the normal [m]
+  Vec3 normal = Vec3::Zero();  ///< of the last sample; zero: none so far
+  double torn = 0.0;           ///< 0: sticking with sticks_n, 1: sliding with slides_n
 
   void turn(const Vec3& to, const Vec3& object_turn) noexcept;
   void drag(const Vec3& displacement, const Law& law) noexcept;
 };
 
-/// Carries the bend with the object's own turn and with the normal, along the shortest arc: never
-/// longer.
+/// Rotates the bend with the object and with the normal, along the shortest arc, without increasing
+/// it.
 void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
   constexpr double kOpposite = -0.9;
   if (const double angle = object_turn.norm(); angle > 0.0) {
@@ -54,7 +54,7 @@ void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
   }
   const double cosine = normal.dot(to);
   if (!(cosine > kOpposite) || normal.isZero(0.0)) {
-    bend.setZero();  // turned over: another surface
+    bend.setZero();  // reversed: another surface
   } else {
     bend -= (to.dot(bend) / (1.0 + cosine)) * (normal + to);
     bend -= to.dot(bend) * to;  // rounding
@@ -62,9 +62,9 @@ void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
   normal = to;
 }
 
-/// Bends by `displacement` (across the normal) and slips what is too far. While it lets go its
-/// limit falls as far as the tip has slipped halved, so that the force falls with the slope k at
-/// most and never by itself; it mends by as much when it bends unslipped.
+/// Bends by `displacement` (across the normal) and slips beyond the limit. While it detaches, its
+/// limit falls by half of the slip, so the force falls with at most the slope k and never by
+/// itself. It recovers by the same amount when it bends without slip.
 void Bristle::drag(const Vec3& displacement, const Law& law) noexcept {
   const double slides = law.slides_n / law.k, sticks = law.sticks_n / law.k,
                mends = 2.0 * (sticks - slides);
@@ -87,7 +87,7 @@ class Friction final : public Effect {
     const double reach = values.number(kReach), k = values.number(kStiffness);
     const double stiffer = stiffness_ > 0.0 && k > stiffness_
                                ? stiffness_ / k
-                               : 1.0;  // keeps the force, gives no energy
+                               : 1.0;  // keeps the force, generates no energy
     stiffness_ = k;
     step_.advance(frame.tool);
     bristles_.begin();
@@ -123,10 +123,9 @@ class Friction final : public Effect {
     bristle.drag(displacement - point.normal.dot(displacement) * point.normal, law);
   }
 
-  /// The stiffness is k across the normal. While it slips the force follows the push, by g newtons
-  /// for each metre of depth: in addition g/2 (z n' + n z'), below k z z' + g^2/(4k) n n' as long
-  /// as k
-  /// >= g/2.
+  /// The stiffness is k across the normal. While the bristle slips, the friction force follows the
+  /// contact force by g newtons per metre of depth. This adds g/2 (z n' + n z'), which is below k z
+  /// z' + g^2/(4k) n n' as long as k >= g/2.
   static void add(const Bristle& bristle, const Vec3& arm, const EffectValues& values,
                   double contact_n_per_m, EffectForce& push) noexcept {
     const double k = values.number(kStiffness), sticking = values.number(kSticking);
@@ -146,7 +145,7 @@ class Friction final : public Effect {
   double stiffness_ = 0.0;  ///< of the last sample
 };
 
-/// Torque like the contact's own: a device that cannot give it leaves it out.
+/// Torque like that of the contact: a device without torque omits it.
 EffectNeeds needs(const EffectValues&) { return {.contact = true, .orientation = true}; }
 
 EffectBound bound(const EffectValues& values) {

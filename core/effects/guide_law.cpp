@@ -10,15 +10,14 @@
 namespace voxtouch::effects {
 namespace {
 
-constexpr double kRelease = 1.0;  // place of the word
+constexpr double kRelease = 1.0;  // index of the word
 
-/// F as it counts: a law on its way between two sets of parameters must not get steeper than k
-/// where it lets go.
+/// Effective limit F: while parameters ramp, the slope at the release must not exceed k.
 double counted_limit(const GuideLaw& law) noexcept {
   return std::min(law.limit_n, law.stiffness_n_per_m * law.range_m / 3.0);
 }
 
-/// The spring up to its limit, without letting go.
+/// The spring up to its limit, without release.
 GuideForce limited_spring(double k, double limit, double s) noexcept {
   const double w = limit / k, bend = s - 0.5 * w;
   if (bend <= 0.0)
@@ -66,7 +65,7 @@ void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constraine
   push.potential_j += guide_potential_j(law, at.potential_j);
   push.wrench.force -= at.per_metre_n_per_m * (constrained * away);
   Mat3 bent = at.per_metre_n_per_m * Mat3::Identity();
-  // Where f' = f / s, an ideal spring, the direction does not matter, and need not exist.
+  // If f' = f / s, as for an ideal spring, the direction has no influence and need not exist.
   if (const double more = std::max(at.slope_n_per_m, 0.0) - at.per_metre_n_per_m; more != 0.0) {
     const Vec3 u = away / s;
     bent += more * u * u.transpose();
@@ -86,7 +85,7 @@ std::string check_guide(const EffectValues& values) {
   const double range = values.number(kGuideRange);
   if (values.number(kGuideBeyond) != kRelease)
     return range > 0.0 ? "'range_m' requires 'beyond: release'" : "";
-  // Written so that a stiffness of 0 passes only without a force.
+  // In a form that accepts a stiffness of 0 only without a force.
   const double least = 3.0 * values.number(kGuideLimit);
   if (range > 0.0 && range * values.number(kGuideStiffness) >= least * (1.0 - 1e-12))
     return {};

@@ -1,6 +1,5 @@
 #pragma once
-/// What the guides along points, lines and planes share: a spring whose force is limited, and how
-/// it pushes.
+/// Common law of the guides along points, lines and planes: a spring of limited force.
 #include <array>
 #include <limits>
 #include <string>
@@ -9,16 +8,16 @@
 
 namespace voxtouch::effects {
 
-/// Force f(s) at the distance s >= 0 from a guide. With k the stiffness, F the limit and w = F / k:
+/// Force f(s) at the distance s >= 0 from a guide, with stiffness k, limit F and w = F / k:
 ///
-///   0 .. w/2        f = k s, an ideal spring
-///   .. 3w/2         f = k s - k (s - w/2)^2 / (2 w), which goes over to F with its slope
-///   .. R/2          f = F
-///   R/2 .. R        f = F (1 - smoothstep((s - R/2) / (R/2))), so that the guide lets go
-///   beyond R        nothing; an infinite R never lets go
+///     0 .. w/2      f = k s, an ideal spring
+///     .. 3w/2       f = k s - k (s - w/2)^2 / (2 w), a smooth transition to F
+///     .. R/2        f = F
+///     R/2 .. R      f = F (1 - smoothstep((s - R/2) / (R/2))), the release
+///     beyond R      f = 0; an infinite R never releases
 ///
-/// f and f' are continuous and |f'|, f / s <= k everywhere as long as F <= k R / 3, so F counts as
-/// that at most.
+/// f and f' are continuous, and |f'|, f / s <= k everywhere if F <= k R / 3; a larger F is limited
+/// to that.
 struct GuideLaw {
   double stiffness_n_per_m = 0.0;
   double limit_n = 0.0;
@@ -34,20 +33,22 @@ struct GuideForce {
 
 /// The law at `distance_m` >= 0. Real-time safe.
 GuideForce guide_force(const GuideLaw& law, double distance_m) noexcept;
-/// Work from the guide to where it has let go [J]; infinite where it never does.
+/// Work from the guide to its release [J]; infinite if it never releases.
 double guide_depth_j(const GuideLaw& law) noexcept;
 
-/// Where potentials of guides are zero: far away if they let go, so that a region's border gives no
-/// force there; on the guide if not.
+/// Reference of a guide's potential: zero far away if it releases, so that a region's border gives
+/// no force there; otherwise zero on the guide.
 double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept;
 
-/// Adds the pull of a guide whose distance is |A y|, `away` = A y for the symmetric matrix
-/// `constrained` = A with |A| <= 1: the projector on the constrained directions. Force -f A away /
-/// |away|; stiffness A (max(f', 0) u u' + f/s (1 - u u')) A, u along `away`. Real-time safe.
+/// Adds the force of a guide at the distance |A y|. `away` = A y for the symmetric matrix
+/// `constrained` = A with |A| <= 1, the projector on the constrained directions. Real-time safe.
+/// With u along `away`:
+///     force     -f A away / |away|
+///     stiffness A (max(f', 0) u u' + f/s (1 - u u')) A
 void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained,
                    EffectForce& push) noexcept;
 
-/// Parameters that every guide has, at these places of its table.
+/// Parameters of every guide, at these indices of its table.
 enum GuideParameter : std::size_t {
   kGuideStiffness,
   kGuideLimit,
@@ -55,7 +56,7 @@ enum GuideParameter : std::size_t {
   kGuideRange,
   kGuideOwn
 };
-/// The rows of a guide's table: those, and behind them its own.
+/// The rows of a guide's table: the common ones, then its own.
 template <class... Own>
 constexpr std::array<EffectParameter, kGuideOwn + sizeof...(Own)> guide_rows(const Own&... own) {
   return {row::number("stiffness_n_per_m", 0.0, 10000.0,
@@ -71,9 +72,9 @@ constexpr std::array<EffectParameter, kGuideOwn + sizeof...(Own)> guide_rows(con
 
 /// The law of a guide with these values: stiffness [N/m], limit [N] and range [m]. Real-time safe.
 GuideLaw guide_law(const EffectValues& values) noexcept;
-/// Empty where the values go together; else the sentence why not.
+/// Checks that the values fit together; returns a sentence or an empty text.
 std::string check_guide(const EffectValues& values);
-/// k, F and the depth of the potential.
+/// Bounds: k, F and the depth of the potential.
 EffectBound guide_bound(const EffectValues& values);
 
 }  // namespace voxtouch::effects

@@ -1,4 +1,4 @@
-// A guide to a line: the tool's origin slides along it freely and is constrained across it.
+// A guide to a line: the tool's origin slides freely along it and is constrained across it.
 #include <algorithm>
 
 #include "core/effects/guide_law.hpp"
@@ -7,7 +7,7 @@ namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kPoint = kGuideOwn, kDirection, kEnds, kHalfLength };
-constexpr double kSegment = 1.0;  // place of the word
+constexpr double kSegment = 1.0;  // index of the word
 
 constexpr auto kParameters =
     guide_rows(row::place("point", "Point of the line, in W [m]; the centre of a segment."),
@@ -25,12 +25,12 @@ class GuideLine final : public Effect {
                along = values.vector(kDirection);
     const Mat3 across = Mat3::Identity() - along * along.transpose();
     if (values.number(kEnds) != kSegment) {
-      // A direction on its way is shorter than 1: `across` lets through more and more of what is
-      // along, up to a point's pull.
+      // A direction that ramps is shorter than 1: `across` then includes a part along the line, up
+      // to the force of a point guide.
       pull_to_guide(guide_law(values), across * from_point, across, push);
       return;
     }
-    // On its way the segment shrinks with its direction, to its middle at the least.
+    // During a ramp the segment shrinks with its direction, at most to its centre.
     const double length = along.norm(), half = length * values.number(kHalfLength);
     const Vec3 unit = length > 0.0 ? Vec3(along / length) : Vec3::Zero();
     const double place = unit.dot(from_point), nearest = std::clamp(place, -half, half);

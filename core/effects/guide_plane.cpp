@@ -1,4 +1,4 @@
-// A guide to a plane: holds the tool's origin on it, or keeps it out of the half-space behind it.
+// A guide to a plane: holds the tool's origin on it, or out of the half-space behind it.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@ namespace voxtouch::effects {
 namespace {
 
 enum : std::size_t { kPoint = kGuideOwn, kNormal, kSides };
-constexpr double kOne = 1.0;  // place of the word
+constexpr double kOne = 1.0;  // index of the word
 
 constexpr auto kParameters = guide_rows(
     row::place("point", "Point of the plane, in W [m]."),
@@ -29,7 +29,7 @@ class GuidePlane final : public Effect {
     if (one_sided(values) && height >= 0.0)
       return;
     const GuideForce at = guide_force(law, std::abs(height));
-    // A normal on its way is shorter than 1; so is the gradient of the height then.
+    // A normal that ramps is shorter than 1, and so is the gradient of the height.
     push.wrench.force -= std::copysign(at.force_n, height) * normal;
     push.stiffness.topLeftCorner<3, 3>() +=
         std::max(at.slope_n_per_m, 0.0) * normal * normal.transpose();

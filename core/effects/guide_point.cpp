@@ -1,4 +1,4 @@
-// A guide to a point: the tool's origin is pulled there by a spring of limited force.
+// A guide to a point: a spring of limited force pulls the tool's origin there.
 #include "core/effects/guide_law.hpp"
 
 namespace voxtouch::effects {

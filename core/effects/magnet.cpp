@@ -1,4 +1,4 @@
-// A magnet: the tool's origin snaps to a point once it comes near.
+// A magnet: the tool's origin snaps to a point when it is near.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,7 +33,7 @@ class Magnet final : public Effect {
     push.potential_j -= depth * left * left * left;
     push.wrench.force -= (core * radius * left * left) * away;
     // Across the radius core left^2, along it core left (1 - 5 q) = core left^2 - 4 core left q;
-    // only what pushes back counts.
+    // only the restoring part counts.
     const double across = core * left * left, along = core * left * (1.0 - 5.0 * q);
     Mat3 stiffness = across * Mat3::Identity();
     if (q > 0.2)

@@ -1,4 +1,4 @@
-// A force field round the static objects: the tool is pushed off before it touches.
+// A force field around the static objects that repels the tool at a distance.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -24,16 +24,16 @@ constexpr std::array kParameters = {
                 "device must give torque."),
 };
 
-/// |gradient| and h |curvature| of a smoothed distance at most, see ProximitySample.
+/// Bounds of |gradient| and h |curvature| of a smoothed distance; see ProximitySample.
 const double kSteepest = std::sqrt(3.0);
 constexpr double kBent = 6.0;
 
-/// Potential p(d) of a whole tool at the distance d. The force -p' = F S(1 - |d| / R), S the
-/// smoothstep, is F at the surface, 0 from R on outside, and fades again inside, where contact
-/// takes over.
+/// Potential p(d) of the whole tool at the distance d. The force -p' = F S(1 - |d| / R), with S the
+/// smoothstep, is F at the surface. It is 0 from R on outside, and decreases again inside, where
+/// contact takes over.
 struct Layer {
   double potential_j = 0.0, force_n = 0.0;
-  double slope_n_per_m = 0.0;  ///< p'': how the force falls with d
+  double slope_n_per_m = 0.0;  ///< p'': decrease of the force with d
 };
 
 Layer layer_at(double limit, double range, double d) noexcept {
@@ -42,13 +42,13 @@ Layer layer_at(double limit, double range, double d) noexcept {
   const double u = std::max(0.0, 1.0 - std::abs(d) / range);
   const double work =
       limit * range *
-      (u * u * u - 0.5 * u * u * u * u);  // from the layer's border that is on this side
+      (u * u * u - 0.5 * u * u * u * u);  // from the border of the layer on this side
   const double slope = limit / range * 6.0 * u * (1.0 - u);
   return {d >= 0.0 ? work : limit * range - work, limit * smoothstep(0.0, 1.0, u),
           std::copysign(slope, d)};
 }
 
-/// Adds one of the tool's points after the other; the arms are W axes.
+/// Adds the tool's points one by one; arms in W axes.
 class Sums {
  public:
   Sums(bool torque, EffectForce& push) noexcept : torque_(torque), push_(push) {}
@@ -58,9 +58,9 @@ class Sums {
     const Vec3 force = (fraction * layer.force_n) * sample.gradient;
     push_.wrench.force += force;
     push_.potential_j += fraction * layer.potential_j;
-    // -dF/dx = p'' g g' + p' H, p' = -force: of the first what pushes back, of the second
-    // Gershgorin's diagonal, which is no smaller than -p' |H| in any direction and keeps flat walls
-    // exact.
+    // -dF/dx = p'' g g' + p' H, with p' = -force. Of the first term the restoring part is used. Of
+    // the second, Gershgorin's diagonal, which is at least -p' |H| in every direction and exact for
+    // flat walls.
     const Vec3 rows = sample.curvature.cwiseAbs().rowwise().sum();
     Mat3 stiffness = (fraction * layer.force_n) * Mat3(rows.asDiagonal());
     if (layer.slope_n_per_m > 0.0)
@@ -80,7 +80,7 @@ class Sums {
     push_.stiffness.topRightCorner<3, 3>() -= stiffness * cross;
     push_.stiffness.bottomLeftCorner<3, 3>() += cross * stiffness;
     push_.stiffness.bottomRightCorner<3, 3>() -= cross * stiffness * cross;
-    // The arm turns under the force.
+    // The arm rotates under the force.
     push_.stiffness.bottomRightCorner<3, 3>().diagonal().array() += arm.norm() * force.norm();
   }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Where an effect is at work: a weight over space that any effect is wrapped in.
+/// Region of an effect: a weight over space, applied to any effect.
 #include <variant>
 
 #include "core/types/geometry.hpp"
@@ -20,8 +20,8 @@ struct BoxRegion {
   bool operator==(const BoxRegion&) const = default;
 };  ///< centred at the pose, W
 
-/// Full inside the shape, none beyond `blend_m` > 0 outside it, smoothstep of the distance between:
-/// continuous with its first derivative.
+/// Weight 1 inside the shape, 0 beyond `blend_m` > 0 outside it, and a smoothstep of the distance
+/// between: continuous with its first derivative.
 struct Region {
   std::variant<EverywhereRegion, SphereRegion, BoxRegion> shape;
   double blend_m = 0.002;
@@ -35,9 +35,9 @@ struct RegionWeight {
 
 /// Weight at `x` in W. Real-time safe.
 RegionWeight weight_at(const Region& region, const Vec3& x) noexcept;
-/// Bounds of the weight's first [1/m] and second [1/m^2] derivatives: 1.5 / b and 6 / b^2 of the
-/// smoothstep of a distance (across it: w' / distance, which is at most 6 / b^2 as well). Zero for
-/// everywhere.
+/// Bounds of the weight's first [1/m] and second [1/m^2] derivatives: 1.5 / b and 6 / b^2 for the
+/// smoothstep of a distance. Across it the bound is w' / distance, which is also at most 6 / b^2.
+/// Zero for everywhere.
 double slope_bound_per_m(const Region& region) noexcept;
 double curvature_bound_per_m2(const Region& region) noexcept;
 

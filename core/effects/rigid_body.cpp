@@ -15,10 +15,10 @@ Vec6 stacked(const Vec3& a, const Vec3& b) noexcept { return (Vec6() << a, b).fi
 /// At the body's origin, W axes.
 struct MassMatrix {
   Mat6 all;
-  Mat3 inertia;  ///< its block of rotation
+  Mat3 inertia;  ///< its rotational block
 };
 
-/// `turn`: of B's axes into W's; `arm`: from the origin to the centre of mass, in W.
+/// `turn`: rotation from B's axes to W's; `arm`: from the origin to the centre of mass, in W.
 MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn,
                        const Vec3& arm) noexcept {
   const Mat3 across = cross_matrix(arm),
@@ -32,7 +32,7 @@ MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn,
   return mass;
 }
 
-/// Spring and damper to where the body hangs on the tool; W axes.
+/// Spring and damper to the grip position of the body; W axes.
 struct Grip {
   double c, c_turn;  ///< stiffness [N/m, Nm/rad]
   Mat6 damping;      ///< [Ns/m, Ns, Nms/rad]
@@ -52,9 +52,9 @@ struct Grip {
         stretch(goal_WB.position - pose_WB.position),
         twisted(rotation_vector(pose_WB.orientation, goal_WB.orientation)) {}
 
-  /// What acts on the tool once the body has moved by a step of `dt_s` at `twist`, and the energy
-  /// of the springs [J]. It is what acted on the body over this step: a body that is a step ahead
-  /// of its tool would push it on.
+  /// Wrench on the tool after the body has moved by a step of `dt_s` at `twist`, and the energy of
+  /// the springs [J]. It equals the wrench on the body during this step: a body that is one step
+  /// ahead of its tool would push it.
   BodyGrip on_tool(const Pose& pose_WT, const Twist& tool_twist, const Twist& twist, double dt_s,
                    double& energy_j) const noexcept {
     const Vec3 stretch_after = stretch + dt_s * (goal_velocity_W - twist.linear);
@@ -78,8 +78,8 @@ struct Grip {
   }
 };
 
-/// The square root of a symmetric positive semidefinite matrix, or its inverse; of what is zero,
-/// zero.
+/// The square root of a symmetric positive semidefinite matrix, or its inverse; zero eigenvalues
+/// stay zero.
 Mat6 root(const Mat6& matrix, bool inverse) noexcept {
   const Eigen::SelfAdjointEigenSolver<Mat6> solver(0.5 * (matrix + matrix.transpose()));
   const double least = 1e-12 * std::max(solver.eigenvalues()[5], 0.0);
@@ -105,8 +105,8 @@ Mat6 grip_damping(const BodyShape& shape, const BodyParameters& p) noexcept {
   return 0.5 * (damping + damping.transpose());
 }
 
-/// The grip's damping, W axes; made anew where parameters have changed. `turn`: of T's axes into
-/// W's.
+/// The damping of the grip, W axes; recomputed after parameter changes. `turn`: rotation from T's
+/// axes to W's.
 Mat6 RigidBody::damping_W(const BodyParameters& p, const Mat3& turn) noexcept {
   if (!damping_known_ || !(damped_ == p))
     damped_ = p, damping_ = grip_damping(shape_, p), damping_known_ = true;
@@ -126,7 +126,7 @@ void RigidBody::follow_hold(const Pose& pose_WT, bool hold, double grab_m, doubl
     held_ = true;
     pose_TB_ = pose_WT.inverse() * pose_WB_;
     strength_ = coupling::Ramp(
-        0.0);  // it hangs as it lies: no force to begin with, whatever was left of the last grip
+        0.0);  // gripped as it lies: no initial force, independent of the previous grip
     strength_.head_for(1.0, kGripRampS);
   } else if (!hold && held_) {
     held_ = false;
@@ -143,7 +143,7 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
   const MassMatrix mass = mass_matrix(shape_, p.mass_kg, turn, arm);
   const Grip grip(p, damping_W(p, turn), strength_.now(), pose_WB_, pose_TB_, pose_WT, tool_twist);
 
-  // Contact damping towards what is touched; the grip's towards the tool.
+  // Contact damping relative to the touched object; grip damping relative to the tool.
   const double tau =
       load.stiffness_bound_n_per_m > 0.0
           ? 2.0 * kContactDampingRatio * std::sqrt(p.mass_kg / load.stiffness_bound_n_per_m)
@@ -157,14 +157,14 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
   push += grip.damping * stacked(grip.goal_velocity_W, grip.spin_W);
   push += tau * load.stiffness_times_velocity;
   push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
-  // What moves with the tool or with an object is no stretch: springs see the displacement relative
-  // to it.
+  // Motion together with the tool or an object does not stretch the springs: they act on the
+  // relative displacement.
   Vec6 spring_ahead = load.stiffness_times_velocity;
   spring_ahead += stacked(grip.c * grip.goal_velocity_W, grip.c_turn * tool_twist.angular);
   const Mat6 left = mass.all + dt_s * damping + (dt_s * dt_s) * stiffness;
   const Vec6 velocity = left.ldlt().solve(mass.all * stacked(twist_.linear, twist_.angular) +
                                           dt_s * push + (dt_s * dt_s) * spring_ahead);
-  if (!velocity.allFinite()) {  // nothing that can be stood on: it stops where it is
+  if (!velocity.allFinite()) {  // invalid velocity: the body stops
     twist_ = {};
     return {};
   }

@@ -1,4 +1,4 @@
-// Viscous damping where the tool touches: surfaces as if wet, thick or velvety.
+// Viscous damping during contact: surfaces that appear wet, thick or velvety.
 #include <array>
 
 #include "core/effects/touch_point.hpp"
@@ -44,8 +44,8 @@ class SurfaceDamping final : public Effect {
   }
 
  private:
-  /// The weight grows with the depth, by `slope` for each metre: the force then changes by slope |b
-  /// v|, along another line than the depth's, which half of it on every axis is not less than.
+  /// The weight grows with the depth, by `slope` per metre, so the force changes by slope |b v|
+  /// along a direction other than that of the depth. Half of it on every axis is an upper bound.
   static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
                   const Vec3& arm, double fraction, const EffectValues& values,
                   EffectForce& push) noexcept {
@@ -61,7 +61,7 @@ class SurfaceDamping final : public Effect {
     const double slope =
         kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
     const double coupling = (fraction < 1.0 ? 2.0 : 1.0) * slope *
-                            full.norm();  // each one's fraction moves with the others' as well
+                            full.norm();  // the fraction of each also changes with the others
     push.stiffness += seen_from_origin(0.5 * coupling * Mat3::Identity(), arm);
     push.stiffness_bound_n_per_m += coupling;
   }

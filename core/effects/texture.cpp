@@ -1,4 +1,4 @@
-// Texture: a relief that is displayed as forces along the surface.
+// Texture: a relief displayed as forces along the surface.
 #include <array>
 
 #include "core/effects/texture_pattern.hpp"
@@ -28,12 +28,11 @@ constexpr std::array kParameters = {
     kReachParameter,
 };
 
-/// What a change while running would whirl under the tool: a relief far from W's origin moves by
-/// many ridges while its wavelength changes by a hundredth. So a new one takes over where the old
-/// one has faded out.
+/// A run-time change of the wavelength would move a relief far from W's origin by many ridges under
+/// the tool. A new relief therefore starts after the old one has faded out.
 class Relief {
  public:
-  /// The fraction of its force that the relief gives now.
+  /// The present fraction of the relief's force.
   double follow(const EffectValues& values, double dt_s) noexcept {
     constexpr double kFadeS = 0.05;
     const double wavelength = values.number(kWavelength);

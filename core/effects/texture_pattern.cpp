@@ -31,7 +31,7 @@ PatternSample grating_at(const Vec3& x, double wavelength_m, const Vec3& directi
 }
 
 PatternSample noise_at(const Vec3& x, double wavelength_m) noexcept {
-  constexpr double kFarthest = 1e15;  // cells: beyond it doubles hold no fractions
+  constexpr double kFarthest = 1e15;  // cells: larger doubles have no fractional part
   const double cell = 0.5 * wavelength_m;
   const Vec3 u = x / cell;
   if (!(u.cwiseAbs().maxCoeff() < kFarthest))

@@ -1,6 +1,6 @@
 #pragma once
-/// Where one object pushes on the tool, for the effects that act there, and what those remember of
-/// each object.
+/// Position and force of one object's contact, for effects that act there, and their state for each
+/// object.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace voxtouch::effects {
 
-/// The contact force of one object, W axes. Its direction is the force's, not the mean normal,
-/// which steps with every point that enters or leaves.
+/// The contact force of one object, W axes. Its direction is that of the force and not the mean
+/// normal, which jumps with every point that enters or leaves.
 struct TouchPoint {
   double push_n = 0.0;         ///< |F| > 0
-  Vec3 normal = Vec3::Zero();  ///< F / |F|: the way the object pushes the tool
-  /// From the tool's origin to the foot of its perpendicular on the wrench's axis, (F x torque) /
-  /// F^2: the force-weighted mean of the points that push, seen along the normal. Shortened to the
-  /// reach.
+  Vec3 normal = Vec3::Zero();  ///< F / |F|: direction of the object's force on the tool
+  /// Contact centre, from the tool's origin: the nearest point of the wrench's axis, (F x torque) /
+  /// F^2. It is the force-weighted mean of the contact points as seen along the normal, shortened
+  /// to the reach.
   Vec3 contact_centre = Vec3::Zero();
-  double height_m = 0.0;  ///< along the normal from the foot to the deepest point
+  double height_m = 0.0;  ///< along the normal from the contact centre to the deepest point
 };
 
-/// Pushes below this count as none: their direction is rounding.
+/// Smaller contact forces count as zero: their direction is rounding error.
 inline constexpr double kMinPushN = 1e-9;
 
-/// False without contact. Real-time safe.
+/// Returns false without contact. Real-time safe.
 inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, double reach_m,
                        TouchPoint& point) noexcept {
   if (touch.contact == nullptr)
@@ -45,12 +45,12 @@ inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, doub
   return true;
 }
 
-/// The row of an effect that acts at touched points.
+/// Table row of an effect that acts at contact points.
 inline constexpr EffectParameter kReachParameter = row::number(
     "reach_m", 0.0, 1.0, 0.1, "Largest lever of a contact about the tool's origin [m].");
 
-/// Where several objects touch, effects that grow with an object's push up to `full_n` [N], by a
-/// smoothstep, share: together they act as one at most. What each has of its own. Real-time safe.
+/// Weight of each object if several touch. Effects that grow with the contact force up to `full_n`
+/// [N], by a smoothstep, share it, so that together they act as at most one. Real-time safe.
 inline double weight_of_each(const EffectFrame& frame, double full_n) noexcept {
   double sum = 0.0;
   for (const ObjectContact& touch : frame.contacts)
@@ -60,7 +60,8 @@ inline double weight_of_each(const EffectFrame& frame, double full_n) noexcept {
 }
 inline constexpr double kSteepestStep = 1.5;  ///< largest slope of a smoothstep from 0 to 1
 
-/// No hand moves a tool faster; beyond it what damps grows thinner, so that its force has a bound.
+/// No operator moves a tool faster; beyond this speed damping decreases, so that its force is
+/// bounded.
 inline constexpr double kFastestMPerS = 2.0;
 /// `v` [m/s], shortened to that speed. Real-time safe.
 inline Vec3 within_hand_speed(const Vec3& v) noexcept {
@@ -68,9 +69,9 @@ inline Vec3 within_hand_speed(const Vec3& v) noexcept {
   return speed > kFastestMPerS ? Vec3(v * (kFastestMPerS / speed)) : v;
 }
 
-/// Displacement v of the tool's origin and turn w, as seen at `arm` from it: J = [1, -[arm]x].
-/// Gives J' M J, M a stiffness or damping against translation there. Symmetric, positive
-/// semidefinite if M is.
+/// For displacement v of the tool's origin and rotation w, the displacement at `arm` is J = [1,
+/// -[arm]x]. Returns J' M J for a translational stiffness or damping M there. Symmetric, and
+/// positive semidefinite if M is.
 inline Mat6 seen_from_origin(const Mat3& there, const Vec3& arm) noexcept {
   const Mat3 cross = cross_matrix(arm);
   Mat6 out;
@@ -81,7 +82,7 @@ inline Mat6 seen_from_origin(const Mat3& there, const Vec3& arm) noexcept {
   return out;
 }
 
-/// The tool's path since the last sample. None at the first.
+/// The tool's displacement since the last sample; zero at the first.
 class ToolDisplacement {
  public:
   /// Real-time safe.
@@ -92,13 +93,13 @@ class ToolDisplacement {
     last_ = {tool.position, turned};
     known_ = true;
   }
-  /// The next pose is the first. Real-time safe.
+  /// Treats the next pose as the first. Real-time safe.
   void forget() noexcept { known_ = false; }
 
-  /// Displacement [m] of the tool's own point that is now at `arm` from the tool's origin. Exactly
-  /// zero for a tool that rests.
+  /// Displacement [m] of the tool point now at `arm` from the tool's origin. Exactly zero for a
+  /// resting tool.
   Vec3 of_point(const Vec3& arm) const noexcept { return shift_ + (arm - back_ * arm); }
-  /// At least the path of any of its points within `reach_m`.
+  /// Upper bound of the path of any tool point within `reach_m`.
   double most(double reach_m) const noexcept {
     return shift_.norm() + 2.0 * reach_m * back_.vec().norm();
   }
@@ -110,13 +111,13 @@ class ToolDisplacement {
   bool known_ = false;
 };
 
-/// Height of the touched point over the foot. The deepest point, and so its height, may jump
-/// between samples; this follows it by no more than the tool moved, so that a torque across it has
-/// no step and a tool that rests none at all.
+/// Height of the contact point above the contact centre. The deepest point, and so its height, may
+/// jump between samples. This value follows it by at most the tool's displacement, so the torque
+/// has no step, and none at all for a resting tool.
 class FollowedHeight {
  public:
-  /// `height_m` of this sample, as far as `moved_m`, the tool's path since the last one, lets it
-  /// follow [m]. Real-time safe.
+  /// Follows `height_m` of this sample by at most `moved_m`, the tool's path since the last one
+  /// [m]. Real-time safe.
   double follow(double height_m, double moved_m) noexcept {
     height_ = known_ ? std::clamp(height_m, height_ - moved_m, height_ + moved_m) : height_m;
     known_ = true;
@@ -128,26 +129,26 @@ class FollowedHeight {
   bool known_ = false;
 };
 
-/// The touched point itself, from the tool's origin; shortened to the reach.
+/// The contact point, from the tool's origin; shortened to the reach.
 inline Vec3 arm_to(const TouchPoint& point, double height_m, double reach_m) noexcept {
   const Vec3 arm = point.contact_centre + height_m * point.normal;
   const double length = arm.norm();
   return length > reach_m ? Vec3(arm * (reach_m / length)) : arm;
 }
 
-/// A `State` for each object that is being touched, by the object's number, for kMaxTouches of them
-/// at once: what is touched beyond that gets none. Fixed storage: never allocates.
+/// A `State` for each object in contact, by object number, for kMaxTouches at once; further objects
+/// get none. Fixed storage: never allocates.
 template <typename State>
 class PerObject {
  public:
   static constexpr std::size_t kMaxTouches = 16;
 
-  /// A new sample: nothing has been asked for yet. Real-time safe.
+  /// Begins a sample. Real-time safe.
   void begin() noexcept {
     for (Slot& slot : slots_)
       slot.seen = false;
   }
-  /// Null where there is no room, or where the object was asked for in this sample already.
+  /// Null without room, or if the object was already requested in this sample.
   State* find(std::uint32_t object) noexcept {
     Slot* free = nullptr;
     for (Slot& slot : slots_) {
@@ -165,12 +166,12 @@ class PerObject {
     *free = {State{}, object, true, true};
     return &free->state;
   }
-  /// Forgets what was not asked for since `begin`.
+  /// Removes states that were not requested since `begin`.
   void end() noexcept {
     for (Slot& slot : slots_)
       slot.used = slot.used && slot.seen;
   }
-  /// Forgets all objects. Real-time safe.
+  /// Removes all states. Real-time safe.
   void clear() noexcept {
     for (Slot& slot : slots_)
       slot.used = false;

@@ -1,5 +1,5 @@
 #pragma once
-/// How far a mesh is from the primitives that a scene declares for it.
+/// Distance between a mesh and the primitives that a scene declares for it.
 #include <algorithm>
 
 #include "core/reference/mesh_distance.hpp"
@@ -16,9 +16,9 @@ struct ChordError {
   double value_m() const noexcept { return std::max(mesh_to_primitives_m, primitives_to_mesh_m); }
 };
 
-/// Both directions are looked at: a mesh with a part missing lies on its primitive everywhere, but
-/// does not cover it. Parts of a primitive that lie inside another one are not part of the surface
-/// and do not count. `primitives` must not be empty.
+/// Computes both directions, because a mesh with a missing part lies on its primitive but does not
+/// cover it. Parts of a primitive inside another one do not belong to the surface and are ignored.
+/// `primitives` must not be empty.
 ChordError chord_error(const ReferenceMesh& mesh, const MeshDistance& distance,
                        const std::vector<scene::Primitive>& primitives);
 

@@ -60,7 +60,7 @@ struct Distance {
   }
 };
 
-/// Points spread evenly by the golden angle, with both poles.
+/// Points spread evenly by the golden angle, including both poles.
 void sample(const scene::SpherePrimitive& sphere, std::size_t count, std::vector<Vec3>& points) {
   const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
   for (std::size_t i = 0; i < count; ++i) {

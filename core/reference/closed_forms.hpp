@@ -15,16 +15,16 @@ struct SignedPoint {
   Vec3 nearest = Vec3::Zero();
 };
 
-/// Exact signed distance of `x` to a primitive, both in the mesh's frame after scaling [m]. Where
-/// several surface points are equally near, one is taken by a fixed rule. Does not allocate.
+/// Exact signed distance of `x` to a primitive, both in the mesh's frame after scaling [m]. Of
+/// several nearest points one is chosen by a fixed rule. Does not allocate.
 SignedPoint signed_distance(const scene::Primitive& primitive, const Vec3& x) noexcept;
 
-/// The same for a union of primitives, at least one. Exact outside; inside, where primitives
-/// overlap or abut, its magnitude is a lower bound of the depth.
+/// The same for a union of at least one primitive. Exact outside. Inside, where primitives overlap
+/// or touch, its magnitude is a lower bound of the depth.
 SignedPoint signed_distance(std::span<const scene::Primitive> primitives, const Vec3& x) noexcept;
 
-/// About `count` points spread over the primitive's surface, always the same ones; corners, rims
-/// and poles are among them.
+/// About `count` points spread over the primitive's surface, deterministic; includes corners, rims
+/// and poles.
 std::vector<Vec3> surface_samples(const scene::Primitive& primitive, std::size_t count);
 
 }  // namespace voxtouch::reference

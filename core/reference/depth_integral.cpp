@@ -8,18 +8,19 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kBendRatio = 0.02;  ///< of the resolution: depths that differ less count as linear
-constexpr double kLongestRatio =
-    4.0;  ///< of the resolution: larger triangles are split, whatever their depths
-constexpr double kShortestRatio = 0.5;  ///< of the resolution: smaller ones are not
+/// Of the resolution: smaller differences of depth count as linear.
+constexpr double kBendRatio = 0.02;
+constexpr double kLongestRatio = 4.0;   ///< of the resolution: larger triangles are always split
+constexpr double kShortestRatio = 0.5;  ///< of the resolution: smaller triangles are never split
 
-/// A point of the tool in W, and how deep it is; below zero outside.
+/// A point of the tool in W and its depth; negative outside.
 struct Sample {
   Vec3 x;
   double depth;
 };
 
-/// Of a place, by its bits: the middle of an edge comes out the same for both triangles next to it.
+/// Hash of the bits of a position: the middle of an edge is bit-identical for both adjacent
+/// triangles.
 struct PlaceHash {
   std::size_t operator()(const Vec3& x) const noexcept {
     std::uint64_t hash = 0;
@@ -58,7 +59,7 @@ class DepthIntegral {
     ++out_.samples;
     return -distance_(x);
   }
-  /// Of a place that neighbours share.
+  /// Depth of a position shared with neighbours.
   Sample shared(const Vec3& x) {
     const auto [known, is_new] = known_.try_emplace(x, 0.0);
     if (is_new)
@@ -85,8 +86,8 @@ class DepthIntegral {
         {(a - middle).squaredNorm(), (b - middle).squaredNorm(), (c - middle).squaredNorm()}));
   }
 
-  /// Whether the balls round the corners that hold nothing of the static object cover the triangle:
-  /// none of its points is farther from the nearest corner than the longest edge over sqrt(3).
+  /// Whether the free balls around the corners cover the triangle: none of its points is farther
+  /// from the nearest corner than the longest edge over sqrt(3).
   static bool covered(const Sample& a, const Sample& b, const Sample& c) {
     const double gap = -std::max({a.depth, b.depth, c.depth});
     const double square =
@@ -116,7 +117,7 @@ class DepthIntegral {
     if (!even && radius > kShortestRatio * resolution_) {
       add_part(a, ab, ca, quarter), add_part(ab, b, bc, quarter), add_part(ca, bc, c, quarter);
       if (!covered(bc, ca, ab))
-        add(bc, ca, ab, middle, quarter);  // its middle is the whole one's
+        add(bc, ca, ab, middle, quarter);  // its centre is that of the whole
       return;
     }
     if (std::min({a.depth, b.depth, c.depth, ab.depth, bc.depth, ca.depth}) >= 0.0) {
@@ -127,7 +128,7 @@ class DepthIntegral {
         clip(bc, ca, ab, quarter);
   }
 
-  /// The part of a triangle that is inside, the depth being linear.
+  /// The part of a triangle that is inside, for linear depth.
   void clip(Sample a, Sample b, Sample c, const Vec3& area) {
     const int inside = (a.depth > 0.0) + (b.depth > 0.0) + (c.depth > 0.0);
     if (inside == 0)
@@ -135,7 +136,7 @@ class DepthIntegral {
     if (inside == 3)
       return push_linear(a, b, c, area);
     const bool odd_is_inside =
-        inside == 1;  // one corner is on the other side than the two others: let it be `a`
+        inside == 1;  // one corner is on the other side than the two others: make it `a`
     while ((a.depth > 0.0) != odd_is_inside) {
       const Sample first = a;
       a = b, b = c, c = first;
@@ -155,8 +156,8 @@ class DepthIntegral {
     push_over(mean(a, b), mean(b, c), mean(c, a), area);
   }
 
-  /// The middles of a triangle's edges: exact for what is quadratic, as the torque of a linear
-  /// depth is.
+  /// Quadrature at the midpoints of a triangle's edges: exact for quadratic functions, such as the
+  /// torque of a linear depth.
   void push_over(const Sample& ab, const Sample& bc, const Sample& ca, const Vec3& area) {
     const Vec3 inward_third = area / -3.0;
     for (const Sample* s : {&ab, &bc, &ca}) {
@@ -173,7 +174,7 @@ class DepthIntegral {
   Pose pose_;
   double resolution_;
   const DepthQuery& distance_;
-  std::unordered_map<Vec3, double, PlaceHash> known_;  ///< depths at corners and middles of edges
+  std::unordered_map<Vec3, double, PlaceHash> known_;  ///< depths at corners and edge midpoints
   TrueWrench out_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The penalty law's integral over the tool's surface, split only where the depth bends.
+/// Integral of the penalty law over the tool's surface, refined only where the depth is nonlinear.
 #include <functional>
 
 #include "core/reference/reference_wrench.hpp"
@@ -7,17 +7,17 @@
 
 namespace voxtouch::reference {
 
-/// Signed distance of a point in W to the static triangles [m], negative inside. 1-Lipschitz, which
-/// is what parts are left out by.
+/// Signed distance of a point in W to the static triangles [m], negative inside. It is 1-Lipschitz,
+/// which allows parts to be skipped.
 using DepthQuery = std::function<double(const Vec3&)>;
 
-/// ReferenceWrench's integral for the tool at `pose_WT`. A part of the tool whose middle is farther
-/// outside than it is wide is left out, or which the balls round its corners that reach nothing
-/// cover; what neighbours share is asked for once. A triangle is split into four until the depth at
-/// the middles of its edges and at its own lies within 2 % of `resolution_m` of what its corners
-/// say (and it is no larger than four times the resolution: what is narrower could lie between), or
-/// it is smaller than half of it. What is left is summed with depths that are linear between these
-/// points: exact for planes, also where they are crossed.
+/// ReferenceWrench's integral for the tool at `pose_WT`.
+/// A part of the tool is skipped if its centre is farther outside than its extent, or if the free
+/// balls around its corners cover it. Depths shared by neighbours are computed once. A triangle is
+/// split into four while it is larger than four times the resolution. It is also split while the
+/// depth at its edge midpoints or its centre deviates from linear by more than 2 % of
+/// `resolution_m`. Triangles smaller than half the resolution are not split. Between these points
+/// the depth is linear: exact for planes, also where they cut the tool.
 TrueWrench integrate_depth(const ToolTriangles& tool, const Pose& pose_WT, double resolution_m,
                            const DepthQuery& distance);
 

@@ -77,8 +77,8 @@ GapResult DynamicMesh::against(const PosedMesh& object, const Pose& pose_WT) con
   gap.nearest_dynamic = object.pose() * pair.other;
   gap.direction = (gap.nearest_dynamic - gap.nearest_static).normalized();
   gap.depth_exact = true;
-  // Second way: the point that FCL says is mine must lie on me, and must be that far from the
-  // static mesh by the point test.
+  // Second method: the point that FCL reports as mine must lie on this mesh, and the point test
+  // must give the same distance from the static mesh.
   const double mine_off = body_.distance().nearest(pose_OM.inverse() * pair.other).distance_m;
   const double differ =
       std::abs(object.distance().nearest(pair.other).distance_m - pair.distance_m);

@@ -1,6 +1,6 @@
 #pragma once
-/// The dynamic object where it is no declared sphere: a mesh against meshes, as far as that can be
-/// known.
+/// The dynamic object without a declared sphere: a mesh against meshes, within the limits of the
+/// method.
 #include <vector>
 
 #include "core/reference/gap.hpp"
@@ -16,8 +16,8 @@ class DynamicMesh {
   /// Gap against the union of `statics`, at least one, with the tool at `pose_WT`.
   GapResult gap(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const;
 
-  /// Distance between its surface and that of the nearest of `statics` [m]; 0 where they meet. By
-  /// FCL alone, without a second way, and blind to one that is wholly inside the other.
+  /// Distance between its surface and that of the nearest of `statics` [m]; 0 if they meet. By FCL
+  /// alone, without a second method; does not detect an object completely inside the other.
   double apart_m(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const;
 
  private:
@@ -25,14 +25,14 @@ class DynamicMesh {
   bool one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const;
   GapResult overlap(const PosedMesh& object, const Pose& pose_WM, double surfaces_apart_m) const;
 
-  /// Calls `ask(index)` for the objects that may be nearest: see ask_nearest_first.
+  /// Calls `ask(index)` for the objects that may be nearest; see ask_nearest_first.
   template <class Ask>
   void ask_near(const std::vector<PosedMesh>& statics, const Pose& pose_WT, Ask ask) const {
     ask_nearest_first(statics, pose_WT * (body_.pose() * centre_), radius_m_, ask);
   }
 
   PosedMesh body_;              ///< with the mesh's pose in T
-  Vec3 centre_ = Vec3::Zero();  ///< of a ball that holds it, in the mesh's frame
+  Vec3 centre_ = Vec3::Zero();  ///< of an enclosing ball, in the mesh's frame
   double radius_m_ = 0.0;
 };
 

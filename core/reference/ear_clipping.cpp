@@ -10,12 +10,12 @@ namespace {
 
 using Point = Eigen::Vector2d;
 
-/// Twice the area of a triangle, above 0 where it turns left.
+/// Twice the area of a triangle, positive if it is counter-clockwise.
 double turn(const Point& a, const Point& b, const Point& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// What is left of the polygon.
+/// The remaining polygon.
 class Outline {
  public:
   explicit Outline(std::span<const Vec3> corners) {
@@ -50,8 +50,8 @@ class Outline {
     numbers_.erase(numbers_.begin() + static_cast<std::ptrdiff_t>(k));
   }
 
-  /// The triangle at corner k has an area, no other corner lies in it or on its rim, and its open
-  /// side runs inside the polygon.
+  /// The triangle at corner k has an area, no other corner lies in it or on its border, and its
+  /// open side is inside the polygon.
   bool ear_at(std::size_t k) const {
     const std::size_t n = size();
     const Point &a = at(k + n - 1), &b = at(k), &c = at(k + 1);
@@ -74,7 +74,7 @@ class Outline {
  private:
   const Point& at(std::size_t k) const { return points_[k % size()]; }
 
-  /// Whether the way from corner k to `end` begins inside of the polygon (O'Rourke 1998, InCone).
+  /// Whether the segment from corner k to `end` starts inside the polygon (O'Rourke 1998, InCone).
   bool inside_at(std::size_t k, const Point& end) const {
     const Point &before = at(k + size() - 1), &own = at(k), &behind = at(k + 1);
     if (turn(own, behind, before) >= 0)
@@ -104,7 +104,7 @@ std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const Vec3> corner
       return tried;
     };
     std::size_t skipped = next([&](std::size_t k) { return left.ear_at(k); });
-    // Without an ear: a path that goes forth and back along one line.
+    // Without an ear: a path that runs forward and back along one line.
     if (skipped == left.size())
       skipped = next([&](std::size_t k) { return left.area_at(k) == 0; });
     if (skipped == left.size())

@@ -1,5 +1,5 @@
 #pragma once
-/// The reference's own way from a polygon to triangles.
+/// The reference's own triangulation of polygons.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -9,11 +9,10 @@
 
 namespace voxtouch::reference {
 
-/// Cuts a polygon, convex or not, into triangles by taking off one ear after the other (Meisters
-/// 1975), in the coordinate plane that it faces most. Numbers are positions in `corners`, which are
-/// finite; a corner at the place of the one before it is skipped. A bridge may join a hole to the
-/// outline. Allocates; time goes with the third power of the corners. Throws std::runtime_error
-/// where the polygon crosses itself.
+/// Cuts a polygon, convex or not, into triangles by ear clipping (Meisters 1975), in the coordinate
+/// plane that it faces most. Numbers are positions in `corners`, which must be finite; a repeated
+/// corner is skipped. A bridge may join a hole to the outline. Allocates; the time grows with the
+/// third power of the corners. Throws std::runtime_error if the polygon crosses itself.
 std::vector<std::array<std::uint32_t, 3>> clip_ears(std::span<const Vec3> corners);
 
 }  // namespace voxtouch::reference

@@ -1,5 +1,6 @@
 #pragma once
-/// A mesh as FCL takes it. For the sources that ask FCL; no other header includes FCL.
+/// Converts a mesh for FCL. Only sources that use FCL include this header; no other header includes
+/// FCL.
 #include <fcl/geometry/bvh/BVH_model.h>
 
 #include <memory>

@@ -19,7 +19,8 @@ Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& st
         break;
       centre -= gap * out.normalized();
     }
-    if ((hand - centre).norm() > (hand - before).norm() - 1e-3 * step) {  // no nearer: finer
+    if ((hand - centre).norm() > (hand - before).norm() - 1e-3 * step) {  // no longer approaching:
+                                                                          // smaller steps
       if ((hand - centre).norm() > (hand - before).norm())
         centre = before;
       step *= 0.5;

@@ -7,8 +7,10 @@
 namespace voxtouch::reference {
 namespace {
 constexpr std::uint32_t kLeafTriangles = 8;
-constexpr double kFarInRadii = 2.5;  ///< beyond this many radii a node counts as one dipole
-constexpr double kDoubtful = 0.25;   ///< an estimate this near to 1/2 is replaced by the exact sum
+/// Beyond this many radii a node is approximated by one dipole.
+constexpr double kFarInRadii = 2.5;
+/// An estimate this close to 1/2 is replaced by the exact sum.
+constexpr double kDoubtful = 0.25;
 constexpr double kFullAngle = 4.0 * std::numbers::pi;
 }  // namespace
 

@@ -1,7 +1,7 @@
 #pragma once
-/// Is a point inside a mesh? By the generalised winding number (Jacobson, Kavan, Sorkine-Hornung
-/// 2013), which does not mind cracks; far parts of the mesh count as one dipole each (Barill et al.
-/// 2018), refined where that could matter.
+/// Inside test of a point by the generalised winding number (Jacobson, Kavan, Sorkine-Hornung
+/// 2013), which is robust against cracks. Distant parts of the mesh are approximated by one dipole
+/// each (Barill et al. 2018), and refined where needed.
 #include <cstdint>
 #include <vector>
 
@@ -11,19 +11,19 @@ namespace voxtouch::reference {
 
 class InsideTest {
  public:
-  /// Copies what it needs; the mesh may go.
+  /// Copies the mesh data; the mesh need not outlive it.
   explicit InsideTest(const ReferenceMesh& mesh);
 
-  /// Whether |winding number| > 1/2, for `x` in the mesh's frame. Right up to the surface for a
-  /// closed mesh. A mesh turned inside out has the same inside. Does not allocate. Sums run in a
-  /// fixed order: bit-identical everywhere.
+  /// Whether |winding number| > 1/2, for `x` in the mesh's frame. Exact up to the surface for a
+  /// closed mesh; an inverted mesh has the same interior. Does not allocate. Sums run in a fixed
+  /// order, so results are bit-identical.
   bool inside(const Vec3& x) const noexcept;
 
   /// The exact sum over all triangles (Van Oosterom and Strackee 1983): 1 inside a closed mesh, 0
-  /// outside, fractions where it is open. Costs all triangles.
+  /// outside, fractional for an open one. Visits all triangles.
   double winding_number(const Vec3& x) const noexcept;
-  /// The sum with far parts as dipoles: what `inside` starts with. Within 0.05 of the exact sum on
-  /// closed meshes (tested).
+  /// The sum with distant parts as dipoles, with which `inside` starts. Within 0.05 of the exact
+  /// sum on closed meshes (tested).
   double winding_estimate(const Vec3& x) const noexcept;
 
  private:
@@ -33,7 +33,7 @@ class InsideTest {
   struct Node {
     Vec3 centre = Vec3::Zero();  ///< area-weighted
     Vec3 area = Vec3::Zero();    ///< sum of area vectors
-    double radius = 0.0;         ///< of the ball round `centre` that holds all corners
+    double radius = 0.0;         ///< of the ball around `centre` that contains all corners
     std::uint32_t first = 0, last = 0,
                   skip = 0;  ///< triangles [first, last); `skip`: next node if this one is done
   };

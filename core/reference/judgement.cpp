@@ -32,7 +32,7 @@ void require(bool ok, std::string_view field, double value, std::string_view rul
     throw std::invalid_argument(fmt::format("{} = {:g} must be {}", field, value, rule));
 }
 
-/// Sentences carry lengths in millimetres.
+/// Messages give lengths in millimetres.
 double mm(double metres) { return 1e3 * metres; }
 
 }  // namespace
@@ -152,8 +152,8 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
                                Judgement& out) const {
   const std::uint32_t interior = gap.inside_known ? report.interior_hits : 0;
   if (gap.gap_m > free_limit_m()) {
-    // Where the reference knows no inside, a tool that is wholly inside looks free to it: nothing
-    // to say about that.
+    // Without a defined interior, a tool completely inside counts as free for the reference: no
+    // verdict.
     if (!gap.inside_known && report.interior_hits > 0 && report.surface_hits == 0)
       return "";
     out.decided = true;

@@ -1,6 +1,6 @@
 #pragma once
-/// Judges a reported contact by the reference's gap, by the rules of README.md. Pure arithmetic: no
-/// FCL, no files, no clock.
+/// Evaluates a reported contact against the reference's gap by the rules of README.md. A pure
+/// function: no FCL, files or clocks.
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -14,21 +14,21 @@ namespace voxtouch::reference {
 enum class Verdict : std::uint32_t { kAgree = 0, kInBand = 1, kDisagree = 2 };
 enum class Cause : std::uint32_t { kNone = 0, kRendering = 1, kReference = 2 };
 
-/// What the rules need to know of the scene. Lengths [m].
+/// Properties of the scene that the rules use. Lengths [m].
 struct JudgeSettings {
   double edge_m = 0.0;         ///< voxel edge e, > 0
   double chord_error_m = 0.0;  ///< ReferenceScene::chord_error_m
-  /// Every point of the dynamic surface has a shell point this near. The largest distance between
-  /// shell points of neighbouring voxels is a good measure; sqrt(3) e always holds for an exact
-  /// shell (surface and point share a voxel).
+  /// Distance within which every point of the dynamic surface has a shell point. The largest
+  /// distance between shell points of neighbouring voxels is a good value. sqrt(3) e always holds
+  /// for an exact shell, since surface and point share a voxel.
   double shell_gap_m = 0.0;
-  double shell_offset_m =
-      0.0;  ///< shell points off the surface: 0 for exact shells, sqrt(3)/2 e for voxel centres
+  double shell_offset_m = 0.0;  ///< Distance of shell points from the surface: 0 for exact shells,
+                                ///< sqrt(3)/2 e for voxel centres.
   /// Throws std::invalid_argument naming field, value and rule.
   void validate() const;
 };
 
-/// The contact under judgement, as ContactState reports it. World frame.
+/// The evaluated contact, as reported in ContactState. World frame.
 struct ReportedContact {
   Pose pose_WT;
   Wrench wrench;
@@ -45,22 +45,22 @@ struct Judgement {
   Cause cause = Cause::kNone;
   bool decided = false;  ///< one of the two hard rules applied
   double depth_error_m =
-      std::numeric_limits<double>::quiet_NaN();  ///< reported - t, or - the deepest vertex's depth;
-                                                 ///< NaN: not compared
+      std::numeric_limits<double>::quiet_NaN();  ///< Reported depth minus t, or minus the depth of
+                                                 ///< the deepest vertex; NaN: not compared.
   double direction_error_rad =
-      std::numeric_limits<double>::quiet_NaN();  ///< larger of force and normal; NaN: not compared
-  std::string explanation;                       ///< empty unless something is wrong
+      std::numeric_limits<double>::quiet_NaN();  ///< Larger error of force and normal; NaN: not
+                                                 ///< compared.
+  std::string explanation;                       ///< empty without a disagreement
 };
 
 struct JudgeCounts {
   std::uint64_t compared =
-      0;  ///< decided, or in the band with the depth or the direction held against the reference
+      0;  ///< decided, or in the band with depth or direction compared with the reference
   std::uint64_t checked = 0, decided = 0, agree = 0, in_band = 0, disagree = 0;
   std::uint64_t rendering = 0, reference = 0;  ///< the disagreements by cause
 };
 
-/// Which samples are checked: every n-th by sequence number, so that the choice does not depend on
-/// timing.
+/// Selects every n-th sample by sequence number, independent of timing.
 constexpr bool is_checked(std::uint64_t sequence_number, std::uint64_t every) noexcept {
   return every > 0 && sequence_number % every == 0;
 }
@@ -68,29 +68,30 @@ constexpr bool is_checked(std::uint64_t sequence_number, std::uint64_t every) no
 struct ToolSettings;
 struct ReportedTool;
 
-/// Keeps the counts and the last wrench; samples must come in the order of their sequence numbers.
-/// Not real-time (sentences).
+/// Evaluates samples in the order of their sequence numbers; stores counts and the last wrench. Not
+/// real-time safe (messages).
 class Judge {
  public:
   /// Throws what JudgeSettings::validate throws.
   explicit Judge(const JudgeSettings& settings);
 
-  /// One sample of a contact by penalty: whether the report can be true where the gap is `gap`.
-  /// Allocates.
+  /// Evaluates one sample of a penalty contact: whether the report is consistent with the gap
+  /// `gap`. Allocates.
   Judgement judge(const GapResult& gap, const ReportedContact& report);
-  /// Of a virtual tool, by other rules: tool_judgement.hpp.
+  /// Evaluates a virtual tool by the rules of tool_judgement.hpp.
   Judgement judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool,
                   const ReportedTool& report);
 
   const JudgeCounts& counts() const noexcept { return counts_; }
-  /// Another scene within the session: counts go on, memory begins anew. Throws as the constructor.
+  /// Switches to another scene within the session: counts continue, the last wrench is cleared.
+  /// Throws as the constructor.
   void change(const JudgeSettings& settings);
 
-  double free_limit_m() const noexcept;          ///< a gap above it is free
-  double inside_depth_limit_m() const noexcept;  ///< a depth above it must collide
+  double free_limit_m() const noexcept;          ///< a larger gap is free
+  double inside_depth_limit_m() const noexcept;  ///< a larger depth must collide
 
  private:
-  /// Checked samples in a row with bit-identical wrenches.
+  /// Consecutive checked samples with bit-identical wrenches.
   struct Run {
     Wrench wrench;
     int samples = 0;
@@ -107,7 +108,7 @@ class Judge {
   std::string direction_breach(const GapResult& gap, const ReportedContact& report,
                                Judgement& out) const;
   std::string torque_breach(const GapResult& gap, const ReportedContact& report) const;
-  /// Verdict and cause from the explanation found; `checked`: the reference's own cross-checks
+  /// Sets verdict and cause from the explanation; `checked`: the cross-checks of the reference
   /// hold.
   static void conclude(bool checked, Judgement& out);
   void count(const Judgement& judgement) noexcept;

@@ -10,8 +10,9 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kProbeRatio = 1e-9;     ///< size of the second way's triangle over the mesh's size
-constexpr double kRoundingRatio = 1e-9;  ///< rounding of FCL's projections over the mesh's size
+/// Size of the second method's triangle relative to the mesh.
+constexpr double kProbeRatio = 1e-9;
+constexpr double kRoundingRatio = 1e-9;  ///< rounding of FCL's projections relative to the mesh
 
 double size_of(const ReferenceMesh& mesh) {
   double size = 0.0;

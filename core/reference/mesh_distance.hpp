@@ -1,5 +1,5 @@
 #pragma once
-/// Distances to a mesh, by FCL. The only source of this module that asks FCL is this header's.
+/// Distances to a mesh by FCL.
 #include <memory>
 
 #include "core/reference/reference_mesh.hpp"
@@ -12,14 +12,14 @@ struct NearestPoint {
   Vec3 point = Vec3::Zero();
 };
 
-/// Nearest points of two meshes that are apart, in the first mesh's frame; `distance_m` 0 where
-/// they meet (points zero).
+/// Nearest points of two separate meshes, in the first mesh's frame; `distance_m` is 0 if they meet
+/// (points zero).
 struct NearestPair {
   double distance_m = 0.0;
   Vec3 mine = Vec3::Zero(), other = Vec3::Zero();
 };
 
-/// A bounding-volume tree of OBBRSS over one mesh. Queries are const and may run at once; they
+/// A bounding-volume tree of OBBRSS over one mesh. Queries are const and may run concurrently; they
 /// allocate.
 class MeshDistance {
  public:
@@ -29,16 +29,15 @@ class MeshDistance {
   MeshDistance(MeshDistance&&) noexcept;
   MeshDistance& operator=(MeshDistance&&) noexcept;
 
-  /// First way: FCL's mesh against a sphere of radius 0, whose triangle test is a closed-form
-  /// projection. FCL leaves the distance unset for a point that lies on a triangle; that is
-  /// noticed, and answered by the second way.
+  /// First method: FCL's mesh against a sphere of radius 0, whose triangle test is a closed-form
+  /// projection. FCL leaves the distance unset for a point on a triangle; this is detected, and the
+  /// second method is used.
   NearestPoint nearest(const Vec3& x) const;
 
-  /// Second way, which shares only the tree with the first: FCL's mesh against a mesh of one
-  /// triangle that is small enough to count as a point. Differs from the truth by up to
-  /// `second_method_error_m()`.
+  /// Second method, which shares only the tree with the first: FCL's mesh against a mesh of one
+  /// triangle, small enough to represent a point. Its error is at most `second_method_error_m()`.
   double second_method(const Vec3& x) const;
-  /// The bound for `second_method` [m].
+  /// The error bound of `second_method` [m].
   double second_method_error_m() const noexcept;
 
   /// Distance to another mesh posed in this one's frame.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
-/// Takes the next word off `text`; empty at its end.
+/// Removes the next word from `text`; empty at its end.
 std::string_view take_word(std::string_view& text) {
   text.remove_prefix(std::min(text.find_first_not_of(kBlanks), text.size()));
   const std::string_view word = text.substr(0, text.find_first_of(kBlanks));
@@ -50,7 +50,7 @@ std::string_view without_mark(std::string_view text) {
   return text;
 }
 
-/// Takes the next statement, which a backslash at the end of a line carries on.
+/// Removes the next statement, which a backslash at the end of a line continues.
 std::string take_statement(std::string_view& text) {
   std::string statement;
   for (bool more = true; more && !text.empty();) {
@@ -62,7 +62,7 @@ std::string take_statement(std::string_view& text) {
     if (more) {
       line.remove_suffix(1);
       if (text.starts_with('\n'))
-        text.remove_prefix(1);  // of a line end of two
+        text.remove_prefix(1);  // a line end of two characters
     }
     statement.append(line).append(" ");
   }
@@ -84,7 +84,7 @@ void add_face(std::string_view words, PlainFile& file) {
     file.faces.push_back(std::move(face));
 }
 
-/// Each three vertices are a triangle.
+/// Every three vertices form a triangle.
 PlainFile triangles(std::vector<Vec3> vertices) {
   PlainFile file{.vertices = std::move(vertices), .faces = {}};
   if (file.vertices.size() % 3 != 0)

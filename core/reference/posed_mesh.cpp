@@ -9,10 +9,10 @@
 
 namespace voxtouch::reference {
 namespace {
-/// The chord error is the largest of samples; the largest anywhere may be a little more.
+/// The chord error is the maximum over samples; the true maximum may be slightly larger.
 constexpr double kChordSlack = 1.5;
 
-/// One corner of each connected part of a mesh: if surfaces do not meet, a part is inside or
+/// One corner of each connected part of a mesh. If surfaces do not meet, a part is inside or
 /// outside as a whole.
 std::vector<Vec3> corner_of_each_part(const ReferenceMesh& mesh) {
   std::vector<std::uint32_t> root(mesh.vertices.size());
@@ -52,7 +52,7 @@ PosedMesh::PosedMesh(const scene::MeshSpec& spec)
 double PosedMesh::at_least_m(const Vec3& x, double reach_m) const noexcept {
   const Vec3 local = pose_.inverse() * x;
   const double apart_m = (local - local.cwiseMax(box_min_).cwiseMin(box_max_)).norm();
-  // Declared primitives may stand out of the mesh; the rest is rounding.
+  // Declared primitives may extend beyond the mesh; the last term covers rounding.
   const double bound_m =
       apart_m - reach_m - kChordSlack * chord_error_m_ - 1e-9 * (1.0 + local.norm());
   return bound_m > 0.0 ? bound_m : -std::numeric_limits<double>::infinity();
@@ -83,12 +83,12 @@ PosedMesh::Answer PosedMesh::signed_distance(const Vec3& x) const {
     answer.check_error_m = std::max(0.0, differ - distance_.second_method_error_m());
   } else {
     const SignedPoint by_form = voxtouch::reference::signed_distance(primitives_, local);
-    // Inside a union the closed form is only a bound: seams between parts are no surface. There the
-    // mesh is the better one.
+    // Inside a union the closed form is only a bound, because seams between parts do not belong to
+    // the surface. The mesh is more accurate there.
     const bool form_is_exact = by_form.distance_m > 0 || primitives_.size() == 1;
     const double allowed = kChordSlack * chord_error_m_ + distance_.second_method_error_m();
     const double side = mesh_.closed ? by_form.distance_m
-                                     : std::abs(by_form.distance_m);  // open: the mesh has one side
+                                     : std::abs(by_form.distance_m);  // open: the mesh has no sides
     const double differ = form_is_exact ? std::abs(side - by_mesh) : std::max(0.0, by_mesh);
     answer.check_error_m = std::max(0.0, differ - allowed);
     if (form_is_exact)

@@ -1,6 +1,6 @@
 #pragma once
-/// One mesh of a scene, static or dynamic, with everything the reference can ask it. Lengths in
-/// metres, points in W (T for the dynamic one).
+/// One mesh of a scene, static or dynamic, with the queries of the reference. Lengths in metres,
+/// points in W (T for the dynamic one).
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -12,43 +12,42 @@
 
 namespace voxtouch::reference {
 
-/// Arithmetic runs in the mesh's own frame, so that an object far from the world's origin loses no
-/// digits.
+/// Computes in the mesh's own frame, so that an object far from the world's origin loses no digits.
 class PosedMesh {
  public:
   /// Throws as `read_reference_mesh` does.
   explicit PosedMesh(const scene::MeshSpec& spec);
 
-  /// Stands `shift` away from where the scene put it.
+  /// Moves the mesh by `shift` from its position in the scene.
   void move_by(const Vec3& shift) noexcept { pose_.position = rest_ + shift; }
 
-  /// Signed distance and what the cross-check of it says.
+  /// Signed distance and the result of its cross-check.
   struct Answer {
     SignedPoint signed_point;    ///< nearest point in W
     bool closed_form = false;    ///< from declared primitives
-    double check_error_m = 0.0;  ///< by how much two ways differ beyond what they may
+    double check_error_m = 0.0;  ///< difference between two methods beyond the tolerance
   };
-  /// Of `x` in W [m], negative inside. Allocates.
+  /// Signed distance of `x` in W [m], negative inside. Allocates.
   Answer signed_distance(const Vec3& x) const;
-  /// By the triangles alone.
+  /// Signed distance by the triangles alone.
   SignedPoint mesh_signed_distance(const Vec3& x) const;
-  /// Unsigned, by primitives outside of them, else by the triangles: for points on the side that is
-  /// already known.
+  /// Unsigned: by primitives outside of them, otherwise by the triangles; for points whose side is
+  /// given.
   Vec3 nearest(const Vec3& x) const;
   /// Whether `x` (W) lies inside the mesh; false for one that is not closed.
   bool inside(const Vec3& x) const noexcept;
 
-  /// A bound of its signed distance to a body within `reach_m` of `x` (W) [m], by its bounding box:
-  /// no distance is smaller; minus infinity where they may meet.
+  /// Lower bound of its signed distance to a body within `reach_m` of `x` (W) [m], by its bounding
+  /// box; minus infinity if they may meet.
   double at_least_m(const Vec3& x, double reach_m = 0.0) const noexcept;
 
   bool closed() const noexcept { return mesh_.closed; }
-  /// How far the triangles may lie from the shape that they stand for [m].
+  /// Largest distance between the triangles and the shape that they approximate [m].
   double chord_error_m() const noexcept { return chord_error_m_; }
   const ReferenceMesh& mesh() const noexcept { return mesh_; }
   const MeshDistance& distance() const noexcept { return distance_; }
   const Pose& pose() const noexcept { return pose_; }
-  /// One corner of each connected part, in the mesh's frame: where surfaces do not meet, a part is
+  /// One corner of each connected part, in the mesh's frame. If surfaces do not meet, a part is
   /// inside or outside as a whole.
   const std::vector<Vec3>& one_of_each_part() const noexcept { return one_of_each_part_; }
 
@@ -66,9 +65,9 @@ class PosedMesh {
   Vec3 box_min_, box_max_;  ///< of the mesh, in its own frame
 };
 
-/// Broad phase: calls `ask(index)`, which returns the least distance found so far, for the objects
-/// by ascending bound and ends where no other object can be nearer. Objects of equal distance are
-/// all asked. `x`, `reach_m`: as PosedMesh::at_least_m.
+/// Broad phase: calls `ask(index)`, which returns the smallest distance found so far, for the
+/// objects by ascending bound. Ends when no other object can be nearer; objects of equal distance
+/// are all visited. `x`, `reach_m`: as PosedMesh::at_least_m.
 template <class Ask>
 void ask_nearest_first(const std::vector<PosedMesh>& objects, const Vec3& x, double reach_m,
                        Ask ask) {

@@ -37,8 +37,8 @@ Eigen::Affine3d transform_of(const aiMatrix4x4& m) {
   return out;
 }
 
-/// Numbers are vertices, as in `face`. Polygons are not cut by the reader that the voxmap is built
-/// from, nor by assimp.
+/// Numbers are vertices, as in `face`. Polygons are cut neither by the reader of the voxmap nor by
+/// assimp.
 template <class PlaceOf>
 Triangles triangles_of(std::span<const std::uint32_t> face, const PlaceOf& place_of) {
   if (face.size() == 3)
@@ -61,11 +61,11 @@ void append(const aiMesh& mesh, const Eigen::Affine3d& to_file, double scale,
     const aiVector3D& p = mesh.mVertices[v];
     vertices.push_back(scale * (to_file * Vec3(p.x, p.y, p.z)));
   }
-  const bool mirrored = to_file.linear().determinant() < 0;  // a mirror turns triangles inside out
+  const bool mirrored = to_file.linear().determinant() < 0;  // a mirror inverts triangles
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
     if (face.mNumIndices < 3)
-      continue;  // lines and points have no inside and no surface
+      continue;  // lines and points have neither interior nor surface
     const auto place_of = [&mesh](std::uint32_t v) {
       return Vec3(mesh.mVertices[v].x, mesh.mVertices[v].y, mesh.mVertices[v].z);
     };
@@ -89,17 +89,17 @@ void walk(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& paren
     walk(scene, *node.mChildren[c], to_file, scale, vertices, triangles);
 }
 
-/// Joins positions that are the same but for the rounding of a single-precision file: within a few
-/// float steps of the largest coordinate. A seam that does not join would leave the mesh open, and
-/// an open mesh has no inside to judge by.
+/// Merges positions that differ only by the rounding of a single-precision file: within a few float
+/// steps of the largest coordinate. An unmerged seam would leave the mesh open, without a defined
+/// interior.
 class Joiner {
  public:
   explicit Joiner(double largest_coordinate) : step_(kSteps * largest_coordinate) {}
 
-  /// The index of the first vertex at `position`; adds one to `vertices` where there is none.
+  /// The index of the first vertex at `position`; adds a new one to `vertices` if there is none.
   std::uint32_t id_of(const Vec3& position, std::vector<Vec3>& vertices) {
     const Cell cell = cell_of(position);
-    std::uint32_t found = kNone;  // of several the first that was added: the table has no order
+    std::uint32_t found = kNone;  // of several the first added, because the table has no order
     for (std::int64_t x = -1; x <= 1; ++x)
       for (std::int64_t y = -1; y <= 1; ++y)
         for (std::int64_t z = -1; z <= 1; ++z) {
@@ -139,7 +139,7 @@ class Joiner {
   std::unordered_multimap<Cell, std::uint32_t, Hash> cells_;
 };
 
-/// Largest absolute coordinate. Throws where one is not finite.
+/// Largest absolute coordinate. Throws for a non-finite one.
 double largest_coordinate(const std::vector<Vec3>& vertices, const Triangles& triangles,
                           const std::string& name) {
   double largest = 0.0;
@@ -152,14 +152,14 @@ double largest_coordinate(const std::vector<Vec3>& vertices, const Triangles& tr
   return largest;
 }
 
-/// The same triangle, whichever corner it starts with.
+/// The same triangle for any starting corner.
 std::array<std::uint32_t, 3> canonical(std::array<std::uint32_t, 3> t) {
   std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   return t;
 }
 
-/// True if the boundary of the triangles, as a chain of directed edges, is empty. That is exactly
-/// when the winding number is an integer everywhere off the surface.
+/// Returns true if the boundary of the triangles, as a chain of directed edges, is empty. This is
+/// equivalent to an integer winding number everywhere off the surface.
 bool balanced(const Triangles& triangles) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> walks;
   for (const auto& t : triangles)
@@ -200,7 +200,7 @@ ReferenceMesh make_reference_mesh(const std::vector<Vec3>& vertices, const Trian
 
 namespace {
 
-/// The file, where it is an OBJ or an STL.
+/// Reads the file if it is an OBJ or an STL.
 std::optional<PlainFile> read_plain(const std::filesystem::path& path) {
   std::string ending = path.extension().string();
   for (char& c : ending)
@@ -214,7 +214,7 @@ std::optional<PlainFile> read_plain(const std::filesystem::path& path) {
   return ending == ".obj" ? read_obj(bytes) : read_stl(bytes);
 }
 
-/// Files as assimp is to see them: without a byte order mark, and found by a name in percent code.
+/// File access for assimp: without a byte order mark, and with percent-encoded names.
 class FilesOfTheMesh : public Assimp::DefaultIOSystem {
  public:
   bool Exists(const char* name) const override {
@@ -263,7 +263,7 @@ void read_by_assimp(const std::string& name, double scale, std::vector<Vec3>& ve
   Assimp::Importer importer;
   importer.SetIOHandler(new FilesOfTheMesh);  // the importer owns it
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION,
-                           true);  // axes stay as the file has them
+                           true);  // axes as in the file
   const aiScene* scene = importer.ReadFile(name, 0);
   if (scene == nullptr || scene->mRootNode == nullptr)
     throw std::runtime_error(importer.GetErrorString());

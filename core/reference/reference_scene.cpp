@@ -15,15 +15,16 @@ namespace voxtouch::reference {
 namespace {
 
 constexpr double kUniqueAngleRad =
-    5.0 * std::numbers::pi / 180.0;  ///< the patch's mean direction against its middle's
+    5.0 * std::numbers::pi / 180.0;  ///< Largest angle between the patch's mean direction and that
+                                     ///< of its centre.
 constexpr double kThickRatio =
-    0.25;  ///< of an edge: how much less buried than deep still counts as one thick face
+    0.25;  ///< Of an edge: largest difference of depth and distance inside for a single thick face.
 constexpr double kKeepSide =
     0.9;  ///< of the centre's distance: a smaller step cannot cross the surface
 
 constexpr int kRimPoints = 6;
 
-/// The static objects as one.
+/// The static objects as a union.
 struct Union {
   const std::vector<PosedMesh>& objects;
 
@@ -41,7 +42,7 @@ struct Union {
         [&](const Vec3& one) { return (x - one).norm(); }, best);
     return best;
   }
-  /// The answer of the object with the least distance; of equal ones the first object's.
+  /// The answer of the nearest object; for equal distances that of the first.
   template <class Answer, class Ask, class Distance>
   void least(const Vec3& x, Ask ask, Distance distance, Answer& best) const {
     std::size_t which = objects.size();
@@ -60,7 +61,7 @@ struct Union {
   }
 };
 
-/// See ReferenceScene: does `up`, found at `centre`, stand for the whole patch?
+/// See ReferenceScene: whether `up`, found at `centre`, represents the whole patch.
 bool stands_for_patch(const Union& all, const Vec3& centre, double distance, const Vec3& up,
                       double reach, double lift) {
   const bool inside = distance < 0;
@@ -81,7 +82,7 @@ struct ReferenceScene::Parts {
   double edge = 0.0, chord = 0.0, tool_reach = 0.0;
   bool all_closed = true;
   std::vector<PosedMesh> statics;
-  std::vector<std::pair<std::size_t, Motion>> moving;  ///< which of them, and how
+  std::vector<std::pair<std::size_t, Motion>> moving;  ///< the moving objects and their motions
   std::optional<scene::SpherePrimitive> sphere;        ///< in T
   std::optional<DynamicMesh> mesh;
 
@@ -205,7 +206,7 @@ void ReferenceScene::Parts::add_depth(const SignedPoint& at_centre, const Vec3& 
   const double distance = at_centre.distance_m, depth = std::max(0.0, -gap.gap_m);
   gap.nearest_dynamic = centre;
   if (std::abs(distance) < kThickRatio * edge)
-    return;  // the centre lies on the surface: no direction is defined
+    return;  // the centre lies on the surface: the direction is undefined
   const Union all{statics};
   gap.direction = (distance < 0 ? -1.0 : 1.0) * (centre - at_centre.nearest).normalized();
   gap.nearest_dynamic = centre - sphere->radius_m * gap.direction;

@@ -1,5 +1,5 @@
 #pragma once
-/// The true wrench of the law that all contact models approximate, as far as a mesh can be true.
+/// Reference wrench of the law that all contact models approximate, up to the accuracy of the mesh.
 #include <cstdint>
 #include <memory>
 
@@ -8,35 +8,34 @@
 
 namespace voxtouch::reference {
 
-/// W axes; torque about the tool's origin. Per unit of the law's stiffness k = 1 N/m^3.
+/// W axes; torque about the tool's origin. For stiffness k = 1 N/m^3.
 struct TrueWrench {
   Wrench wrench;                ///< [m^3], [m^4]
-  double area_m2 = 0.0;         ///< of the tool's surface that lies inside the static object
-  double depth_m = 0.0;         ///< of its deepest point that was looked at
+  double area_m2 = 0.0;         ///< of the tool's surface inside the static object
+  double depth_m = 0.0;         ///< of the deepest evaluated point
   Vec3 deepest = Vec3::Zero();  ///< that point, W
-  std::uint64_t samples = 0;    ///< signed distances asked for
+  std::uint64_t samples = 0;    ///< number of signed distances computed
 };
 
-/// The penalty law in the limit of ever finer points,
+/// The penalty law in the limit of infinitely many points,
 ///
-///   F = k  integral over the tool's surface inside the static object of  depth(x) n(x) dA, torque
-///   likewise,
+///     F = k integral over the tool's surface inside the static object of depth(x) n(x) dA
 ///
-/// depth = minus the signed distance to the static triangles, n the tool's inward normal, of a
-/// closed tool whichever way round its triangles run. By the divergence theorem it is the gradient
-/// of the energy k times the integral of depth over the volume shared (the pressure law of a
-/// liquid), so it is conservative, and a sphere of radius R at depth h in a half space feels k pi
-/// h^2 (R - h / 3) along the normal.
+/// with the corresponding torque. The depth is minus the signed distance to the static triangles, n
+/// the inward normal of the closed tool, for either orientation of its triangles. By the divergence
+/// theorem, F is the gradient of the energy k times the integral of depth over the shared volume
+/// (the pressure law of a liquid). It is therefore conservative. A sphere of radius R at depth h in
+/// a half space receives the force k pi h^2 (R - h / 3) along the normal.
 ///
-/// The integral runs over the tool's own triangles, split where the depth bends
+/// The integral covers the tool's own triangles, split where the depth is nonlinear
 /// (depth_integral.hpp), with signed distances by the nearest feature (signed_surface.hpp). A part
-/// of the tool whose centre is farther outside than it is wide is skipped: a distance changes by no
-/// more than the displacement. Queries are const and may run at once; they allocate.
+/// whose centre is farther outside than its extent is skipped, since a distance changes by at most
+/// the displacement. Queries are const and may run concurrently; they allocate.
 class ReferenceWrench {
  public:
-  /// Reads the scene's mesh files itself. Throws std::runtime_error naming the file if one cannot
-  /// be read, if the scene has no static mesh, or if a static mesh is open: it has no inside to be
-  /// in. Several static meshes count as their union.
+  /// Reads the scene's mesh files itself. Throws std::runtime_error naming the file if one is
+  /// unreadable, if the scene has no static mesh, or if a static mesh is open and so has no
+  /// interior. Several static meshes count as their union.
   ReferenceWrench(const scene::Scene& scene, double resolution_m);
   ~ReferenceWrench();
 

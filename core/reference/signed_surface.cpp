@@ -23,8 +23,8 @@ double angle_at(const Vec3& tip, const Vec3& a, const Vec3& b) noexcept {
   return std::atan2(u.cross(v).norm(), u.dot(v));
 }
 
-/// Triangles by the directed edge that they walk. None where an edge is walked twice the same way
-/// or only one way: no two-manifold.
+/// Triangles by their directed edges. Empty if an edge is traversed twice in one direction or in
+/// one direction only: not a two-manifold.
 using EdgeOwners = std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t>;
 
 std::optional<EdgeOwners> manifold_edges(const ReferenceMesh& mesh) {
@@ -39,8 +39,8 @@ std::optional<EdgeOwners> manifold_edges(const ReferenceMesh& mesh) {
   return paired ? std::optional(std::move(owner)) : std::nullopt;
 }
 
-/// Whether the triangles round every vertex are one fan: walked from neighbour to neighbour, all of
-/// them come.
+/// Whether the triangles around every vertex form one fan: a walk from neighbour to neighbour
+/// visits all of them.
 bool one_fan_each(const ReferenceMesh& mesh, const EdgeOwners& owner) {
   std::vector<std::uint32_t> count(mesh.vertices.size(), 0), one(mesh.vertices.size(), 0);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
@@ -54,8 +54,7 @@ bool one_fan_each(const ReferenceMesh& mesh, const EdgeOwners& owner) {
       const auto& corners = mesh.triangles[t];
       const auto k =
           static_cast<std::size_t>(std::find(corners.begin(), corners.end(), v) - corners.begin());
-      t = owner.at(
-          {v, corners[(k + 2) % 3]});  // across the edge that this triangle walks towards v
+      t = owner.at({v, corners[(k + 2) % 3]});  // across the edge of this triangle towards v
     } while (++walked <= count[v] && t != one[v]);
     if (walked != count[v])
       return false;
@@ -63,7 +62,7 @@ bool one_fan_each(const ReferenceMesh& mesh, const EdgeOwners& owner) {
   return true;
 }
 
-/// Moeller and Trumbore 1997: whether the segment passes through the triangle's inside.
+/// Moeller and Trumbore 1997: whether the segment passes through the interior of the triangle.
 bool passes_through(const Vec3& from, const Vec3& to, const std::array<Vec3, 3>& t) noexcept {
   const Vec3 ray = to - from, ab = t[1] - t[0], ac = t[2] - t[0], p = ray.cross(ac);
   const double det = ab.dot(p);
@@ -94,7 +93,7 @@ SignedSurface::SignedSurface(const ReferenceMesh& mesh) : inside_(mesh) {
   const std::optional<EdgeOwners> owner = manifold_edges(mesh);
   if (!owner || !one_fan_each(mesh, *owner) || crosses_itself(mesh, order))
     return;
-  const double side = volume < 0.0 ? -1.0 : 1.0;  // inside out
+  const double side = volume < 0.0 ? -1.0 : 1.0;  // inverted
   std::vector<Vec3> face, corner(mesh.vertices.size(), Vec3::Zero());
   for (const Corners& t : all)
     face.push_back(side * (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized());
@@ -178,7 +177,7 @@ SignedSurface::Nearest SignedSurface::nearest(const Vec3& x, std::uint32_t hint)
   const auto look_at = [&](std::uint32_t t) {
     Nearest found = on_triangle(triangles_[t], x);
     if (!(found.square < best.square || (found.square == best.square && t < best.triangle)))
-      return;  // of equals the first, whatever the hint
+      return;  // of equal ones the first, for any hint
     best = found, best.triangle = t;
   };
   if (hint < triangles_.size())
@@ -228,7 +227,7 @@ bool SignedSurface::crosses_itself(const ReferenceMesh& mesh,
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t from = t[k], to = t[(k + 1) % 3];
       if (from > to)
-        continue;  // its neighbour walks it the other way
+        continue;  // its neighbour has it in the other direction
       const Vec3 &a = mesh.vertices[from], &b = mesh.vertices[to], low = a.cwiseMin(b),
                  high = a.cwiseMax(b);
       std::size_t depth = 0;

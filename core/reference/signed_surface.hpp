@@ -1,5 +1,5 @@
 #pragma once
-/// Signed distances to a closed mesh, fast enough to be asked for a million times.
+/// Signed distances to a closed mesh, fast enough for millions of queries.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -9,23 +9,23 @@
 
 namespace voxtouch::reference {
 
-/// Triangles in a tree of boxes. The sign is that of the nearest feature: the face's normal, or the
-/// angle-weighted pseudonormal of edge or vertex (Baerentzen and Aanaes 2005). That needs a surface
-/// without borders that does not cross itself, which the constructor checks: two triangles at each
-/// edge, one fan at each vertex, no edge through another triangle, and agreement with the winding
-/// number next to the middles of up to kTestedFaces faces. Else the winding number gives all signs
-/// (InsideTest).
+/// Triangles in a tree of boxes. The sign is that of the nearest feature: the normal of a face, or
+/// the angle-weighted pseudonormal of an edge or vertex (Baerentzen and Aanaes 2005).
+/// This requires a surface without borders and self-intersections. The constructor checks for two
+/// triangles at each edge, one fan at each vertex and no edge through another triangle. It also
+/// compares the sign with the winding number next to the centres of up to kTestedFaces faces.
+/// Otherwise the winding number gives all signs (InsideTest).
 class SignedSurface {
  public:
   static constexpr std::size_t kTestedFaces = 2000;
 
-  /// Copies what it needs; the mesh may go. Throws std::invalid_argument where the mesh is not
-  /// closed: it has no inside.
+  /// Copies the mesh data; the mesh need not outlive it. Throws std::invalid_argument for an open
+  /// mesh, which has no interior.
   explicit SignedSurface(const ReferenceMesh& mesh);
 
-  /// Of `x` in the mesh's frame [m], negative inside. `hint`: kNoHint, or what the last query close
-  /// by left there, which makes this one faster and changes what it gives by no more than rounding.
-  /// Does not allocate; const, may run at once.
+  /// Signed distance of `x` in the mesh's frame [m], negative inside. `hint`: kNoHint, or the value
+  /// from the last nearby query, which speeds up this one and changes the result by rounding only.
+  /// Does not allocate; const, may run concurrently.
   double distance(const Vec3& x, std::uint32_t& hint) const noexcept;
   static constexpr std::uint32_t kNoHint = 0xffffffff;
 
@@ -36,12 +36,12 @@ class SignedSurface {
   using Corners = std::array<Vec3, 3>;
   struct Node {
     Vec3 low, high;
-    std::uint32_t first =
-        0;  ///< triangle of a leaf; else the second child, the first follows its parent
-    std::uint32_t count = 0;  ///< triangles of a leaf, 0 inside the tree
+    std::uint32_t first = 0;  ///< First triangle of a leaf; otherwise the second child (the first
+                              ///< follows its parent).
+    std::uint32_t count = 0;  ///< number of triangles of a leaf, 0 for inner nodes
   };
-  /// The nearest point and which feature it lies on: 0 the face; 1, 2, 3 the edges from corner 0,
-  /// 1, 2; 4, 5, 6 the corners.
+  /// The nearest point and its feature: 0 the face; 1, 2, 3 the edges from corner 0, 1, 2; 4, 5, 6
+  /// the corners.
   struct Nearest {
     double square = 0.0;
     Vec3 point = Vec3::Zero();

@@ -12,7 +12,7 @@ namespace {
 constexpr double kDeep = 0.1, kOff = 0.02, kFree = 0.2, kSettled = 0.02,
                  kShortSpring = 0.25;  ///< in edges
 constexpr double kHalfWall =
-    0.0625;  ///< in edges: a mesh that is open is held off as a wall so thick to either side of it
+    0.0625;  ///< in edges: an open mesh repels as a wall of this thickness on either side
 constexpr double kDirection = 6.0 * std::numbers::pi / 180.0;
 constexpr double kAlongSpring = 1e-6;  ///< rad
 constexpr double kSamePose = 1e-12;    ///< m, and of a unit quaternion

@@ -1,11 +1,11 @@
 #pragma once
-/// Judges a virtual tool by the gaps of tool and hand, by the rules of README.md. Pure arithmetic,
-/// as judgement.hpp.
+/// Evaluates a virtual tool by the gaps of tool and hand, by the rules of README.md. A pure
+/// function, like judgement.hpp.
 #include "core/reference/judgement.hpp"
 
 namespace voxtouch::reference {
 
-/// A virtual tool as ContactState reports it. World frame.
+/// A virtual tool as reported in ContactState. World frame.
 struct ReportedTool {
   Pose tool, hand;
   Wrench wrench;
@@ -13,13 +13,13 @@ struct ReportedTool {
   bool constrained = false, not_converged = false, not_initialised = false;  ///< the flags
 };
 
-/// What the rules need in addition to JudgeSettings.
+/// Inputs of the rules in addition to JudgeSettings.
 struct ToolSettings {
-  double reach_m = 0.0;  ///< no point of the tool is farther from its origin
+  double reach_m = 0.0;  ///< largest distance of a tool point from its origin
   bool rubs = false;     ///< the scene has friction
 };
 
-/// The first breach as a sentence; empty: none. Sets the figures of `out`.
+/// The first violation as a sentence, or an empty text. Sets the figures of `out`.
 std::string tool_breach(const JudgeSettings& settings, const ToolSettings& tool,
                         const GapResult& at_tool, const GapResult& at_hand,
                         const ReportedTool& report, Judgement& out);

@@ -12,14 +12,14 @@ using Corners = std::array<Vec3, 3>;
 
 constexpr std::size_t kTrianglesOfLeaf = 4;
 
-/// Which way round a triangle of a closed mesh faces outward: +1 as it is, -1 the other way.
+/// Outward orientation of a triangle of a closed mesh: +1 as stored, -1 inverted.
 int outward(const InsideTest& body, const Corners& c) {
   const Vec3 normal = (c[1] - c[0]).cross(c[2] - c[0]).stableNormalized(),
              middle = (c[0] + c[1] + c[2]) / 3.0;
   const double size = std::max({(c[1] - c[0]).norm(), (c[2] - c[0]).norm(), (c[2] - c[1]).norm()});
   const Vec3 step = (1e-6 * size + 1e-12 * middle.cwiseAbs().maxCoeff()) * normal;
   const bool before = body.inside(middle + step), behind = body.inside(middle - step);
-  return before && !behind ? -1 : 1;  // both: a wall within the body, which its other half undoes
+  return before && !behind ? -1 : 1;  // both: a wall within the body, which its other half cancels
 }
 
 Vec3 centroid(const Corners& c) { return (c[0] + c[1] + c[2]) / 3.0; }
@@ -54,8 +54,8 @@ void ToolTriangles::build(std::uint32_t first, std::uint32_t last) {
     Eigen::Index axis = 0;
     (high - low).maxCoeff(&axis);
     const std::uint32_t middle = (first + last) / 2;
-    // Equal centroids are distinguished by all their numbers, so that the order, and so the sum's
-    // bits, are the same everywhere.
+    // Equal centroids are ordered by all their numbers, so that the order, and thus the sum, is the
+    // same everywhere.
     const auto key = [axis](const ToolTriangle& c) {
       const Vec3 at = centroid(c.corner);
       return std::array{at[axis], at.x(), at.y(), at.z()};

@@ -1,5 +1,5 @@
 #pragma once
-/// The tool's own triangles, as an integral over its surface walks them.
+/// The tool's own triangles, for integrals over its surface.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace voxtouch::reference {
 
-/// One triangle of the tool, in T; a closed tool's faces outward whichever way round its file has
-/// it, an open one has no outside.
+/// One triangle of the tool, in T. Triangles of a closed tool face outward for either orientation
+/// in its file; an open tool has no outside.
 struct ToolTriangle {
   std::array<Vec3, 3> corner;
 };
 
-/// Balls round runs of the tool's triangles, as a binary tree laid out depth first.
+/// Balls around runs of the tool's triangles, as a binary tree in depth-first order.
 class ToolTriangles {
  public:
   struct Node {

@@ -10,8 +10,8 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// The force law of one object, with its own material; what all objects can show together is the
-/// sum of what each can.
+/// The force law of one object, with its own material. The stiffness of all objects together is
+/// bounded by the sum of theirs.
 void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& shell,
                      StaticObject& object, BuildCounts& counts) {
   const scene::Scene& scene = request.scene;
@@ -35,7 +35,7 @@ void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& 
       add(contact.rotation, counts.contact.rotation);
 }
 
-/// Each object's edges in the tool.
+/// The edges of each object in the tool.
 void add_edges(BuiltParts& parts) {
   for (auto& object : parts.objects)
     if (parts.tool_body && object->edge_points.size() > 0)
@@ -44,7 +44,7 @@ void add_edges(BuiltParts& parts) {
           &parts.tool_body->field);
 }
 
-/// One spring, whatever it touches.
+/// One spring, independent of what it touches.
 void add_virtual_tool(const PartsRequest& request, const contact::ContactRenderer& renderer,
                       EffectGround& ground, BuildCounts& counts) {
   if (!request.virtual_tool())

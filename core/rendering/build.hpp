@@ -1,6 +1,6 @@
 #pragma once
-/// From a scene to something that renders: import, voxmap, pointshell, contact renderer, and the
-/// plan that describes them.
+/// Builds a scene for rendering: import, voxmap, pointshell, contact renderer, and the plan that
+/// describes them.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,20 +16,21 @@
 
 namespace voxtouch::rendering {
 
-/// What effects look up in addition to the contact; nothing of it is there unless one asks.
+/// Resources of effects in addition to the contact. Each exists only if an effect needs it.
 struct EffectGround {
   std::optional<ProximityField> proximity;
   ToolPoints tool;
-  std::optional<effects::BodyShape> body;      ///< of the dynamic object, where it moves by itself
-  std::unique_ptr<WallWatch> watch;            ///< where a virtual tool might pass a wall
-  std::unique_ptr<ExactBodies> bodies;         ///< where a virtual tool meets triangles
-  std::optional<double> virtual_tool_lever_m;  ///< where the scene has one; 0: the tool's reach
+  std::optional<effects::BodyShape> body;  ///< of a dynamic object with its own motion
+  std::unique_ptr<WallWatch> watch;        ///< exists if a virtual tool might pass a wall
+  std::unique_ptr<ExactBodies> bodies;     ///< exists if a virtual tool uses triangles
+  /// Present for a scene with a virtual tool; 0: the tool's reach.
+  std::optional<double> virtual_tool_lever_m;
 };
 
-/// Everything of one scene in memory. Stays where it is: the renderer points into it.
+/// All data of one built scene. It must not move, since the renderer refers to it.
 class BuiltScene {
  public:
-  /// For `build_scene`.
+  /// Called by `build_scene`.
   BuiltScene(std::unique_ptr<ToolBody> tool_body,
              std::vector<std::unique_ptr<StaticObject>> objects,
              std::vector<effects::EffectSpec> effects, EffectGround ground, Plan plan,
@@ -39,15 +40,15 @@ class BuiltScene {
 
   SceneRenderer& scene_renderer() noexcept {
     return scene_;
-  }  ///< contact and effects: what the ring runs
-  ObjectContacts& contacts() noexcept { return contacts_; }  ///< contact alone, with all objects
+  }  ///< contact and effects: the renderer of the ring
+  ObjectContacts& contacts() noexcept { return contacts_; }  ///< contact only, with all objects
   contact::ContactRenderer& renderer() noexcept {
     return *contacts_.object(0).renderer;
-  }  ///< contact with the first object alone
+  }  ///< contact with the first object only
   const voxmap::Voxmap& voxmap() const noexcept {
     return contacts_.object(0).voxmap;
   }  ///< of the first object
-  /// Of the first object; null where the contact model looks up none.
+  /// Of the first object; null if the contact model uses none.
   const voxmap::DistanceField* field() const noexcept {
     const StaticObject& first = contacts_.object(0);
     return first.field ? &*first.field : nullptr;
@@ -58,7 +59,7 @@ class BuiltScene {
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
 
  private:
-  std::unique_ptr<ToolBody> tool_body_;  ///< the objects' edges point into it
+  std::unique_ptr<ToolBody> tool_body_;  ///< the objects' edges refer to it
   ObjectContacts contacts_;
   EffectGround ground_;
   SceneRenderer scene_;
@@ -66,32 +67,32 @@ class BuiltScene {
   double largest_shell_gap_m_;
 };
 
-/// Called before each step with a short sentence, for progress.
+/// Called with a short sentence at the start of each step, to report progress.
 using Progress = std::function<void(const std::string&)>;
 
-/// What a virtual tool meets: the distances on voxels (core/contact), or the triangles
-/// (core/exact).
+/// Geometry for the virtual tool: distances on voxels (core/contact) or triangles (core/exact).
 enum class ToolMeets : std::uint8_t { kVoxels, kTriangles };
 
-/// What may be built otherwise than the scene says, to compare; and who reads the meshes.
+/// Deviations from the scene, for comparisons, and the reader of the meshes.
 struct BuildChoices {
   std::optional<contact::ContactModelKind> model = {};
   std::optional<contact::PointWeights> weights =
-      {};  ///< std::invalid_argument where the model does not weigh so
+      {};  ///< throws std::invalid_argument if the model does not support these weights
   std::optional<double> shell_voxel_m =
-      {};  ///< voxel edge that the pointshell is made with, instead of the scene's
-  /// A field that gives depth down to here [voxels] instead of DistanceFieldOptions' own:
-  /// bit-identical to this depth for less time. For a tool that is known to go no deeper.
+      {};  ///< voxel edge for the pointshell, instead of the scene's
+  /// A field with depth down to this [voxels] instead of the default of DistanceFieldOptions. It is
+  /// bit-identical down to this depth and takes less time. For a tool that goes no deeper.
   std::optional<double> field_depth_voxels = {};
   ToolMeets tool_meets = ToolMeets::kVoxels;
-  mesh::TriangleReader read = mesh::read_triangles;  ///< programs give one that a broken file
-                                                     ///< cannot take with it (nodes/mesh_import)
+  /// Programs pass a reader that isolates the process from broken files (nodes/mesh_import).
+  mesh::TriangleReader read = mesh::read_triangles;
 };
 
-/// Reads the scene's meshes and builds what it calls for, and nothing else. Throws MeshError,
-/// VoxelBudgetError and std::invalid_argument, each a sentence; the last also for penalty forces
-/// with `field` where no static mesh has an inside, and for effects that ask for distances where no
-/// static mesh is closed or for a lever that the tool is longer than.
+/// Reads the meshes of the scene and builds what it needs. Throws MeshError, VoxelBudgetError and
+/// std::invalid_argument, each with a sentence.
+/// std::invalid_argument is also thrown for penalty forces with `field` if no static mesh has an
+/// interior. The same holds for effects that need distances if no static mesh is closed, and for a
+/// lever shorter than the tool.
 std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const ParallelFor& parallel_for,
                                         const BuildChoices& choices = {},
                                         const Progress& progress = {});

@@ -19,12 +19,12 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// Edge of the voxels of the distances to the tool over the scene's, how deep they go in these
-/// voxels, and what they may take: edges are worth no more.
+/// Voxel edge of the distances to the tool relative to the scene's, their depth in these voxels,
+/// and their largest memory: edges justify no more.
 constexpr double kToolVoxels = 0.5, kToolDepthVoxels = 4.0;
 constexpr std::uint64_t kToolBodyBytes = std::uint64_t{256} << 20;
 
-/// The mesh that the scene was read with, and no other that stands in its place now.
+/// Imports the mesh that the scene was read with, and refuses a file that has changed since.
 mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene,
                           const mesh::TriangleReader& reader) {
   mesh::ImportOptions options;
@@ -54,23 +54,23 @@ void append(mesh::TriangleMesh& all, const mesh::TriangleMesh& mesh) {
     all.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
 }
 
-/// The meshes of one object as one, in W; `last_triangle`: the number of triangles up to each mesh,
-/// it included.
+/// The meshes of one object combined, in W. `last_triangle`: number of triangles up to and
+/// including each mesh.
 struct ObjectMesh {
   mesh::TriangleMesh mesh;
   std::vector<const scene::MeshSpec*> specs;
   std::vector<std::size_t> last_triangle;
-  std::size_t open = 0;  ///< how many of the meshes are not closed
+  std::size_t open = 0;  ///< number of open meshes
 };
 
-/// What all parts of a scene are built with.
+/// Common inputs of all parts of a scene.
 struct BuildContext {
   const scene::Scene& scene;
   const ParallelFor& parallel_for;
   const BuildChoices& choices;
   const Progress& progress;
   contact::ContactModelKind model;
-  bool meets_triangles;  ///< the virtual tool that there is
+  bool meets_triangles;  ///< whether the virtual tool uses triangles
   BuildCounts& counts;
 
   void step(const std::string& text) const {
@@ -101,7 +101,7 @@ ObjectMesh import_object(const BuildContext& context, std::uint32_t object) {
   return all;
 }
 
-/// What is known about the meshes so far belongs to the reason why they do not fit.
+/// Adds hints about the meshes to the reason why they do not fit.
 template <class Build>
 auto with_hints(const BuildCounts& counts, Build&& build) {
   try {
@@ -114,8 +114,8 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
   }
 }
 
-/// Only a body with an inside can push by depth; a virtual tool is held by any surface. `edges`:
-/// gets the points of its sharp edges, where a virtual tool asks for them.
+/// Penalty forces need a body with an interior; a virtual tool is constrained by any surface.
+/// `edges` receives the points of its sharp edges if a virtual tool needs them.
 voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed,
                                   const voxmap::Voxmap& voxmap, pointshell::Pointshell& edges) {
   const scene::Scene& scene = context.scene;
@@ -168,8 +168,8 @@ effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMes
   }
 }
 
-/// The tool for the objects' edges. Null where it cannot be had: then no edges are looked up, and
-/// the counts say why.
+/// The tool for the edges of the objects. Null if it cannot be built; no edges are then used, and
+/// the counts contain the reason.
 std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context,
                                           const mesh::ImportedMesh& moving) {
   BuildCounts& counts = context.counts;
@@ -196,7 +196,7 @@ std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context,
   }
 }
 
-/// Of the objects' edges in the tool: what is built and counted.
+/// Builds and counts the objects' edges in the tool.
 void build_edges(const BuildContext& context, const mesh::ImportedMesh& moving, BuiltParts& parts) {
   BuildCounts& counts = context.counts;
   for (const auto& object : parts.objects)
@@ -213,7 +213,7 @@ void build_edges(const BuildContext& context, const mesh::ImportedMesh& moving, 
     object->edge_points = {};
 }
 
-/// Only where neither walls nor tool are thick enough that none can be passed.
+/// Builds the watch only if neither walls nor tool are thick enough to exclude tunnelling.
 void build_watch(const BuildContext& context, const mesh::ImportedMesh& moving, BuiltParts& parts) {
   const double edge = context.scene.voxel_size_m;
   const bool thin =
@@ -230,13 +230,13 @@ void build_watch(const BuildContext& context, const mesh::ImportedMesh& moving, 
   parts.walls = {};
 }
 
-/// The surface of what the mesh encloses, in W.
+/// Surface of the volume that the mesh encloses, in W.
 mesh::TriangleMesh surface_of(const BuildContext& context, const mesh::TriangleMesh& mesh) {
   return voxmap::solid_surface(mesh, voxmap::default_grid(mesh, context.scene.voxel_size_m));
 }
 
-/// The voxel grid of an object, or of the solid with these `members`, written down for the plan.
-/// The members of a solid have one grid: the first that is given.
+/// The voxel grid of an object, or of the solid with these `members`, also recorded for the plan.
+/// The members of a solid share one grid: the first one specified.
 voxmap::Grid place_grid(const BuildContext& context, std::span<const std::size_t> members,
                         const std::string& name, const mesh::TriangleMesh& mesh) {
   const scene::Scene& scene = context.scene;
@@ -252,13 +252,13 @@ voxmap::Grid place_grid(const BuildContext& context, std::span<const std::size_t
   return grid;
 }
 
-/// Objects at rest that are one solid.
+/// Resting objects that form one solid.
 struct Solid {
   std::vector<std::size_t> members;  ///< their ids, ascending
   ObjectMesh all;                    ///< of all members
 };
 
-/// Objects whose surfaces leave each other whole are none.
+/// Objects whose surfaces do not change each other do not form a solid.
 std::vector<Solid> find_solids(const BuildContext& context, const std::vector<ObjectMesh>& fixed) {
   std::vector<mesh::TriangleMesh> meshes;
   std::vector<bool> rests;
@@ -270,7 +270,7 @@ std::vector<Solid> find_solids(const BuildContext& context, const std::vector<Ob
   for (std::vector<std::size_t>& members :
        solids_of(meshes, rests, voxmap::kSeamVoxels * context.scene.voxel_size_m)) {
     Solid solid{std::move(members), {}};
-    std::size_t triangles = 0, vertices = 0;  // of the members by themselves
+    std::size_t triangles = 0, vertices = 0;  // of the separate members
     for (const std::size_t id : solid.members) {
       const std::size_t before = solid.all.mesh.triangles.size();
       append(solid.all.mesh, fixed[id].mesh);
@@ -289,13 +289,13 @@ std::vector<Solid> find_solids(const BuildContext& context, const std::vector<Ob
   return solids;
 }
 
-/// Each solid is one body, each other object a body of its own.
+/// Each solid is one body, and each other object is a body of its own.
 std::unique_ptr<ExactBodies> build_bodies(const BuildContext& context,
                                           const mesh::TriangleMesh& tool,
                                           const std::vector<ObjectMesh>& objects,
                                           const std::vector<Solid>& solids) {
   context.step("features of all meshes");
-  std::vector<std::size_t> numbers(objects.size());  // objects without a mesh have none
+  std::vector<std::size_t> numbers(objects.size());  // objects without a mesh have no body
   std::size_t numbered = 0;
   for (std::size_t id = 0; id < objects.size(); ++id)
     numbers[id] = objects[id].specs.empty() ? numbered : numbered++;
@@ -316,7 +316,7 @@ std::unique_ptr<ExactBodies> build_bodies(const BuildContext& context,
   return std::make_unique<ExactBodies>(tool, bodies, context.scene.voxel_size_m);
 }
 
-/// What is made of the dynamic mesh.
+/// Builds the parts of the dynamic mesh.
 void build_tool(const BuildContext& context, const std::vector<ObjectMesh>& objects,
                 const std::vector<Solid>& solids, BuiltParts& parts) {
   const scene::Scene& scene = context.scene;
@@ -345,7 +345,7 @@ void build_tool(const BuildContext& context, const std::vector<ObjectMesh>& obje
     parts.body = body_shape(scene, moving.mesh);
 }
 
-/// The voxels of object `id` in `solid`, whose own are `all`: each voxel belongs to one object.
+/// The voxels of object `id` in `solid`, whose voxels are `all`: each voxel belongs to one object.
 voxmap::Voxmap voxels_in_solid(const BuildContext& context, std::uint32_t id,
                                const std::vector<ObjectMesh>& fixed, const Solid& solid,
                                const voxmap::Voxmap& all) {
@@ -362,8 +362,8 @@ voxmap::Voxmap voxels_in_solid(const BuildContext& context, std::uint32_t id,
   return owned_part(all, own(id), others);
 }
 
-/// Voxmap, and what else the contact model looks up. Null for the ground where no mesh lies on it.
-/// `solid`: which the object is part of; null: none.
+/// Builds the voxmap and further data of the contact model. Null for the static scene if it
+/// contains no mesh. `solid`: the solid that contains the object; null: none.
 std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uint32_t id,
                                            const std::vector<ObjectMesh>& objects,
                                            const Solid* solid) {
@@ -387,7 +387,7 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
       .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
       .renderer = {},
       .edges = {}});
-  voxmap::Voxmap all;  // of the solid: what the distances are made with
+  voxmap::Voxmap all;  // of the solid: the distances are computed from it
   if (solid != nullptr) {
     all = std::move(object->voxmap);
     object->voxmap = with_hints(context.counts,
@@ -401,12 +401,13 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
     object->field =
         build_field(context, fixed, solid != nullptr ? all : object->voxmap, object->edge_points);
     if (solid != nullptr && id != solid->members.front())
-      object->edge_points = {};  // the first has those of all
+      object->edge_points = {};  // the first member has those of all
   }
   return object;
 }
 
-/// What `needs` asks for round the ground; the shell's points are where the tool is looked at.
+/// Builds the distances around the static scene that `needs` requires. The shell's points are the
+/// query points of the tool.
 void build_proximity(const BuildContext& context, const effects::EffectNeeds& needs,
                      const ObjectMesh& fixed, bool in_solid, BuiltParts& parts) {
   const scene::Scene& scene = context.scene;

@@ -1,6 +1,6 @@
 #pragma once
-/// What is made of a scene's meshes: all that takes time, apart from all that the rest of the scene
-/// says.
+/// Parts built from the meshes of a scene: everything that takes time, separate from the other
+/// settings of the scene.
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,13 +16,13 @@
 
 namespace voxtouch::rendering {
 
-/// What of a scene and its choices decides how its parts are built.
+/// The settings of a scene and its options that determine how its parts are built.
 struct PartsRequest {
   const scene::Scene& scene;
   const BuildChoices& choices;
-  contact::ContactModelKind model;  ///< the one chosen, else the scene's
+  contact::ContactModelKind model;  ///< the selected model, or the scene's
 
-  /// Rendered through another model, it is a scene without one.
+  /// A scene rendered with another model has no virtual tool.
   bool virtual_tool() const noexcept {
     return scene.virtual_tool() && model == contact::ContactModelKind::kField;
   }
@@ -33,21 +33,22 @@ struct PartsRequest {
 
 struct BuiltParts {
   std::vector<std::unique_ptr<StaticObject>>
-      objects;  ///< without their renderers and edges' queries; those with meshes, in the order of
-                ///< their ids
+      objects;  ///< Without their renderers and edge queries; objects with meshes, in the order of
+                ///< their ids.
   pointshell::Pointshell shell;
   double largest_gap_m = 0.0;           ///< of the shell
-  std::unique_ptr<ToolBody> tool_body;  ///< where there is a virtual tool, and it can be had
-  mesh::TriangleMesh walls;             ///< with a virtual tool: of all objects at rest, in W
-  std::unique_ptr<WallWatch> watch;     ///< where one of them is too thin to hold the tool for sure
-  std::unique_ptr<ExactBodies> bodies;  ///< where a virtual tool meets triangles
-  std::optional<effects::BodyShape> body;   ///< where an effect asks for it
-  std::optional<ProximityField> proximity;  ///< likewise
+  std::unique_ptr<ToolBody> tool_body;  ///< exists for a virtual tool, if it can be built
+  mesh::TriangleMesh walls;             ///< with a virtual tool: of all resting objects, in W
+  /// Exists if a wall is too thin to hold the tool for certain.
+  std::unique_ptr<WallWatch> watch;
+  std::unique_ptr<ExactBodies> bodies;      ///< exists if a virtual tool uses triangles
+  std::optional<effects::BodyShape> body;   ///< exists if an effect needs it
+  std::optional<ProximityField> proximity;  ///< exists if an effect needs it
   ToolPoints tool_points;                   ///< with `proximity`
-  BuildCounts counts;                       ///< all but the contact's law, and the shell's bytes
+  BuildCounts counts;  ///< everything except the contact law and the memory of the shell
 };
 
-/// Reads the meshes and builds. Throws as build_scene. In build_parts.cpp.
+/// Reads the meshes and builds the parts. Throws as build_scene. Defined in build_parts.cpp.
 BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_for,
                        const Progress& progress);
 

@@ -19,7 +19,7 @@ std::unique_ptr<ToolSolver> solver_for(const ObjectContacts& objects, double lev
   return std::make_unique<ExactTool>(*bodies, objects.size(), lever_m > 0.0 ? lever_m : reach_m);
 }
 
-/// A frame as a contact, with a spring of `k` [N/m]. Real-time safe.
+/// Converts a frame to a contact, with a spring of `k` [N/m]. Real-time safe.
 contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double k,
                                   bool displayed) noexcept {
   contact::ContactResult contact;
@@ -99,7 +99,7 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   const bool displays_force = frame_.constrained && displayed > 0.0;
   contact::ContactResult contact = contact_of(frame_, k, displays_force);
   if (!contact.wrench.finite() ||
-      !contact.stiffness.allFinite()) {  // nothing that is no number goes on from here
+      !contact.stiffness.allFinite()) {  // NaN and infinity are not passed on
     contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
     solver_->reset();
     out.not_initialised = true;
@@ -118,7 +118,7 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   return contact;
 }
 
-/// The hand came back at `hand`, perhaps behind a wall that the tool has not passed.
+/// Handles the return of the hand at `hand`, perhaps behind a wall that the tool has not passed.
 void ConstrainedTool::find_hand(const Pose& hand) noexcept {
   hand_lost_ = false;
   if (!solver_->placed())

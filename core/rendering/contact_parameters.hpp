@@ -1,5 +1,5 @@
 #pragma once
-/// From what a scene asks for to what the force laws need.
+/// Derives the parameters of the force laws from a scene.
 #include <optional>
 
 #include "core/contact/contact_model.hpp"
@@ -10,20 +10,24 @@ namespace voxtouch::rendering {
 
 inline constexpr double kProbeStiffness = 1e6;  ///< [N/m^3]
 
-/// Stiffness per area [N/m^3] at which a cube of this mass rests scene::kRestDepthM deep on a plane
-/// under standard gravity g. A flat face larger than a sixth of the surface A rests less deep.
-///
+/// Stiffness per area [N/m^3] at which a cube of this mass rests at depth scene::kRestDepthM on a
+/// plane under standard gravity g. A flat face larger than a sixth of the surface A rests at a
+/// smaller depth.
 ///     k = m g / (scene::kRestDepthM A / 6)
 double body_stiffness_n_per_m3(double mass_kg, double area_m2) noexcept;
 
-/// Parameters of the model `kind` for this scene and shell. Points weigh by area where the scene
-/// gives its stiffness per area, and for the models that know no other way. A scene that gives it
-/// per point and is looked at through one of those
-/// (`voxtouch probe --model field`) gets k = K N / A, N points, A their area: the same stiffness
-/// once all points push. `weights` overrides the scene, with the same rule; it does not judge
-/// whether the model knows them. A scene with a virtual tool gives no stiffness; its contact
-/// models, which only `voxtouch probe` and `accuracy` ask, get kProbeStiffness. A scene whose
-/// stiffness follows from a body's mass gets `body_stiffness_n_per_m3`.
+/// Parameters of the model `kind` for this scene and shell.
+/// Points are weighted by area if the scene specifies its stiffness per area, and for models that
+/// support no other weights. If a scene specifies it per point and is evaluated with such a model
+/// (`voxtouch probe --model field`), the stiffness per area is
+///
+///     k = K N / A
+///
+/// with N points of area A: the same stiffness once all points are in contact. `weights` overrides
+/// the scene by the same rule; whether the model supports them is not checked here. A scene with a
+/// virtual tool specifies no stiffness. Its contact models are used by `voxtouch probe` and
+/// `accuracy` only, with kProbeStiffness. A scene whose stiffness follows from the mass of a body
+/// gets `body_stiffness_n_per_m3`.
 contact::ContactParameters contact_parameters(const scene::ContactSpec& spec,
                                               contact::ContactModelKind kind,
                                               const pointshell::Pointshell& shell,

@@ -7,7 +7,7 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// Sums and an eigenvalue are rounded: an upper bound is brought above both.
+/// Sums and an eigenvalue are rounded; the factor keeps the result an upper bound.
 constexpr double kRoundingUp = 1.0 + 1e-12;
 
 }  // namespace

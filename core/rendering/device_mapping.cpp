@@ -3,10 +3,10 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// Beyond this [m] a pose is no place but a fault: sums of such places could overflow.
+/// Larger positions [m] are faults, and their sums could overflow.
 constexpr double kFarthestM = 1e12;
 
-/// From the tip to the tool's origin, W axes: the offset is given in the tip's frame.
+/// From the tip to the tool's origin, W axes; the offset is given in the frame of the tip.
 Vec3 arm_PT_W(const scene::WorkspaceMapping& spec, const Quat& rotation_WT) noexcept {
   return rotation_WT * (spec.pose_PT.orientation.conjugate() * spec.pose_PT.position);
 }
@@ -31,7 +31,7 @@ const ToolState& DeviceMapping::update(const Pose& pose_DP, const Twist& twist_D
                                        std::uint32_t buttons) noexcept {
   Pose tip = pose_DP;
   const bool unit = normalise_within(tip.orientation, 1.0 - 1e-3, 1.0 + 1e-3);
-  // The tip in W as it would be without the clutch.
+  // The tip in W without the clutch offset.
   const Pose& pose_WD = spec_.pose_WD;
   const Pose free_WP = pose_WD * Pose{spec_.position_scale * tip.position, tip.orientation};
   tool_.refused = !unit || !(free_WP.position.cwiseAbs().array() <= kFarthestM).all();
@@ -59,7 +59,7 @@ const ToolState& DeviceMapping::update(const Pose& pose_DP, const Twist& twist_D
     tool_.twist.linear = spec_.position_scale * (pose_WD.orientation * twist_D.linear) +
                          tool_.twist.angular.cross(arm_PT_W(spec_, tool_.pose.orientation));
     if (!tool_.twist.finite())
-      tool_.twist = {};  // in the device's units it still was
+      tool_.twist = {};  // it was still in the units of the device
   }
   return tool_;
 }

@@ -11,7 +11,7 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// The tool reaches this far in x', or less than twice as far [m].
+/// The tool's reach in x' is between this and twice this [m].
 constexpr int kReachExponent = -6;
 
 double reach_of(const mesh::TriangleMesh& mesh) {
@@ -28,7 +28,7 @@ double scale_for(const mesh::TriangleMesh& tool) {
   return std::ldexp(1.0, kReachExponent - std::ilogb(reach_of(tool)));
 }
 
-/// With all closed parts' triangles counter-clockwise seen from outside.
+/// Orients the triangles of all closed parts counter-clockwise as seen from outside.
 mesh::TriangleMesh outward(mesh::TriangleMesh mesh, double edge_m) {
   const voxmap::GridMesh in_grid(mesh, voxmap::default_grid(mesh, edge_m));
   const std::vector<std::int8_t> sides =

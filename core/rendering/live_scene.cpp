@@ -9,7 +9,7 @@ Wrench blend(const Wrench& a, const Wrench& b, double w) noexcept {
   return {(1.0 - w) * a.force + w * b.force, (1.0 - w) * a.torque + w * b.torque};
 }
 
-/// A sum of both, reported by `reported`.
+/// Weighted sum of both; values that cannot be blended are those of `reported`.
 SceneFrame blend(const SceneFrame& a, const SceneFrame& b, double w) noexcept {
   const auto mix = [w](double x, double y) { return (1.0 - w) * x + w * y; };
   SceneFrame frame = w < 0.5 ? a : b;
@@ -36,7 +36,7 @@ void LiveScene::advance(double time_s) noexcept {
   const bool usual = step >= SceneRenderer::kMinStepS && step <= SceneRenderer::kLongestStepS;
   weight_ += (usual ? step : SceneRenderer::kDefaultStepS) / kFadeS;
   if (weight_ > 1.0 - 1e-9)
-    weight_ = 1.0;  // what was lost in rounding is no sample more
+    weight_ = 1.0;  // rounding must not add another sample
 }
 
 SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
@@ -67,7 +67,7 @@ SceneFrame LiveScene::render_scenes(const ToolState& tool, double time_s) noexce
   const SceneFrame after = now_->scene_renderer().render(tool, time_s);
   dominant_ = weight_ < 0.5 ? old_ : now_;
   SceneFrame frame = blend(before, after, weight_);
-  // What each of them may have given counts as much as its force.
+  // The supplied energy of each scene is weighted like its force.
   supplied_j_ +=
       (1.0 - weight_) *
           (before.supplied_energy_j - std::exchange(supplied_old_j_, before.supplied_energy_j)) +

@@ -9,13 +9,13 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// Sum of the colliding points' normals over their number; what `coherence` and `mean_normal` are
-/// made of.
+/// Sum of the normals of the colliding points over their number, from `coherence` and
+/// `mean_normal`.
 Vec3 normal_sum(const contact::ContactResult& c) noexcept {
   return (c.coherence * c.surface_hits) * c.mean_normal;
 }
 
-/// The members of each solid whose contact knows a mean normal or remembers.
+/// The members of each solid whose contact uses a mean normal or latches depths.
 std::vector<std::vector<contact::ContactRenderer*>> solids_in(
     const std::vector<std::unique_ptr<StaticObject>>& objects) {
   std::map<std::size_t, std::vector<contact::ContactRenderer*>> members;
@@ -69,7 +69,7 @@ ObjectContacts::ObjectContacts(std::vector<std::unique_ptr<StaticObject>> object
     parts_[n].contact = &results_[n];
 }
 
-/// Finds the hits of an object where it is at `time_s`: its motion then.
+/// Finds the hits of an object at its position at `time_s`; returns its motion then.
 MotionPoint ObjectContacts::find(StaticObject& object, const Pose& tool, double time_s) noexcept {
   const MotionPoint at = object.moves ? motion_at(*object.moves, time_s) : MotionPoint{};
   object.renderer->find({tool.position - at.position, tool.orientation});

@@ -1,6 +1,6 @@
 #pragma once
-/// The tool against every static object of a scene: each has its own voxmap and material, and some
-/// move.
+/// Contact of the tool with every static object of a scene. Each has its own voxmap and material,
+/// and some move.
 #include <memory>
 #include <optional>
 #include <span>
@@ -16,66 +16,68 @@
 
 namespace voxtouch::rendering {
 
-/// The tool as the edges of static objects are looked up in it, in T.
+/// The tool's voxels and distances in T, in which the edges of static objects are queried.
 struct ToolBody {
   voxmap::Voxmap voxmap;
   voxmap::DistanceField field;
 };
 
-/// An object's edge points (core/pointshell/edge_points.hpp) in the tool's voxmap. Both must
-/// outlive it.
+/// The edge points of an object (core/pointshell/edge_points.hpp), queried in the tool's voxmap.
+/// Voxmap and field must outlive it.
 struct EdgeContacts {
   contact::ContactQuery query;
   const voxmap::DistanceField* tool_field;
 };
 
-/// What is built for one object. Stays where it is: the renderer points into it.
+/// Data of one object. It must not move, since the renderer refers to it.
 struct StaticObject {
-  std::uint32_t id = 0;  ///< 0: the ground; n: Scene::objects[n - 1]
+  std::uint32_t id = 0;  ///< 0: the static scene; n: Scene::objects[n - 1]
   std::string name;
   voxmap::Voxmap voxmap;
   std::optional<voxmap::DistanceField> field;
-  pointshell::Pointshell edge_points;  ///< where there is a virtual tool, from the grid's origin;
-                                       ///< empty once `edges` has them
-  std::optional<std::size_t> solid;  ///< the first of the objects at rest that it is one solid with
-  std::optional<Motion> moves;       ///< displacement in W of all of it over the scene's time
+  /// With a virtual tool, relative to the grid's origin; empty once `edges` contains them.
+  pointshell::Pointshell edge_points;
+  /// The first of the resting objects that form one solid with it.
+  std::optional<std::size_t> solid;
+  std::optional<Motion> moves;  ///< displacement in W of the whole object over the scene's time
   std::optional<contact::ContactRenderer> renderer;
-  std::unique_ptr<EdgeContacts> edges;  ///< null where there are none
+  std::unique_ptr<EdgeContacts> edges;  ///< null without edges
 };
 
-/// Sums the contacts of all objects. An object that moves is looked up where it rests, with the
-/// tool moved back by its displacement. `original` and `adapted` render objects that are one solid
-/// with the mean normal and the memory of all of them. One thread at a time.
+/// Sums the contacts of all objects. A moving object is queried at its rest position, with the tool
+/// moved back by its displacement. For objects that form one solid, `original` and `adapted` use
+/// the mean normal and the latched depths of all of them. One thread at a time.
 class ObjectContacts {
  public:
-  /// 1 to kMaxObjects, in the order of their ids; std::invalid_argument otherwise.
+  /// Takes 1 to kMaxObjects objects, in the order of their ids; otherwise throws
+  /// std::invalid_argument.
   explicit ObjectContacts(std::vector<std::unique_ptr<StaticObject>> objects);
 
-  /// One frame of the ring, `tool` = T in W. `time_s` since the session's begin: where moving
-  /// objects are. Wrench and stiffness are sums, hits are counted together, depth and deepest point
-  /// are those of the deepest object; the mean normal is that of all hits. A pose that one object
-  /// cannot look up gives no contact at all. Real-time safe.
+  /// Renders one frame of the ring; `tool` is T in W. `time_s` since the start of the session
+  /// determines the positions of moving objects. Real-time safe.
+  /// Wrench and stiffness are sums, hits are counted together, and depth and deepest point are
+  /// those of the deepest object. The mean normal is that of all hits. A pose that is invalid for
+  /// one object gives no contact at all.
   contact::StageResult render(const Pose& tool, double time_s) noexcept {
     return alone_ != nullptr ? alone_->render(tool) : render_all(tool, time_s);
   }
-  /// Each object's part of the last `render`, which gave `all`; points into it where there is one
-  /// object only. Real-time safe.
+  /// The part of each object in the last `render`, whose result was `all`; refers to `all` if there
+  /// is only one object. Real-time safe.
   std::span<const effects::ObjectContact> parts(const contact::StageResult& all) noexcept {
     if (alone_ != nullptr)
       parts_[0].contact = &all.contact;
     return parts_;
   }
-  /// Of what each object's part of the last `render` reports as its stiffness the hand gets `part`.
-  /// Real-time safe.
+  /// Scales the stiffness of each object's part of the last `render` by `part`, the displayed
+  /// fraction. Real-time safe.
   void soften(double part) noexcept;
-  /// Power [W] with which moving objects pushed the tool in the last `render`; below zero where it
-  /// pushed them.
+  /// Power [W] of moving objects on the tool in the last `render`; negative if the tool moved them.
   double power_w() const noexcept { return power_w_; }
-  /// Each object's contact forgets its memory. Real-time safe.
+  /// Clears the memory of each object's contact. Real-time safe.
   void reset() noexcept;
 
-  /// The models alone, without memory, with the ids of the points in surface voxels of any object,
-  /// ascending, each once. Allocates.
+  /// Evaluates the memoryless models, with the ids of the points in surface voxels of any object,
+  /// ascending and unique. Allocates.
   contact::ContactResult probe(const Pose& tool, std::vector<std::uint32_t>& surface_ids);
 
   std::size_t size() const noexcept { return objects_.size(); }
@@ -89,7 +91,7 @@ class ObjectContacts {
 
   std::vector<std::unique_ptr<StaticObject>> objects_;
   contact::ContactRenderer* alone_ =
-      nullptr;  ///< of the one object that rests: it costs nothing in addition to its own contact
+      nullptr;  ///< the only object, if it rests: no cost in addition to its own contact
   std::vector<std::vector<contact::ContactRenderer*>> solids_;
   std::vector<MotionPoint> motions_;  ///< in the last `render`
   std::vector<contact::ContactResult> results_;
@@ -98,7 +100,8 @@ class ObjectContacts {
   bool moves_ = false;
 };
 
-/// Adds what another object gives to the same frame, as ObjectContacts says. Real-time safe.
+/// Adds the result of another object for the same frame, as described in ObjectContacts. Real-time
+/// safe.
 void add_contact(const contact::ContactResult& other, contact::ContactResult& sum) noexcept;
 
 }  // namespace voxtouch::rendering

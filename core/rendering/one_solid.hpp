@@ -1,5 +1,6 @@
 #pragma once
-/// Objects at rest that touch or overlap are one solid: who owns which voxel of it.
+/// Resting objects that touch or overlap form one solid; this file assigns its voxels to the
+/// objects.
 #include <span>
 #include <vector>
 
@@ -8,14 +9,14 @@
 
 namespace voxtouch::rendering {
 
-/// Groups of objects whose meshes' boxes meet, of those that rest; each ascending, without groups
-/// of one.
-/// `meshes`: of each object, empty ones take no part. Boxes no farther apart than `gap_m` meet.
+/// Groups of resting objects whose mesh boxes meet; each ascending, without groups of one.
+/// `meshes`: of each object; empty ones are ignored. Boxes up to `gap_m` apart count as meeting.
 std::vector<std::vector<std::size_t>> solids_of(std::span<const mesh::TriangleMesh> meshes,
                                                 const std::vector<bool>& rests, double gap_m);
 
-/// Of `solid`, the voxels of several objects together, those of one object: `own` are its voxels by
-/// itself, and a voxel that one of `others` has as well is theirs. All on one grid. Allocates.
+/// The voxels of one object among those of `solid`, the combined voxels of several objects. `own`
+/// are its voxels alone; a voxel that one of `others` also has belongs to that one. All on one
+/// grid. Allocates.
 voxmap::Voxmap owned_part(const voxmap::Voxmap& solid, const voxmap::Voxmap& own,
                           std::span<const voxmap::Voxmap* const> others);
 

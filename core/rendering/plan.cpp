@@ -13,10 +13,10 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// A body this thick keeps pushing back more the deeper a tool goes, down to ten voxels.
+/// In a body of this thickness the force grows with depth down to ten voxels.
 constexpr double kThickVoxels = 25.0;
-/// Walls of about a voxel to this many bend the distances that a virtual tool reads where they lie
-/// askew (README of core/contact, limits).
+/// Walls between about one voxel and this many bend the distances for a virtual tool if they are
+/// oblique to the grid (README of core/contact, limits).
 constexpr double kAskewVoxels = 1.5;
 
 std::string counted(std::uint64_t n, const char* one, const char* many) {
@@ -123,7 +123,7 @@ std::string absent_effects(const scene::Scene& scene) {
 
 std::string metres(const Vec3& x) {
   return fmt::format("[{}, {}, {}]", x.x(), x.y(), x.z());
-}  // all digits, so that it can be given
+}  // all digits, so that it can be entered again
 
 std::string grid_sentence(const PlacedGrid& grid) {
   const std::string begin =
@@ -138,8 +138,7 @@ std::string grid_sentence(const PlacedGrid& grid) {
       begin, metres(grid.at_multiples));
 }
 
-/// Of a contact without virtual tool: its model, the fastest motion, the stiffness that it can
-/// show.
+/// For a contact without virtual tool: its model, the fastest motion and the largest stiffness.
 void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
   if (scene.contact.body_mass_kg > 0.0)
     plan.built.push_back(
@@ -172,7 +171,7 @@ void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
                   scene.effects.empty() ? "from all points" : "from all points and effects"));
 }
 
-/// What is built from the meshes.
+/// The parts built from the meshes.
 void say_parts(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format(
@@ -264,7 +263,7 @@ void report_skipped(const scene::Scene& scene, const BuildCounts& n, Plan& plan)
     plan.skipped.push_back("Clutch: the scene names no button.");
 }
 
-/// It holds a tool out at walls of any thickness, but not everywhere alike.
+/// A virtual tool is held at walls of any thickness, but not everywhere equally well.
 void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
@@ -339,7 +338,7 @@ StiffnessBounds with_effects(const StiffnessBounds& contact,
   StiffnessBounds bounds = contact;
   for (const effects::EffectSpec& effect : effects) {
     if (is_spring(contact) && effect.kind->friction != nullptr)
-      continue;  // a virtual tool rubs by itself, and shows no more for it
+      continue;  // a virtual tool has its own friction, which adds no stiffness
     const effects::EffectBound bound = effects::bound_of(effect);
     if (effect.kind->needs(effect.values).body)
       return {{bound.stiffness_n_per_m, bound.stiffness_n_per_m},

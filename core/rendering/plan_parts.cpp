@@ -1,4 +1,4 @@
-// What the frames of a scene are made of, each with what calls for it and what it costs at most.
+// The parts of a scene's frames, each with its reason and an upper bound of its cost.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -13,9 +13,8 @@ namespace voxtouch::rendering {
 namespace {
 
 constexpr const char* kRendering = "rendering";
-/// What the stage behind the contact model may remember of a point: that it was in the surface
-/// layer, and thrice the depth it is retained with. `field` remembers nothing, nor does a model
-/// alone.
+/// Memory of the contact stage for one point: its membership in the surface layer, and three times
+/// its latched depth. `field` and memoryless models keep no state.
 std::uint64_t stage_bytes_per_point(const scene::ContactSpec& contact) {
   if (contact.rendering == scene::RenderingKind::kMemoryless)
     return 0;
@@ -24,7 +23,7 @@ std::uint64_t stage_bytes_per_point(const scene::ContactSpec& contact) {
 
 PlanPart effect_part(const effects::EffectSpec& effect, const BuildCounts& n) {
   const std::uint64_t numbers =
-      3 * effect.values.size() * sizeof(std::array<double, 3>);  // goal, now, rate
+      3 * effect.values.size() * sizeof(std::array<double, 3>);  // goal, present value, rate
   return {.name = "effect " + effect.name,
           .node = kRendering,
           .why = fmt::format("The scene lists the effect '{}'{}.", effect.kind->name,
@@ -78,7 +77,7 @@ void add_pointshell(std::vector<PlanPart>& parts, const BuildCounts& n, double p
                    .bytes = contact::ContactQuery::lookup_bytes(n.shell_points)});
 }
 
-/// Of a look-up of all edge points of all objects in the tool [ns], as many of them in contact as a
+/// Cost of querying all edge points of all objects in the tool [ns], with as many in contact as a
 /// step has rows.
 double edge_ns(std::uint64_t objects, std::uint64_t edge_points) {
   const auto touching =
@@ -87,7 +86,7 @@ double edge_ns(std::uint64_t objects, std::uint64_t edge_points) {
          kNsPerPoint * static_cast<double>(edge_points) + kNsPerFieldPoint * touching;
 }
 
-/// What becomes of the `points` that touch.
+/// Processing of the `points` in contact.
 void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const BuildCounts& n,
                  double points) {
   parts.push_back(

@@ -13,15 +13,15 @@ std::int32_t stride_for(double smoothing_m, double edge) {
                   static_cast<std::int32_t>(std::ceil(std::min(smoothing_m / edge - 1e-9, 1e4))));
 }
 
-/// The nodes of one lookup lie within 2 m sqrt(3) of each other: where their mean is below the
-/// range, none is cut off.
+/// The nodes of one lookup lie within 2 m sqrt(3) of each other: if their mean is below the range,
+/// none is cut off.
 voxmap::DistanceFieldOptions options_for(double range_m, std::int32_t stride, double edge) {
   const double voxels = std::max(2.0, range_m / edge + 3.5 * stride);
   return {.depth_voxels = voxels, .band_voxels = voxels};
 }
 
-/// Weights of three nodes at -1, 0 and 1 for a place t in [-1/2, 1/2], and their first and second
-/// derivatives.
+/// Weights of three nodes at -1, 0 and 1 for a position t in [-1/2, 1/2], and their first and
+/// second derivatives.
 struct Spline {
   std::array<double, 3> value, slope;
   explicit Spline(double t) noexcept
@@ -38,7 +38,8 @@ ProximityField::ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Vox
       field_(voxmap::build_distance_field(
           mesh, voxmap, options_for(range_m, stride_, voxmap.grid().edge), parallel_for)),
       band_voxels_(static_cast<float>(
-          options_for(range_m, stride_, voxmap.grid().edge).band_voxels)),  // as the nodes hold it
+          options_for(range_m, stride_, voxmap.grid().edge).band_voxels)),  // in the precision of
+                                                                            // the nodes
       reach_m_(voxmap.grid().edge * band_voxels_) {}
 
 effects::ProximitySample ProximityField::at(const Vec3& x) const noexcept {
@@ -46,15 +47,15 @@ effects::ProximitySample ProximityField::at(const Vec3& x) const noexcept {
   sample.distance_m = reach_m_;
   const Vec3 u = field_.grid().to_grid(x) / stride_;
   if (!(u.cwiseAbs().sum() * stride_ < 1e9))
-    return sample;  // a sum, since a largest of NaN and a number may be either
+    return sample;  // a sum, because the maximum of NaN and a number is unspecified
   const Vec3 nearest = (u.array() + 0.5).floor();
   const Vec3 t = u - nearest;
   const Spline sx(t.x()), sy(t.y()), sz(t.z());
   const std::array first = {(static_cast<std::int32_t>(nearest.x()) - 1) * stride_,
                             (static_cast<std::int32_t>(nearest.y()) - 1) * stride_,
                             (static_cast<std::int32_t>(nearest.z()) - 1) * stride_};
-  // Cut off here, so above the range by more than 3 h; its neighbours are lower by sqrt(3) h at
-  // most, and so is their mean.
+  // A node that is cut off exceeds the range by more than 3 h. Its neighbours are lower by at most
+  // sqrt(3) h, and so is their mean.
   if (field_.node({first[0] + stride_, first[1] + stride_, first[2] + stride_}) >= band_voxels_)
     return sample;
   double value = 0.0;

@@ -1,6 +1,6 @@
 #pragma once
-/// What the effect `proximity` looks up: distances round the static objects, and the points of the
-/// tool they are asked for.
+/// Resources of the effect `proximity`: distances around the static objects, and the query points
+/// of the tool.
 #include <cstdint>
 #include <vector>
 
@@ -11,16 +11,17 @@
 
 namespace voxtouch::rendering {
 
-/// The distance field of the static meshes, smoothed: the quadratic B-spline over every m-th node
-/// along each axis, h = m e the least multiple of the voxel edge that is not below the smoothing
-/// asked for. Exact before a flat wall, off by the curvature times h^2 / 8 an axis elsewhere
-/// (before a ball of radius r: h^2 / (4 r) farther). With distances of slope 1 at most all
-/// differences of neighbouring nodes are at most h, those of second order 2 h: hence the bounds of
-/// ProximitySample.
+/// The smoothed distance field of the static meshes: the quadratic B-spline over every m-th node
+/// along each axis. The length h = m e is the smallest multiple of the voxel edge that is at least
+/// the requested smoothing length.
+/// It is exact in front of a flat wall. Elsewhere the error is the curvature times h^2 / 8 for each
+/// axis. In front of a ball of radius r the distance is h^2 / (4 r) too large. Distances have a
+/// slope of at most 1. Differences of neighbouring nodes are thus at most h, and second differences
+/// at most 2 h, which gives the bounds of ProximitySample.
 class ProximityField final : public effects::Proximity {
  public:
-  /// Distances that are right out to `range_m` on both sides, for the mesh that `voxmap` was made
-  /// from. Parts that are open have none. Throws like build_distance_field.
+  /// Builds distances that are valid up to `range_m` on both sides, for the mesh of `voxmap`. Open
+  /// parts have no distances. Throws like build_distance_field.
   ProximityField(const mesh::TriangleMesh& mesh, const voxmap::Voxmap& voxmap, double range_m,
                  double smoothing_m, const ParallelFor& parallel_for);
   effects::ProximitySample at(const Vec3& x) const noexcept override;
@@ -28,8 +29,8 @@ class ProximityField final : public effects::Proximity {
   std::uint64_t bytes() const noexcept { return field_.bytes(); }
   std::uint64_t nodes() const noexcept { return field_.stored_nodes(); }
   double smoothing_m() const noexcept { return stride_ * field_.grid().edge; }
-  /// Distances are cut off here: above the range, so that nothing of the smoothing is cut off
-  /// within it.
+  /// Cut-off of the distances: beyond the range, so that the smoothing within it uses no cut-off
+  /// value.
   double reach_m() const noexcept { return reach_m_; }
 
  private:
@@ -39,18 +40,18 @@ class ProximityField final : public effects::Proximity {
   double reach_m_ = 0.0;
 };
 
-/// Points of the tool, for a cost that its size does not change.
+/// Query points of the tool, in a number that does not depend on its size.
 struct ToolPoints {
-  /// Lookups a sample at most.
+  /// Largest number of lookups per sample.
   static constexpr std::size_t kMaxPoints = 128;
   std::vector<effects::ToolPoint> points;
-  double gap_m = 0.0;    ///< no point of the shell is farther from one of these
-  double reach_m = 0.0;  ///< of them from the tool's origin
+  double gap_m = 0.0;    ///< largest distance of a shell point from the nearest of these
+  double reach_m = 0.0;  ///< largest distance of these from the tool's origin
 };
 
-/// Spread over the shell: each next one is the shell point farthest from those there are (Gonzalez
-/// 1985: the gap is at most twice the least possible), ties by the shell's order; each takes the
-/// area of the shell points that are nearest to it.
+/// Spreads the points over the shell: each next one is the shell point farthest from those selected
+/// (Gonzalez 1985: the gap is at most twice the optimum). Ties follow the order of the shell. Each
+/// point gets the area of the shell points nearest to it.
 ToolPoints spread_tool_points(const pointshell::Pointshell& shell,
                               std::size_t most = ToolPoints::kMaxPoints);
 

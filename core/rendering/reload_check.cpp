@@ -6,13 +6,13 @@
 namespace voxtouch::rendering {
 namespace {
 
-/// As the file asks for it, wherever it stands there.
+/// Whether the file specifies the same effect, at any position.
 bool same(const effects::EffectSpec& a, const effects::EffectSpec& b) {
   return a.name == b.name && a.kind == b.kind && a.values == b.values && a.gain == b.gain &&
          a.on == b.on && a.text == b.text && a.object == b.object && a.region == b.region;
 }
 
-/// That an outside wrench is read from; nothing where no effect asks for one.
+/// Topic of the external wrench; empty if no effect uses one.
 std::optional<std::string> topic_of(const scene::Scene& scene) {
   const effects::EffectSpec* effect = effects::external_of(scene.effects);
   return effect ? std::optional(effect->text) : std::nullopt;

@@ -1,6 +1,6 @@
 #pragma once
-/// A scene that is read again while it runs: what may differ, and what stays as it was set by hand
-/// meanwhile.
+/// Reload of a running scene: allowed differences, and settings that are kept from the running
+/// scene.
 #include <span>
 #include <string>
 #include <vector>
@@ -9,15 +9,15 @@
 
 namespace voxtouch::rendering {
 
-/// Why `next` cannot take the place of `running` without a restart, as a sentence; empty where it
-/// can. Another `device` or `coupling` section belongs to nodes that do not read the file again.
-/// Meshes, voxel size, contact and effects may differ, and are judged on the device by who knows it
-/// (fit_coupling.hpp); motions are not looked at.
+/// Returns, as a sentence, why `next` cannot replace `running` without a restart, or an empty text.
+/// A different `device` or `coupling` section belongs to nodes that do not reload the file. Meshes,
+/// voxel size, contact and effects may differ; fit_coupling.hpp checks them for the device. Motions
+/// are ignored.
 std::string reload_refusal(const scene::Scene& running, const scene::Scene& next);
 
-/// The effects of `next` as they are to run. One that the file still asks for in the same words
-/// keeps what was changed while running (`now`, the state of `before`'s effects); where the file
-/// has changed, the file counts.
+/// The effect settings that `next` starts with. An effect with unchanged text in the file keeps its
+/// run-time changes (`now`, the state of `before`'s effects). If its text has changed, the file
+/// takes precedence.
 std::vector<effects::EffectSpec> carried_over(std::span<const effects::EffectSpec> before,
                                               std::span<const effects::EffectSpec> now,
                                               std::span<const effects::EffectSpec> next);

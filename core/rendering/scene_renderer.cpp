@@ -24,7 +24,7 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
     constrained_.emplace(contact, *resources.virtual_tool_lever_m, resources.bodies);
 }
 
-/// The contact pushes the tool where the hand has it.
+/// The contact acts on the tool at the pose of the hand.
 SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) noexcept {
   SceneFrame frame;
   frame.object = body_ ? object_pose(tool.pose) : tool.pose;
@@ -38,7 +38,7 @@ SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) no
   return frame;
 }
 
-/// The contact is the spring between hand and virtual tool. A clutch that is pressed holds both.
+/// The contact is the spring between hand and virtual tool. A pressed clutch stops both.
 SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_s) noexcept {
   const double dt_s = step_to(time_s);
   SceneFrame frame;
@@ -62,7 +62,7 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
   return frame;
 }
 
-/// Effects of the surface where the tool touches it, those of space where the hand is.
+/// Surface effects act where the tool is in contact, spatial effects at the hand.
 void SceneRenderer::add_effects_at_both(const ToolState& hand, const Twist& tool_twist,
                                         std::span<const effects::ObjectContact> parts,
                                         double time_s, double dt_s, SceneFrame& frame) noexcept {
@@ -72,7 +72,7 @@ void SceneRenderer::add_effects_at_both(const ToolState& hand, const Twist& tool
   add(effects_at(hand, look(hand, dt_s, time_s, parts), &surface), frame);
 }
 
-/// The tool where spring and contact balance, looked up about once.
+/// The tool at the equilibrium of spring and contact, with about one query.
 SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s) noexcept {
   const double dt_s = step_to(time_s);
   SceneFrame frame;
@@ -96,8 +96,8 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
   if (!has_effects_or_motion_)
     return frame;
-  // At the balance, friction too: this tool does not rub by itself. Off the contact it is where the
-  // hand is.
+  // At equilibrium, including friction: this tool has no friction of its own. Without contact it is
+  // at the hand.
   ToolState at_balance = tool;
   at_balance.pose = frame.object;
   if (!effects_.empty())
@@ -107,7 +107,7 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
   return frame;
 }
 
-/// One look-up of the contact. True: another is needed.
+/// Processes one query of the contact. Returns true if another is needed.
 bool SceneRenderer::settle_in_series(double time_s, contact::StageResult& touch) noexcept {
   const bool fast = touch.fast, tunnelling_suspected = touch.tunnelling_suspected,
              passed_through = touch.passed_through;
@@ -159,8 +159,8 @@ void SceneRenderer::add_effects(const ToolState& object, double time_s, double d
   add(effects_.apply(look(object, dt_s, time_s, contact_.parts(frame.touch))), frame);
 }
 
-/// What the effects give in `frame`; forces of position behind their spring from the hand, where
-/// there is one.
+/// The effects in `frame`. Position-dependent forces act behind their spring to the hand, if there
+/// is one.
 effects::EffectForce SceneRenderer::effects_at(const ToolState& hand,
                                                const effects::EffectFrame& frame,
                                                const effects::EffectFrame* surface) noexcept {
@@ -208,7 +208,7 @@ effects::EffectFrame SceneRenderer::look(
   return in;
 }
 
-/// `energy_generated_j`: by what is no effect.
+/// `energy_generated_j`: energy from sources other than effects.
 void SceneRenderer::supply(const Pose& object, double energy_generated_j,
                            SceneFrame& frame) noexcept {
   const double potential = frame.effects.potential_j;
@@ -221,9 +221,9 @@ void SceneRenderer::supply(const Pose& object, double energy_generated_j,
   frame.supplied_energy_j = supplied_j_;
 }
 
-/// Grip and series spring in a row are one spring, each axis as stiff as both allow: a body's
-/// weight is held whole. Taken up off its origin, by `lever_m`, a body turns the hand by the grip's
-/// force too.
+/// Combines grip and series spring into one spring; the stiffness of each axis is that of both in
+/// series. The weight of a body is still supported in full. If it is gripped off its origin, by
+/// `lever_m`, the force of the grip also rotates the hand.
 void SceneRenderer::soften_grip(const Pose& tool, double dt_s, double lever_m,
                                 effects::BodyParameters& parameters) noexcept {
   series_.begin(tool, dt_s);
@@ -257,7 +257,7 @@ void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& fr
                                            effects::grab_distance_m(values), parameters, dt_s);
   supplied_j_ = potential_j_.value_or(body.energy_j()) - body.energy_j();
   if (!potential_j_)
-    potential_j_ = body.energy_j();  // where it began
+    potential_j_ = body.energy_j();  // initial value
   frame.wrench = grip.wrench;
   frame.stiffness = grip.stiffness;
   frame.stiffness_bound_n_per_m = grip.stiffness_bound_n_per_m;

@@ -1,5 +1,5 @@
 #pragma once
-/// One sample of the whole scene: contact, then the effects that the scene lists, then their sum.
+/// Renders one sample of the whole scene: contact, then the effects of the scene, then their sum.
 #include <optional>
 #include <span>
 
@@ -14,88 +14,94 @@
 
 namespace voxtouch::rendering {
 
-/// W axes. Without a body all of it is about the tool's origin, which is the object's; with one,
-/// `touch` and `effects` act on the body, about its origin, and `wrench` and the stiffness are the
-/// grip's, about the tool's. With a virtual tool, or a spring in series, `touch` is the spring's
-/// wrench, which acts on both of its ends alike; what effects of the surface give where the virtual
-/// tool is, the hand feels as it is.
+/// Result of one sample, W axes.
+/// Without a body, all values are about the origin of the tool, which is that of the object. With a
+/// body, `touch` and `effects` act on the body, about its origin; `wrench` and stiffness are those
+/// of the grip, about the tool's origin. With a virtual tool or a series spring, `touch` is the
+/// wrench of the spring, which is equal at both ends. Surface effects at the virtual tool are
+/// displayed to the operator unchanged.
 struct SceneFrame {
-  Pose object;     ///< where the dynamic object was when the contact was found: the tool, which a
-                   ///< spring or a virtual tool holds off the hand, or the body
-  ToolFrame tool;  ///< of a virtual tool; all zero without one
-  contact::StageResult touch;    ///< contact alone
-  effects::EffectForce effects;  ///< effects alone; all zero where the scene lists none
+  /// Pose of the dynamic object at which the contact was computed: the tool, which a spring or a
+  /// virtual tool may hold off the hand, or the body.
+  Pose object;
+  ToolFrame tool;                ///< of a virtual tool; all zero without one
+  contact::StageResult touch;    ///< contact only
+  effects::EffectForce effects;  ///< effects only; all zero for a scene without effects
   Wrench wrench;                 ///< for the hand: the sum of both, or the grip
   Mat6 stiffness = Mat6::Zero();
   double stiffness_bound_n_per_m = 0.0;
-  /// What the hand may have been given since the session began, by potentials that fell, moving
-  /// objects, effects that are bounded by the path, or the body's weight and speed [J].
+  /// Upper bound of the energy given to the operator since the start of the session [J]. Its
+  /// sources are decreasing potentials, moving objects, effects bounded by the path, and the weight
+  /// and speed of the body.
   double supplied_energy_j = 0.0;
 };
 
-/// What effects look up, where one asks for it.
+/// Resources of the effects; each is present only if an effect needs it.
 struct EffectResources {
   const effects::Proximity* proximity = nullptr;
   std::span<const effects::ToolPoint> tool_points = {};
   std::optional<effects::BodyShape> body =
       {};  ///< of the dynamic object, for scenes with the effect of that name
   std::optional<double> virtual_tool_lever_m =
-      {};  ///< there is a virtual tool, with this lever; 0: the tool's reach
-  const WallWatch* watch = nullptr;     ///< with one
-  const ExactBodies* bodies = nullptr;  ///< with one that meets triangles
+      {};  ///< present with a virtual tool: its lever; 0: the tool's reach
+  const WallWatch* watch = nullptr;     ///< with a virtual tool
+  const ExactBodies* bodies = nullptr;  ///< with a virtual tool on triangles
 };
 
-/// One thread at a time. `contact` and what `resources` points to must outlive it.
+/// Renders a scene. One thread at a time. `contact` and the referenced `resources` must outlive it.
 class SceneRenderer {
  public:
-  /// Time steps that effects are given lie within these: a first sample, or one after a gap, counts
-  /// as one of `kDefaultStepS`.
+  /// Range of the time steps for effects. A first sample, or one after a gap, has the step
+  /// `kDefaultStepS`.
   static constexpr double kDefaultStepS = 0.001, kMinStepS = 1e-5, kLongestStepS = 0.05;
 
-  /// std::invalid_argument where a body's shape is missing.
+  /// Throws std::invalid_argument if the shape of a body is missing.
   SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects,
                 const EffectResources& resources = {});
 
-  /// `time_s` counts from the session's begin. A pose that cannot be looked up gives no force from
-  /// anything. Real-time safe.
+  /// Renders one sample; `time_s` counts from the start of the session. An invalid pose gives no
+  /// force at all. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept {
-    // Two functions, so that each builds its frame in place: one with two ways out would copy it.
+    // Two functions, so that each constructs its frame in place: a single function with two returns
+    // would copy it.
     if (constrained_)
       return render_constrained(tool, time_s);
     return body_ || series_.rigid() ? render_pushed(tool, time_s) : render_in_series(tool, time_s);
   }
-  /// Forgets all samples so far.
+  /// Forgets all previous samples.
   void reset() noexcept;
-  /// Samples were missing for longer than the last one is repeated: the hand may be anywhere. A
-  /// virtual tool is placed anew where the hand is free; else it stays. Real-time safe.
+  /// Samples were missing for longer than the last one is repeated, so the hand may be anywhere. A
+  /// virtual tool is placed at the hand if that is in free space; otherwise it stays in place.
+  /// Real-time safe.
   void lose_tool() noexcept {
     if (constrained_)
       constrained_->lose_hand();
     series_.lose();
   }
-  /// Stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::set_target. Real-time
-  /// safe.
+  /// Sets the stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::set_target.
+  /// Real-time safe.
   void set_spring_target(double n_per_m) noexcept {
     if (constrained_)
       constrained_->set_target(n_per_m);
   }
-  /// Without a virtual tool: the spring in series with the contact, or with a body's grip, in W.
-  /// Real-time safe. Forces of position (guides, magnets, fields) whose stiffness leaves the
-  /// contact less than half of what is certified act behind a spring of their own: their largest
-  /// force is given whole, at a displacement of the hand that the spring adds. Real-time safe.
+  /// Without a virtual tool: sets the spring in series with the contact, or with the grip of a
+  /// body, in W. Real-time safe.
+  /// Position-dependent forces (guides, magnets, fields) act behind a spring of their own if their
+  /// stiffness would leave the contact less than half of the certified stiffness. Their largest
+  /// force is then displayed in full, at an additional displacement of the hand.
   void set_series_target(const Compliance& spring) noexcept {
     series_.set_target({spring.translation, spring.returns_torque() ? spring.rotation : 0.0});
     field_.set_target({spring.effects, 0.0});
   }
-  /// A body is gripped, which is turned against its inertia.
+  /// A body is gripped and rotated against its inertia.
   bool grips_a_body() const noexcept { return body_.has_value(); }
-  /// What the effect `external` follows from the next sample on. Real-time safe.
+  /// Sets the wrench that the effect `external` follows from the next sample on. Real-time safe.
   void external_is(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
-  /// The virtual tool of `before`, where both scenes have one and its place is free in this one, is
-  /// this one's from now on. Real-time safe.
+  /// Takes over the virtual tool of `before`, if both scenes have one and its pose is free in this
+  /// one. Real-time safe.
   void start_tool_from(const SceneRenderer& before, double time_s) noexcept;
 
-  /// What the effects are given for a sample `step_s` after the last one; points into `contacts`.
+  /// The input of the effects for a sample `step_s` after the last one; refers to `contacts`.
   /// Real-time safe.
   effects::EffectFrame look(const ToolState& object, double step_s, double time_s,
                             std::span<const effects::ObjectContact> contacts) const noexcept;
@@ -106,7 +112,7 @@ class SceneRenderer {
  private:
   struct BodyPart {
     effects::RigidBody body;
-    std::size_t effect = 0;  ///< place in the chain
+    std::size_t effect = 0;  ///< index in the chain
   };
   SceneFrame render_pushed(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
@@ -130,10 +136,10 @@ class SceneRenderer {
   ObjectContacts& contact_;
   effects::EffectChain effects_;
   EffectResources resources_;
-  bool has_effects_or_motion_;  ///< than contact with what rests
+  bool has_effects_or_motion_;  ///< anything except contact with resting objects
   std::optional<BodyPart> body_;
   std::optional<ConstrainedTool> constrained_;
-  SeriesSpring series_, field_;  ///< of the contact, and of forces of position
+  SeriesSpring series_, field_;  ///< of the contact, and of position-dependent forces
   std::optional<double> last_s_, potential_j_;
   std::optional<Vec3> last_position_;
   std::optional<effects::ExternalWrench> external_;

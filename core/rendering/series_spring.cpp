@@ -66,7 +66,7 @@ const Pose& SeriesSpring::begin(const Pose& hand, double dt_s) noexcept {
   return tool_;
 }
 
-/// What the contact gives more than the spring, with the tool at `place`.
+/// Difference between the forces of contact and spring, with the tool at `place`.
 Vec3 SeriesSpring::residual(const Place& place) const noexcept {
   return place.contact.wrench.force - (place.tool.position - hand_.position) / now_.translation;
 }
@@ -93,8 +93,8 @@ void SeriesSpring::predict() noexcept {
                           : hand_.orientation;
 }
 
-/// The tool between the last place and the one on the other side. False: they are not on both sides
-/// of the balance.
+/// Places the tool between the last place and the one on the other side. Returns false if they do
+/// not bracket the equilibrium.
 bool SeriesSpring::between() noexcept {
   const Vec3 displacement = last_.tool.position - other_.tool.position;
   const double here = residual(last_).dot(displacement), there = residual(other_).dot(displacement);
@@ -117,7 +117,7 @@ bool SeriesSpring::settle(const ContactAt& contact) noexcept {
   }
   const Place before = last_;
   last_ = {tool_, contact};
-  // Only an axis that gives way is in question: a rigid one has the contact's own.
+  // Only a compliant axis is of interest: a rigid one uses the contact's value.
   if (!(now_.translation > 0.0))
     wrench_.force = contact.wrench.force;
   if (!(now_.rotation > 0.0))
@@ -127,7 +127,8 @@ bool SeriesSpring::settle(const ContactAt& contact) noexcept {
       (contact.wrench.force - wrench_.force).norm() <= kBalance * force + kSettledN &&
       (contact.wrench.torque - wrench_.torque).norm() <= kBalance * torque + kSettledNm;
   if (balanced) {
-    // So small that the spring's may point the other way: the contact's own is as good.
+    // The force is so small that the spring's may point the other way; the contact's value is
+    // equally good.
     if (force <= kSettledN)
       wrench_.force = contact.wrench.force;
     if (torque <= kSettledNm)
@@ -139,7 +140,7 @@ bool SeriesSpring::settle(const ContactAt& contact) noexcept {
     const Vec3 displacement = tool_.position - before.tool.position;
     if (residual(before).dot(displacement) * residual(last_).dot(displacement) < 0.0)
       other_ = before, bracketed_ = true;
-    // On a step of the contact, between two places that are all but one: the spring holds it there.
+    // At a step of the contact, between two nearly equal places: the spring holds the tool there.
     if (bracketed_ &&
         (last_.tool.position - other_.tool.position).norm() <= kSettledN * now_.translation)
       return false;

@@ -1,5 +1,5 @@
 #pragma once
-/// The virtual tool against the voxels of a scene's objects.
+/// The virtual tool on the voxels of a scene's objects.
 #include <vector>
 
 #include "core/rendering/object_contacts.hpp"
@@ -25,7 +25,7 @@ class VoxelTool final : public ToolSolver {
 
   std::vector<contact::ToolGround> grounds_;
   contact::VirtualTool tool_;
-  Pose last_;  ///< the tool of the last frame, or where it was placed
+  Pose last_;  ///< the tool of the last frame, or its start pose
 };
 
 }  // namespace voxtouch::rendering

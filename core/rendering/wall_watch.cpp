@@ -14,7 +14,7 @@ std::vector<std::uint32_t> all_of(const mesh::TriangleMesh& mesh) {
   return all;
 }
 
-/// Of so many points each n-th, moved inwards along its normal.
+/// Every n-th shell point, moved inwards along its normal.
 std::vector<Vec3> points_inside(const pointshell::Pointshell& shell, double inside_m) {
   std::vector<Vec3> points;
   const std::size_t every = std::max<std::size_t>(1, shell.size() / WallWatch::kMostPoints);

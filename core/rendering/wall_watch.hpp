@@ -1,5 +1,5 @@
 #pragma once
-/// Whether a virtual tool has passed a wall that is too thin to hold it: seen on the triangles.
+/// Detects on the triangles that a virtual tool has passed a wall that is too thin to hold it.
 #include <span>
 #include <vector>
 
@@ -11,18 +11,18 @@
 
 namespace voxtouch::rendering {
 
-/// Points within the tool, and the triangles of objects at rest. Stays where it is.
+/// Points inside the tool, and the triangles of resting objects. It must not move.
 class WallWatch {
  public:
   static constexpr std::size_t kMostPoints = 24;
 
-  /// `inside_m`: the points lie so far below the shell's. std::runtime_error for a mesh that is not
-  /// finite.
+  /// `inside_m`: depth of the points below the shell. Throws std::runtime_error for a mesh that is
+  /// not finite.
   WallWatch(mesh::TriangleMesh walls, const pointshell::Pointshell& shell, double inside_m);
   WallWatch(const WallWatch&) = delete;
   WallWatch& operator=(const WallWatch&) = delete;
 
-  /// Whether one of the points crosses a triangle on its straight way from `from` to `to`.
+  /// Whether one of the points crosses a triangle on its straight path from `from` to `to`.
   /// Real-time safe.
   bool passed(const Pose& from, const Pose& to) const noexcept;
 

@@ -1,12 +1,12 @@
 #pragma once
-/// One bit a voxel in bricks of 8x8x8: the shape in which voxels are collected and filled, eight
+/// One bit per voxel in bricks of 8x8x8, the form in which voxels are collected and filled, eight
 /// words at a time.
 #include <array>
 #include <cstdint>
 
 namespace voxtouch::voxmap {
 
-/// Word z holds the slice z of a brick, voxel (x, y) at bit x + 8 y.
+/// Word z contains the slice z of a brick, voxel (x, y) at bit x + 8 y.
 using BrickMask = std::array<std::uint64_t, 8>;
 
 inline constexpr std::uint64_t kLowX = 0x0101010101010101ULL;   ///< x = 0
@@ -16,7 +16,7 @@ inline bool any(const BrickMask& m) noexcept {
   return (m[0] | m[1] | m[2] | m[3] | m[4] | m[5] | m[6] | m[7]) != 0;
 }
 
-/// All voxels of `room` that hang together by faces with `seed`, which lies in `room`.
+/// All voxels of `room` connected by faces with `seed`, which is in `room`.
 inline BrickMask grow(BrickMask seed, const BrickMask& room) noexcept {
   for (;;) {
     std::uint64_t changed = 0;
@@ -32,7 +32,7 @@ inline BrickMask grow(BrickMask seed, const BrickMask& room) noexcept {
       seed[z] = m;
     };
     for (std::size_t z = 0; z < 8; ++z)
-      step(z);  // there and back: most shapes settle in two or three rounds
+      step(z);  // forward and back: most shapes need two or three rounds
     for (std::size_t z = 8; z-- > 0;)
       step(z);
     if (changed == 0)
@@ -40,8 +40,8 @@ inline BrickMask grow(BrickMask seed, const BrickMask& room) noexcept {
   }
 }
 
-/// The voxels on the low (side 0) or high (side 1) face across `axis`, as one word whose bits face
-/// each other.
+/// The voxels on the low (side 0) or high (side 1) face across `axis`, as one word. Bits of
+/// adjacent faces correspond.
 inline std::uint64_t face(const BrickMask& m, int axis, int side) noexcept {
   if (axis == 2)
     return m[side ? 7 : 0];

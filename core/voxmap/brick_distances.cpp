@@ -8,25 +8,26 @@
 
 #include "core/types/clones.hpp"
 
-// A triangle is left out where a lower bound of its distance is above an upper bound of what a node
-// will get. Where q is the triangle's point nearest to a middle c, all of the triangle is behind
-// the plane through q across the line from q to c, for it is convex: so its distance from p is at
-// least |c - q| + (p - c) . (c - q) / |c - q|, and at most |p - q|. The first is a few operations,
-// for many p at once; only what is left is compared with the nodes in full. So bounds decide what
-// is worked out, and no bit of it.
+// Skips a triangle if a lower bound of its distance exceeds an upper bound of the result for a
+// node. Let q be the point of the triangle nearest to a centre c. The triangle is convex, so all of
+// it is behind the plane through q across the line from q to c. Its distance from p is therefore at
+// most |p - q| and at least
+//     |c - q| + (p - c) . (c - q) / |c - q|
+// The lower bound takes a few operations, for many p at once; only the remaining triangles are
+// compared with the nodes in full. The bounds decide what is computed and do not change the result.
 namespace voxtouch::voxmap {
 namespace {
 
 constexpr std::size_t kBlocks = kOwnNodes / kOfBlock, kLanes = kOfBlock;
 static_assert(kBlocks == 16);
-/// From the middle of a brick's own nodes, or of a block's, to the farthest of them, and a little
+/// From the centre of a brick's own nodes, or of a block's, to the farthest of them, with a margin
 /// for rounding.
 constexpr double kBrickReach = 3.5 * 1.7320509, kBlockReach = 2.1794496;
-/// With more triangles near a brick than this its blocks ask the tree on their own, with more near
-/// a block its nodes.
+/// With more triangles near a brick than this, its blocks query the tree individually; with more
+/// near a block, its nodes do.
 constexpr std::size_t kMaxNear = 1024;
-/// Added to every bound [voxels]: far more than what rounds. Below `kTooShort` a difference's
-/// direction says nothing.
+/// Added to every bound [voxels]: far more than the rounding. Below `kTooShort` the direction of a
+/// difference is not significant.
 constexpr double kSlack = 1e-3, kTooShort = 0.05;
 
 using Points = DistanceTree::Points;
@@ -41,7 +42,7 @@ constexpr void for_each_own(F&& f) {
         f(own_node(x, y, z), x, y, z);
 }
 
-/// Where a brick has its own nodes.
+/// Index of the brick's own nodes.
 constexpr std::array<std::uint16_t, kOwnNodes> kNodeOf = [] {
   std::array<std::uint16_t, kOwnNodes> out{};
   for_each_own([&](std::size_t own, int x, int y, int z) {
@@ -50,7 +51,7 @@ constexpr std::array<std::uint16_t, kOwnNodes> kNodeOf = [] {
   return out;
 }();
 
-/// From the middle of a brick to those of its blocks, and from there to their nodes.
+/// From the centre of a brick to those of its blocks, and from there to their nodes.
 constexpr Points kToBlocks = [] {
   Points out;
   for (std::size_t n = 0; n < kBlocks; ++n)
@@ -74,10 +75,10 @@ constexpr std::array<std::int64_t, kLanes> kBitOf = [] {
   return out;
 }();
 
-/// A triangle as it is seen from a middle.
+/// A triangle relative to a centre.
 struct Seen {
-  Vec3 direction;        ///< unit, from its nearest point; zero where that is too near
-  double length, bound;  ///< of the difference from there; what the lower bounds begin with
+  Vec3 direction;        ///< unit, from its nearest point; zero if that is too near
+  double length, bound;  ///< of that difference; start of the lower bounds
   std::uint32_t place;
 };
 
@@ -88,7 +89,7 @@ Seen seen_so(const Vec3& delta, std::uint32_t place) noexcept {
   return {1.0 / length * delta, length, length - kSlack, place};
 }
 
-/// square[n] = |delta + step n|^2 where that is less, and then `place` is whose it is.
+/// square[n] = |delta + step n|^2 if that is smaller; `place` is then that of the triangle.
 VOXTOUCH_CLONES void keep_nearer(const double* x, const double* y, const double* z, double wx,
                                  double wy, double wz, std::int64_t place, double* square,
                                  std::int64_t* whose) noexcept {
@@ -99,7 +100,7 @@ VOXTOUCH_CLONES void keep_nearer(const double* x, const double* y, const double*
   }
 }
 
-/// A bit for each of `count` where the lower bound's square does not exceed `square`.
+/// One bit for each of `count` whose squared lower bound is at most `square`.
 VOXTOUCH_CLONES std::int64_t may_be_near(const double* x, const double* y, const double* z,
                                          double nx, double ny, double nz, double bound,
                                          const double* square, std::size_t count) noexcept {
@@ -136,7 +137,7 @@ VOXTOUCH_CLONES void square_all(const double* limit, double* out) noexcept {
     out[n] = limit[n] * limit[n];
 }
 
-/// The limit's length at most, and its sign.
+/// The distance, at most the limit, with the sign of the limit.
 VOXTOUCH_CLONES void signed_roots(const double* best, const double* limit, float* out) noexcept {
   for (std::size_t n = 0; n < kLanes; ++n) {
     const double most = limit[n] < 0.0 ? -limit[n] : limit[n], root = std::sqrt(best[n]),
@@ -145,7 +146,7 @@ VOXTOUCH_CLONES void signed_roots(const double* best, const double* limit, float
   }
 }
 
-/// One brick on its way.
+/// State of one brick.
 class BrickFill {
  public:
   BrickFill(const DistanceTree& tree, const Vec3& first, const BrickLimits& limit,
@@ -162,8 +163,8 @@ class BrickFill {
 
   void fill(std::uint32_t place) {
     const double most = *std::max_element(farthest_.begin(), farthest_.end()) + kBrickReach;
-    // What is nearest to any node is within the middle's own distance and twice the distance to
-    // that node.
+    // The triangle nearest to any node is within the distance of the centre plus twice the distance
+    // to that node.
     const double reach =
         std::min(tree_.nearest(middle_, most, place) + 2.0 * kBrickReach, most) + kSlack;
     if (!tree_.within(middle_, reach, kMaxNear, near_))
@@ -179,13 +180,12 @@ class BrickFill {
   Vec3 middle_of(std::size_t block) const noexcept {
     return middle_ + Vec3(kToBlocks.x[block], kToBlocks.y[block], kToBlocks.z[block]);
   }
-  /// How far from the middle of a block a triangle may be where one is at `least`.
+  /// Largest distance of a relevant triangle from the centre of a block, if one is at `least`.
   double reach_of(std::size_t block, double least) const noexcept {
     return std::min(least + 2.0 * kBlockReach, farthest_[block] + kBlockReach) + kSlack;
   }
 
-  /// All of `near_` that are as near as that as seen from the brick's middle, and for each block
-  /// the square of how far a triangle may be.
+  /// All of `near_` within reach of the brick's centre, and for each block the squared reach.
   void look_from_middle(double reach_of_brick) {
     Lanes least;
     least.fill(HUGE_VAL);
@@ -208,7 +208,7 @@ class BrickFill {
     }
   }
 
-  /// The triangles that each block has to look at, block by block.
+  /// The triangles that each block must compare, block by block.
   void distribute() {
     near_.resize(seen_.size());  // now a bit for each block
     first_ = {};
@@ -226,7 +226,7 @@ class BrickFill {
         shared_[next[static_cast<std::size_t>(std::countr_zero(bits))]++] = seen_[n].place;
   }
 
-  /// From triangles among which are all that count.
+  /// Fills a block from a superset of the relevant triangles.
   void fill_block(std::size_t block, std::span<const std::uint32_t> places) {
     const double* const limit = limit_.data() + kOfBlock * block;
     const std::uint16_t* const node = kNodeOf.data() + kOfBlock * block;
@@ -244,7 +244,7 @@ class BrickFill {
       brick_[node[n]] = out[n];
   }
 
-  /// The nearest first: few others can be nearer to any node then.
+  /// The nearest first: few others can then be nearer to any node.
   void lower(std::size_t block, std::span<const std::uint32_t> places, Lanes& best) {
     const Vec3 middle = middle_of(block);
     seen_of_block_.clear();

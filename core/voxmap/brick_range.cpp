@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kVoxels = DistanceField::kBrickEdge;
 
-/// Eight values at the corners of a box, and what the interpolation between them does.
+/// Eight values at the corners of a box, and bounds of the interpolation between them.
 using Corners = std::array<double, 8>;  // corner (x, y, z) at x + 2 y + 4 z
 
 double interpolated(const Corners& d, double x, double y, double z) noexcept {
@@ -20,8 +20,8 @@ double interpolated(const Corners& d, double x, double y, double z) noexcept {
   return sum;
 }
 
-/// Largest square of the gradient in a box of side 1. Each component is linear along each axis, so
-/// its square is convex along each, and the sum is largest at one of the eight corners.
+/// Largest squared gradient in a box of side 1. Each component is linear along each axis, so its
+/// square is convex along each, and the sum is largest at one of the eight corners.
 VOXTOUCH_INLINE double steepest_square(double d0, double d1, double d2, double d3, double d4,
                                        double d5, double d6, double d7) noexcept {
   const double x0 = (d1 - d0) * (d1 - d0), x1 = (d3 - d2) * (d3 - d2), x2 = (d5 - d4) * (d5 - d4),
@@ -38,7 +38,7 @@ VOXTOUCH_INLINE double steepest_square(double d0, double d1, double d2, double d
 }
 
 /// The same where the interpolation is below 0, to an eighth of the voxel, or `best` if that is
-/// more.
+/// larger.
 double steepest_square_inside(const Corners& d, double side, int splits, double best) noexcept {
   const auto [least, most] = std::minmax_element(d.begin(), d.end());
   if (*least >= 0.0)
@@ -64,14 +64,15 @@ double steepest_square_inside(const Corners& d, double side, int splits, double 
   return best;
 }
 
-/// Of the voxels of a row along x, all of them at once.
+/// All voxels of a row along x at once.
 struct Row {
-  float least[kVoxels];                               ///< corner of each
-  double steepest[kVoxels];                           ///< square
-  float least_of_all[kVoxels], most_of_all[kVoxels];  ///< corners so far, of the voxels with that x
+  float least[kVoxels];      ///< corner of each
+  double steepest[kVoxels];  ///< square
+  /// Corners so far, of the voxels with that x.
+  float least_of_all[kVoxels], most_of_all[kVoxels];
 };
 
-/// `d`: the row's first node; `y`, `z`: how far on its neighbours are.
+/// `d`: first node of the row; `y`, `z`: strides to its neighbours.
 VOXTOUCH_CLONES void look_at_row(const float* d, std::size_t y, std::size_t z, Row& row) noexcept {
   const auto less = [](float a, float b) { return b < a ? b : a; };
   const auto more = [](float a, float b) { return a < b ? b : a; };

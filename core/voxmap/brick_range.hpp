@@ -1,12 +1,13 @@
 #pragma once
-/// What is asked of a whole brick of a distance field once it is filled.
+/// Value ranges of a whole brick of a distance field after it is filled.
 #include "core/voxmap/distance_field.hpp"
 
 namespace voxtouch::voxmap {
 
-/// Of a brick: its least and largest node, and the largest square of its interpolation's gradient
-/// where that is below 0, to an eighth of a voxel; at least 1, the true distance's. Outside a
-/// convex edge distances fan out, which is steep and pushes nothing.
+/// Smallest and largest node of a brick, and the largest squared gradient of its interpolation
+/// where that is negative. The gradient is evaluated to an eighth of a voxel and is at least 1, the
+/// slope of the true distance. Outside a convex edge the interpolation is steep, but there is no
+/// force.
 struct BrickRange {
   float least, most;
   double steepest_square;

@@ -1,6 +1,6 @@
 #pragma once
-/// The closed parts of a mesh in grid coordinates, and the trees over their triangles: made once
-/// for all that asks distances of them.
+/// The closed parts of a mesh in grid coordinates, and the trees over their triangles, made once
+/// for all distance queries.
 #include <optional>
 
 #include "core/voxmap/closed_shells.hpp"
@@ -25,19 +25,19 @@ struct ClosedMesh {
   ClosedMesh(const ClosedMesh&) = delete;
   ClosedMesh& operator=(const ClosedMesh&) = delete;
 
-  /// What distances are to: the surface of all closed parts together.
+  /// The surface for distances: that of all closed parts together.
   const DistanceTree& surface() const noexcept { return solid.whole ? tree : *left_tree; }
-  /// The open triangles that are not within a solid.
+  /// The open triangles that are not inside a solid.
   DistanceTree open_surface() const {
     return solid.whole ? DistanceTree(in_grid, shells.open) : DistanceTree(*left, solid.open);
   }
 
   GridMesh in_grid;
   ClosedShells shells;
-  DistanceTree tree;  ///< of the whole mesh: what a ray crosses
+  DistanceTree tree;  ///< of the whole mesh, for ray intersections
   SolidSurface solid;
-  std::optional<GridMesh> left;           ///< of `solid`, where it is not whole
-  std::optional<DistanceTree> left_tree;  ///< likewise
+  std::optional<GridMesh> left;           ///< of `solid`, if it is not whole
+  std::optional<DistanceTree> left_tree;  ///< of `solid`, if it is not whole
 };
 
 }  // namespace voxtouch::voxmap

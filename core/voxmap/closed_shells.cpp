@@ -31,7 +31,7 @@ Corners welded_corners(const GridMesh& mesh, const std::vector<std::uint32_t>& w
   return {welded[c[0]], welded[c[1]], welded[c[2]]};
 }
 
-/// Triangles grouped by their three corners, first of a group first: sorted by (lowest, middle,
+/// Triangles grouped by their three corners, the first of a group first: sorted by (lowest, middle,
 /// highest corner, triangle).
 std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh,
                                              const std::vector<std::uint32_t>& welded,
@@ -57,7 +57,7 @@ std::vector<KeyedTriangle> sorted_by_corners(const GridMesh& mesh,
   return keyed;
 }
 
-/// Union-find whose links carry one bit: whether two triangles agree in orientation.
+/// Union-find whose links store one bit: whether two triangles agree in orientation.
 class Orientation {
  public:
   explicit Orientation(std::size_t count) : parent_(count), flipped_(count, 0) {
@@ -82,7 +82,7 @@ class Orientation {
     const std::uint32_t ra = root(a), rb = root(b);
     const bool flip = flipped(a) ^ flipped(b) ^ opposite;
     if (ra == rb)
-      return;  // a contradiction (a Moebius band) shows later as an edge that does not balance
+      return;  // a contradiction (a Moebius band) appears later as an unbalanced edge
     const auto [low, high] = std::minmax(ra, rb);
     parent_[high] = low, flipped_[high] = flip;
   }
@@ -94,11 +94,11 @@ class Orientation {
 
 struct Edge {
   std::uint32_t far, slot;  ///< higher vertex; position in the list of triangles
-  bool forward;             ///< walked from the lower vertex to the higher
+  bool forward;             ///< traversed from the lower vertex to the higher
 };
 
-/// Every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)` gets a
-/// span of `Edge`.
+/// Visits every edge of the listed triangles, grouped by (lower, higher vertex); `visit(group)`
+/// receives a span of `Edge`.
 template <class Visit>
 void for_each_edge(const GridMesh& mesh, const std::vector<std::uint32_t>& welded,
                    const std::vector<std::uint32_t>& triangles, Visit&& visit) {
@@ -137,8 +137,8 @@ double twice_area(const GridMesh& mesh, std::uint32_t t) {
   return area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)).stableNorm();
 }
 
-/// One attempt: the parts that the listed triangles form; closed parts get their roles, the
-/// triangles of open ones are returned.
+/// One attempt: finds the parts that the listed triangles form, sets the roles of closed parts and
+/// returns the triangles of open ones.
 std::vector<std::uint32_t> settle_parts(const GridMesh& mesh,
                                         const std::vector<std::uint32_t>& welded,
                                         const std::vector<std::uint32_t>& triangles,
@@ -146,7 +146,8 @@ std::vector<std::uint32_t> settle_parts(const GridMesh& mesh,
   const std::size_t count = triangles.size();
   Orientation part(count), patch(count);
   std::vector<std::uint8_t> open(count, 0), unbalanced(count, 0);
-  // every edge that may close is walked as often one way as the other: nothing will have to turn
+  // every edge that may close is traversed equally often in both directions: no triangle must be
+  // flipped
   bool tidy = true;
   for_each_edge(mesh, welded, triangles, [&](std::span<const Edge> group) {
     int balance = 0;
@@ -243,7 +244,7 @@ ClosedShells find_closed_shells(const GridMesh& mesh, const std::vector<std::uin
   if (left.empty())
     return shells;
 
-  // What did not close so far gets two more chances, each with the triangles it lacked.
+  // Open parts get two more attempts, each with the previously excluded triangles.
   const auto with = [&](TriangleState extra) {
     std::vector<std::uint8_t> touched(welded.size(), 0);
     for (const std::uint32_t t : left)

@@ -13,10 +13,10 @@ namespace voxtouch::voxmap {
 namespace {
 
 constexpr int kEdge = DistanceField::kBrickEdge;
-/// From a brick's centre to its corners, and a little for rounding.
+/// From a brick's centre to its corners, with a margin for rounding.
 constexpr double kBrickRadius = 4.0 * 1.7320509;
 
-/// The kinds of a brick's voxels and of the layer before them: all that is round its own nodes.
+/// The kinds of a brick's voxels and of the preceding layer: all voxels around its own nodes.
 class Kinds {
  public:
   Kinds(const Voxmap& voxmap, const VoxelIndex& first) {
@@ -26,7 +26,7 @@ class Kinds {
         for (int x = -1; x < kEdge; ++x)
           kinds_[n++] = voxmap.at({first.i + x, first.j + y, first.k + z});
   }
-  /// What the eight voxels round a node say: free = outside, interior = inside, surface =
+  /// Classification by the eight voxels around a node: free = outside, interior = inside, surface =
   /// undecided.
   VoxelKind side(int x, int y, int z) const noexcept {
     for (int n = 0; n < 8; ++n) {
@@ -59,7 +59,8 @@ class DistanceFieldBuilder {
         has_walls_(half_wall_ > 0.0 && !shells_.open.empty()),
         walls_(has_walls_ ? mesh.open_surface() : DistanceTree(mesh_, {})) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
-    field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // as the nodes hold it
+    field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // in the precision of the
+                                                                      // nodes
     field_.band_voxels_ = static_cast<float>(options.band_voxels);
     if (options.band_voxels > DistanceFieldOptions{}.band_voxels)
       widen(static_cast<int>(std::ceil(options.band_voxels / kEdge)));
@@ -88,13 +89,13 @@ class DistanceFieldBuilder {
 
  private:
   static constexpr std::int32_t kRequested = 0;
-  /// A cell that gets a brick, and the place of a triangle near it.
+  /// A cell that gets a brick, and the place of a nearby triangle.
   struct Requested {
     std::size_t cell;
     std::uint32_t place;
   };
 
-  /// The voxmap's table ends within a brick of the surface.
+  /// The voxmap's table ends within one brick of the surface.
   void widen(int bricks) noexcept {
     for (std::int32_t* const first : {&field_.base_.i, &field_.base_.j, &field_.base_.k})
       *first -= kEdge * bricks;
@@ -110,8 +111,8 @@ class DistanceFieldBuilder {
             static_cast<std::int32_t>(field_.base_.k + kEdge * (c / (nx * ny)))};
   }
 
-  /// Whether all of a cell is beyond what the field holds, and on which side. `place`: as
-  /// DistanceTree::nearest has it.
+  /// Whether a whole cell is beyond the range of the field, and on which side. `place`: as in
+  /// DistanceTree::nearest.
   std::int32_t coarse(std::size_t cell, std::uint32_t& place) const {
     const VoxelIndex v = first_voxel(cell);
     const Vec3 centre(v.i + 4.0, v.j + 4.0, v.k + 4.0);
@@ -119,7 +120,7 @@ class DistanceFieldBuilder {
                  inner = field_.depth_voxels_ + kBrickRadius;
     if (voxmap_.free_distance_voxels(centre) > outer)
       return DistanceField::kFree;
-    // No surface that near, so the centre's own voxel gives the side of the whole cell.
+    // No surface is that near, so the voxel at the centre gives the side of the whole cell.
     const VoxelKind kind = voxmap_.at({v.i + 4, v.j + 4, v.k + 4});
     std::uint32_t wall = DistanceTree::kNoPlace;
     const double walls = has_walls_ ? outer + half_wall_ : 0.0;
@@ -181,7 +182,7 @@ class DistanceFieldBuilder {
   void fill_own(const VoxelIndex& first, std::uint32_t place, DistanceField::Brick& brick) const {
     const Kinds kinds(voxmap_, first);
     std::vector<std::uint32_t> above;
-    BrickLimits limit;  // of each node; below 0 inside
+    BrickLimits limit;  // of each node; negative inside
     for (int z = 0; z < kEdge; ++z)
       for (int y = 0; y < kEdge; ++y)
         for (int x = 0; x < kEdge; ++x) {
@@ -197,7 +198,7 @@ class DistanceFieldBuilder {
       add_walls(first, brick);
   }
 
-  /// The union of what the own nodes hold with the walls of open parts.
+  /// Union of the own nodes with the walls of open parts.
   void add_walls(const VoxelIndex& first, DistanceField::Brick& brick) const {
     BrickLimits limit;
     limit.fill(field_.band_voxels_ + half_wall_);
@@ -212,8 +213,8 @@ class DistanceFieldBuilder {
         }
   }
 
-  /// The nodes that are the next bricks' own. Where there is no brick all of its cell is cut off,
-  /// up to its faces.
+  /// Copies the nodes that belong to the next bricks. A cell without a brick is cut off throughout,
+  /// including its faces.
   void fill_shared(std::size_t cell, DistanceField::Brick& brick) {
     for (std::size_t next = 1; next < 8; ++next) {
       const std::array<int, 3> on = {static_cast<int>(next & 1), static_cast<int>(next >> 1 & 1),
@@ -223,8 +224,8 @@ class DistanceFieldBuilder {
           entry >= 0 ? &field_.bricks_[static_cast<std::size_t>(entry)] : nullptr;
       const auto cut_off = static_cast<float>(entry == DistanceField::kDeep ? -field_.depth_voxels_
                                                                             : field_.band_voxels_);
-      // Along an axis on which the other is next: its first node for the last here. Along the
-      // others: all its own.
+      // Along an axis to the next brick: its first node becomes the last here. Along the others:
+      // all its own nodes.
       for (int z = 0; z < (on[2] ? 1 : kEdge); ++z)
         for (int y = 0; y < (on[1] ? 1 : kEdge); ++y)
           for (int x = 0; x < (on[0] ? 1 : kEdge); ++x)
@@ -233,7 +234,7 @@ class DistanceFieldBuilder {
     }
   }
 
-  /// Of the cell so many further on; beyond the table all is free.
+  /// Entry of the cell at this offset; all cells beyond the table are free.
   std::int32_t neighbour_entry(std::size_t cell, const std::array<int, 3>& on) const noexcept {
     const auto c = static_cast<std::int64_t>(cell);
     const auto [nx, ny, nz] = field_.cells_;
@@ -243,8 +244,8 @@ class DistanceFieldBuilder {
                : DistanceField::kFree;
   }
 
-  /// A node among surface voxels only. One on a triangle may come out either way; its distance is
-  /// 0.
+  /// A node among surface voxels only. For a node on a triangle either result is possible; its
+  /// distance is 0.
   bool inside_exactly(const Vec3& node, std::vector<std::uint32_t>& above) const {
     above.clear();
     rays_.each_on_ray(node, Vec3::UnitZ(),
@@ -256,7 +257,7 @@ class DistanceFieldBuilder {
   const GridMesh& mesh_;
   const ClosedShells& shells_;
   const DistanceTree& tree_;  ///< of the surface
-  const DistanceTree& rays_;  ///< of all that a ray crosses
+  const DistanceTree& rays_;  ///< of all triangles that a ray crosses
   double half_wall_;          ///< of open parts [voxels]
   bool has_walls_;
   DistanceTree walls_;

@@ -43,7 +43,7 @@ FieldSample DistanceField::at(const Vec3& u) const noexcept {
   return sample;
 }
 
-/// The nodes of a brick, or, where none is stored, what all of them are cut off to.
+/// The nodes of a brick or, without stored nodes, their common cut-off value.
 struct DistanceField::Nodes {
   const float* stored;
   double all;
@@ -57,8 +57,8 @@ DistanceField::Nodes DistanceField::nodes_of(
           entry == kDeep ? -depth_voxels_ : band_voxels_};
 }
 
-/// The corners of the point's voxel, which are in one brick, and the nodes beyond them on one axis,
-/// in that brick or the next one on this axis.
+/// The corners of the point's voxel are in one brick. The nodes beyond them on one axis are in that
+/// brick or the next one on this axis.
 void DistanceField::put_smooth(const Vec3& u, std::size_t lane, SmoothBlock& block) const noexcept {
   constexpr std::int64_t kStride[3] = {1, kNodeEdge, kNodeEdge * kNodeEdge};
   constexpr std::size_t kPlace[3] = {1, 4, 16};

@@ -1,24 +1,25 @@
 #pragma once
-/// Signed distance to the static surface, interpolated below one voxel: what the contact model
-/// `field` looks up.
+/// Signed distance to the static surface, interpolated within voxels, for the contact model
+/// `field`.
 ///
-/// Nodes stand at the corners of the voxels, so the interpolated distance is above 0 in every free
-/// voxel and below 0 in every interior one: a shell point in a free voxel, which no query reports,
+/// Nodes are at the corners of the voxels. The interpolated distance is thus positive in every free
+/// voxel and negative in every interior one. A shell point in a free voxel, which no query reports,
 /// never has a depth.
 ///
 /// Magnitude: exact distance to the triangles of the mesh's closed parts, stored as float32 in
-/// voxels (2^-24 of at most 12 voxels is below 1e-6 e). Sign: from the voxmap. A node with a free
-/// voxel round it is outside, one with an interior voxel inside; between eight surface voxels the
-/// exact winding number decides (winding.hpp). Planes of triangles have no part in it, so an
-/// inverted facet gives no wrong sign.
+/// voxels (2^-24 of at most 12 voxels is below 1e-6 e).
 ///
-/// Open parts have no inside: they give no distance and no force, unless the options make thin
-/// walls of them. The distance to such a wall is the unsigned one less half its thickness. Closed
-/// parts and walls that overlap are one body; surfaces buried in it limit the depth there.
+/// Sign: from the voxmap. A node next to a free voxel is outside, one next to an interior voxel
+/// inside. Between eight surface voxels the exact winding number decides (winding.hpp). The planes
+/// of triangles are not used, so an inverted facet gives no wrong sign.
 ///
-/// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup meets one
+/// Open parts have no interior. They give no distance and no force, unless the options turn them
+/// into thin walls. The distance to such a wall is the unsigned one minus half its thickness.
+/// Overlapping closed parts and walls form one body; surfaces buried in it limit the depth there.
+///
+/// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup reads one
 /// brick. Nodes on common faces are bit-identical, so the interpolation is continuous. Distances
-/// are cut off at `band_voxels` outside and `depth_voxels` inside; bricks of cut-off values alone
+/// are cut off at `band_voxels` outside and `depth_voxels` inside; bricks of cut-off values only
 /// are not stored.
 #include <array>
 #include <cstddef>
@@ -36,28 +37,28 @@ namespace voxtouch::voxmap {
 struct ClosedMesh;
 struct SmoothBlock;
 
-/// What the field says about one point.
+/// Sample of the field at one point.
 struct FieldSample {
-  double distance_m = 0.0;       ///< interpolated signed distance [m], negative inside
-  Vec3 gradient = Vec3::Zero();  ///< of the interpolation, W axes; about unit length, pointing out
-                                 ///< of the static object
+  double distance_m = 0.0;  ///< interpolated signed distance [m], negative inside
+  /// Of the interpolation, W axes; about unit length, pointing out of the static object.
+  Vec3 gradient = Vec3::Zero();
   bool known =
-      false;  ///< false: farther outside than the field holds; `distance_m` is that border's
+      false;  ///< false: outside the range of the field; `distance_m` is that of its border
   bool saturated =
-      false;  ///< inside, deeper than the field holds: `distance_m` does not grow further
+      false;  ///< inside, deeper than the field stores: `distance_m` does not grow further
 };
 
-/// How much of the field is stored.
+/// Range of the stored distances.
 struct DistanceFieldOptions {
-  double depth_voxels = 12.0;  ///< inside, distances are held down to this depth; at least 2
-  /// Outside, up to here; at least 2, more than a voxel's diagonal. A band above 2 widens the table
-  /// beyond the voxmap's, so that it is held on every side.
+  double depth_voxels = 12.0;  ///< largest depth stored inside; at least 2
+  /// Range outside; at least 2, more than a voxel's diagonal. A band above 2 extends the table
+  /// beyond the voxmap's, so that it is complete on every side.
   double band_voxels = 2.0;
-  /// Thickness of the walls that open parts become, half of it on either side of their triangles;
-  /// 0: none, they give no distance.
+  /// Thickness of the walls that represent open parts, half of it on either side of their
+  /// triangles; 0: open parts give no distance.
   double open_wall_voxels = 0.0;
 };
-/// How thick they are for a virtual tool, which they hold from either side; force begins half of
+/// Their thickness for a virtual tool, which they hold from either side; the force begins half of
 /// that early.
 inline constexpr double kOpenWallVoxels = 0.125;
 
@@ -69,18 +70,19 @@ class DistanceField {
                                       kNodeEdge>;  ///< [voxels]; node (x,y,z) at x + 9 (y + 9 z)
 
   /// Sample at the grid coordinates u = (x - origin) / e of the voxmap's grid. Continuous in u.
-  /// Anything not finite is unknown. Real-time safe.
+  /// Non-finite coordinates give an unknown sample. Real-time safe.
   FieldSample at(const Vec3& u) const noexcept;
 
   static constexpr std::size_t kSmoothTogether =
-      8;  ///< the most places that `smooth_gradients` takes
-  /// Gradients at `count` places `u` (grid coordinates, finite, within int32), W axes, that do not
-  /// jump from voxel to voxel: differences over two voxels at the corners of the point's voxel,
-  /// interpolated. Exact for polynomials of second degree. A distance that is cut off outside is
-  /// extrapolated from the nodes before it. Bit-identical for a place whatever else is looked up,
-  /// on every processor. Real-time safe.
+      8;  ///< largest number of positions for `smooth_gradients`
+  /// Gradients at `count` positions `u` (grid coordinates, finite, within int32), W axes, that are
+  /// continuous from voxel to voxel. Real-time safe.
+  /// They are differences over two voxels at the corners of the point's voxel, interpolated, and
+  /// exact for polynomials of second degree. A distance that is cut off outside is extrapolated
+  /// from inner nodes. The result for a position is bit-identical for any other positions in the
+  /// call and on every processor.
   void smooth_gradients(std::size_t count, const Vec3* u, Vec3* gradients) const noexcept;
-  /// Of one place.
+  /// For one position.
   Vec3 smooth_gradient(const Vec3& u) const noexcept {
     Vec3 gradient;
     smooth_gradients(1, &u, &gradient);
@@ -88,11 +90,11 @@ class DistanceField {
   }
 
   /// The stored distance [voxels] of the node at the lower corner of `voxel`, cut off at the band
-  /// outside and the depth inside; the band where nothing is stored. Real-time safe.
+  /// outside and the depth inside; the band if no node is stored. Real-time safe.
   double node(const VoxelIndex& voxel) const noexcept;
 
-  /// What `at` looks up, for loops over many points: the brick of a cell of the table, or kFree or
-  /// kDeep where it has none.
+  /// The data of `at`, for loops over many points: the brick of a table cell, or kFree or kDeep
+  /// without one.
   struct Arrays {
     const std::int32_t* table;
     const Brick* bricks;
@@ -107,23 +109,23 @@ class DistanceField {
   static constexpr std::int32_t kFree = -1, kDeep = -2;
 
   const Grid& grid() const noexcept { return grid_; }
-  /// Memory of all that is stored.
+  /// Memory of all stored data.
   std::size_t bytes() const noexcept;
-  /// Nodes in memory, those on common faces once for each brick.
+  /// Number of stored nodes; those on common faces count once for each brick.
   std::size_t stored_nodes() const noexcept { return bricks_.size() * Brick().size(); }
-  /// Whether any node is inside. An open mesh of which no wall is made has none; neither has one so
-  /// thin that no voxel's corner lies in it.
+  /// Whether any node is inside. False for an open mesh without walls, and for one so thin that no
+  /// voxel corner lies in it.
   bool has_inside() const noexcept { return has_inside_; }
-  /// Depth at which the field stops to grow [m].
+  /// Depth at which the distance stops growing [m].
   double depth_m() const noexcept { return grid_.edge * depth_voxels_; }
-  /// Bound of the gradient's length wherever the interpolated distance is below 0: 1 over flat
-  /// walls, up to sqrt(2) in a concave edge and sqrt(3) in a concave corner.
+  /// Bound of the gradient's length where the interpolated distance is negative: 1 at flat walls,
+  /// up to sqrt(2) in a concave edge and sqrt(3) in a concave corner.
   double steepest_gradient() const noexcept { return steepest_gradient_; }
 
  private:
   friend class DistanceFieldBuilder;
 
-  /// The table's entry, or kFree beyond the table.
+  /// The table's entry, or kFree outside the table.
   std::int32_t entry_at(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept;
   struct Nodes;
   Nodes nodes_of(const std::array<std::int64_t, 3>& cell) const noexcept;
@@ -139,10 +141,10 @@ class DistanceField {
   double steepest_gradient_ = 1.0;
 };
 
-/// The field of the mesh that `voxmap` was made from. Several static meshes: concatenate them.
-/// Bit-identical whatever `parallel_for` does. Throws std::invalid_argument for options out of
-/// range and VoxelBudgetError where the bricks would take more than `memory_limit_bytes`, before
-/// they are allocated. Of a mesh alone it makes the ClosedMesh itself.
+/// Builds the field of the mesh of `voxmap`; concatenate several static meshes. Bit-identical for
+/// any `parallel_for`. Throws std::invalid_argument for options out of range. Throws
+/// VoxelBudgetError, without any allocation, if the bricks would exceed `memory_limit_bytes`. The
+/// overload for a mesh creates the ClosedMesh itself.
 DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap,
                                    const DistanceFieldOptions& options,
                                    const ParallelFor& parallel_for,

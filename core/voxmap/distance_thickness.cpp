@@ -12,17 +12,17 @@ namespace voxtouch::voxmap {
 namespace {
 
 constexpr double kNowhere = std::numeric_limits<double>::infinity();
-/// Where in a triangle: no symmetric place, so that the ray meets no vertex or edge on the other
-/// side of regular meshes.
+/// Barycentric position in a triangle: asymmetric, so that the ray meets no vertex or edge on the
+/// other side of regular meshes.
 constexpr double kSpotA = 0.31, kSpotB = 0.42, kSpotC = 0.27;
 
 struct Crossing {
   double at;    ///< along the ray [voxels]
-  int winding;  ///< of the solid before the crossing less that behind it
+  int winding;  ///< winding number ahead of the crossing minus that behind it
 };
 
-/// Where the ray meets the triangle (Moeller and Trumbore 1997), beyond `from`; `out` is +1 where
-/// it leaves by its front.
+/// Intersection of ray and triangle (Moeller and Trumbore 1997), beyond `from`; `out` is +1 if the
+/// ray leaves by the front.
 bool meets(const GridMesh& mesh, std::uint32_t triangle, const Vec3& origin, const Vec3& direction,
            double& at, int& out) {
   const Vec3 a = mesh.corner(triangle, 1) - mesh.corner(triangle, 0),
@@ -42,8 +42,8 @@ bool meets(const GridMesh& mesh, std::uint32_t triangle, const Vec3& origin, con
   return true;
 }
 
-/// Length of solid from `origin`, which lies on triangle `own`, along `direction`; infinite if
-/// there is none.
+/// Length of solid from `origin`, which lies on triangle `own`, along `direction`; infinite without
+/// solid.
 double solid_ahead(const GridMesh& mesh, const ClosedShells& shells, const DistanceTree& tree,
                    std::uint32_t own, const Vec3& origin, const Vec3& direction) {
   std::vector<Crossing> crossings;
@@ -93,7 +93,7 @@ ThinnestWall thinnest_wall(const ClosedMesh& mesh, const Grid& grid,
     const Vec3 spot = kSpotA * a + kSpotB * b + kSpotC * c;
     const double behind = solid_ahead(in_grid, shells, mesh.tree, t, spot, -normal);
     const double before = solid_ahead(in_grid, shells, mesh.tree, t, spot, normal);
-    // Solid on both sides: a wall buried in overlapping parts, no surface.
+    // Solid on both sides: a wall buried in overlapping parts, not a surface.
     if (std::isinf(behind) != std::isinf(before))
       found[n] = std::min(behind, before);
   });

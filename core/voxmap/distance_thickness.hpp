@@ -1,6 +1,5 @@
 #pragma once
-/// How thick a static object is at its thinnest: half of that is how deep a push can grow before it
-/// turns over.
+/// Smallest thickness of a static object. The force grows up to half of that depth.
 #include <cstdint>
 
 #include "core/mesh/triangle_mesh.hpp"
@@ -13,14 +12,15 @@ struct ClosedMesh;
 
 /// The thinnest place found.
 struct ThinnestWall {
-  double thickness_m = 0.0;    ///< [m]; infinite where nothing is inside
-  std::uint32_t triangle = 0;  ///< of the mesh, on one side of it
+  double thickness_m = 0.0;    ///< [m]; infinite without an interior
+  std::uint32_t triangle = 0;  ///< triangle of the mesh on one side of it
 };
 
-/// Straight through the solid, from a point of each triangle along its normal to where the winding
-/// number comes back to 0. So walls inside overlapping parts do not count, nor does which way
-/// triangles face. Above `most_rays` triangles only every n-th is looked at; an estimate for
-/// people, no bound: a place thinner than its triangles are wide may be missed.
+/// Finds the thinnest wall with rays from a point of each triangle along its normal to the point
+/// where the winding number returns to 0. Walls inside overlapping parts and the orientation of
+/// triangles thus have no influence. Above `most_rays` triangles only every n-th is used. The
+/// result is an estimate for messages, not a bound: a place thinner than its triangles are wide may
+/// be missed.
 ThinnestWall thinnest_wall(const ClosedMesh& mesh, const Grid& grid,
                            const ParallelFor& parallel_for, std::size_t most_rays = 50'000);
 

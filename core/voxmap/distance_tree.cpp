@@ -9,19 +9,19 @@
 namespace voxtouch::voxmap {
 namespace {
 
-/// A box is passed over only if it is farther than the best so far by more than what rounding can
-/// do: so the least of all computed distances comes out, whatever the order of the boxes.
+/// A box is skipped only if it is farther than the best distance by more than the rounding error.
+/// The result is therefore the smallest of all computed distances, for any order of the boxes.
 constexpr double kRoundingRelative = 1e-6, kRoundingAbsolute = 1e-9;
 
-/// As Eigen adds three products up.
+/// In the order of Eigen's sum of three products.
 VOXTOUCH_INLINE double dot(double ax, double ay, double az, double bx, double by,
                            double bz) noexcept {
   return (ax * bx + ay * by) + az * bz;
 }
 
-/// The rows of a facet, each of three vectors of three numbers, against many points. `least`: a
-/// point is beyond an edge where it is farther out. Most triangles have all points within most of
-/// their edges, which then need no look.
+/// The rows of a facet, each of three vectors of three numbers, for many points. `least`: a point
+/// is beyond an edge if it is farther out. For most triangles all points are within most edges,
+/// which are then skipped.
 VOXTOUCH_CLONES void squares_to(const double* corner, const double* edge, const double* outward,
                                 const double* inverse_square, const double* normal, double least,
                                 const double* px, const double* py, const double* pz,

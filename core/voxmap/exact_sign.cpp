@@ -10,7 +10,7 @@ constexpr double kEps = 0x1p-53;
 constexpr double kBound2d = (3.0 + 16.0 * kEps) * kEps;  // Shewchuk's ccwerrboundA
 constexpr double kBound3d = (7.0 + 56.0 * kEps) * kEps;  // Shewchuk's o3derrboundA
 
-/// A sum of doubles in increasing magnitude that do not overlap; its value is the exact sum.
+/// A sum of nonoverlapping doubles in increasing magnitude; its value is the exact sum.
 template <int N>
 struct Expansion {
   std::array<double, N> part;
@@ -116,7 +116,7 @@ double orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& p) noex
 
 namespace {
 
-/// As `orient2d`, but not only the sign is safe: the relative error stays below 2^-37.
+/// As `orient2d`, but with a relative error below 2^-37 in addition to the exact sign.
 double accurate2d(double ax, double ay, double bx, double by, double px, double py) noexcept {
   const double left = (ax - px) * (by - py), right = (ay - py) * (bx - px);
   const double det = left - right;

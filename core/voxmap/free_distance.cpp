@@ -6,10 +6,10 @@
 
 #include "core/types/clones.hpp"
 
-// Lengths here are in halves of cells, in which the centre of a cell n is the lattice point 2 n + 1
-// and the gap from there to the cell i is a whole number: i - (2 n + 1) above it, 2 n - i below.
-// The squared distance is separable: the best along z first, then over rows along y, then over
-// planes along x.
+// Lengths are in halves of cells. The centre of a cell n is then the lattice point 2 n + 1, and the
+// gap from there to the cell i is an integer: i - (2 n + 1) above it, 2 n - i below. The squared
+// distance is separable: the minimum along z first, then over rows along y, then over planes along
+// x.
 namespace voxtouch::voxmap::free_distance {
 namespace {
 
@@ -30,8 +30,8 @@ VOXTOUCH_CLONES void keep_nearer(Squared* best, const Squared* from, Squared mor
   }
 }
 
-/// The best of 26 neighbours and itself in two sweeps: exact for the chessboard distance, in cells,
-/// saturated at 255.
+/// The minimum over the 26 neighbours and itself in two sweeps: exact for the chessboard distance,
+/// in cells, saturated at 255.
 class Chessboard {
  public:
   explicit Chessboard(const std::array<std::int64_t, 3>& n)
@@ -70,7 +70,7 @@ class Chessboard {
   void sweep(std::int64_t x, std::int64_t y, int step) noexcept {
     const std::size_t line = best_.size() - 2;
     std::fill(best_.begin(), best_.end(),
-              kFarthest);  // of the lines already swept; one cell of margin each end
+              kFarthest);  // of the lines already swept; one cell of margin at each end
     for (int dy = -1; dy <= 1; ++dy)
       keep_least_of(x - step, y + dy);
     keep_least_of(x, y - step);
@@ -96,7 +96,7 @@ std::array<std::uint8_t, kReach * kReach> fine_bytes() {
   return out;
 }
 
-/// Beyond the fine reach. `cells`: chessboard distance; its boxes are (cells - 1) * 4 steps apart,
+/// Beyond the fine range. `cells`: chessboard distance; its boxes are (cells - 1) * 4 steps apart,
 /// and the centre is 2 more away.
 std::uint8_t coarse_byte(std::uint8_t cells) noexcept {
   return byte_of(std::max(2.0 * kReach, (cells - 1.0) * kCellEdge + 2.0));
@@ -111,8 +111,8 @@ Occupancy::Occupancy(const std::array<std::int64_t, 3>& bricks, int shift)
       words_((n_[2] + 63) >> 6),
       bits_(static_cast<std::size_t>(n_[0] * n_[1] * words_)) {}
 
-/// One plane x after the other: the best along z and y within it, for every centre. Only those that
-/// some centre can still reach are kept.
+/// One plane x after the other: the minimum along z and y within it, for every centre. Only planes
+/// within reach of some centre are kept.
 class Occupancy::Planes {
  public:
   Planes(const Occupancy& from, std::int64_t centres_y, std::int64_t centres_z)
@@ -126,7 +126,7 @@ class Occupancy::Planes {
           plane.near.resize(static_cast<std::size_t>(ny_));
   }
 
-  /// best[z] = min over the plane `x`, row of the centre `y`, with `more` added. False where
+  /// best[z] = min over the plane `x`, row of the centre `y`, with `more` added. Returns false if
   /// nothing is near.
   bool lower(std::int64_t x, std::int64_t y, Squared more, Squared* best) {
     Plane& plane = ring_[static_cast<std::size_t>(x) % ring_.size()];
@@ -142,7 +142,7 @@ class Occupancy::Planes {
   struct Plane {
     std::int64_t x = -1;
     std::vector<Squared> best;       ///< centres (y, z)
-    std::vector<std::uint8_t> near;  ///< y: anything near
+    std::vector<std::uint8_t> near;  ///< y: whether anything is near
   };
 
   void fill(Plane& plane, std::int64_t x) {
@@ -166,7 +166,7 @@ class Occupancy::Planes {
     }
   }
 
-  /// The row's own best for every centre: one walk up, one down. False for an empty row.
+  /// The row's own minimum for every centre: one pass up, one down. Returns false for an empty row.
   std::uint8_t line(std::int64_t x, std::int64_t y) {
     const std::uint64_t* const words =
         &from_.bits_[static_cast<std::size_t>((x * from_.n_[1] + y) * from_.words_)];
@@ -237,7 +237,7 @@ std::vector<std::uint8_t> Occupancy::bytes() const {
         row[z] = near && best[z] < kReach * kReach ? kFine[static_cast<std::size_t>(best[z])]
                                                    : coarse_byte(row[z]);
     }
-  board.bytes().resize((board.bytes().size() + 3) / 4 * 4);  // as bytes_of has it
+  board.bytes().resize((board.bytes().size() + 3) / 4 * 4);  // padded as in bytes_of
   return std::move(board.bytes());
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-/// The voxel grid: where voxel (i, j, k) lies, and the one place where a point is put into a voxel.
+/// The voxel grid: position of voxel (i, j, k), and the only function that assigns a point to a
+/// voxel.
 #include <cmath>
 #include <compare>
 #include <cstdint>
@@ -8,7 +9,7 @@
 
 namespace voxtouch::voxmap {
 
-/// Integer address of a voxel; any integers, also negative.
+/// Integer address of a voxel; negative values are allowed.
 struct VoxelIndex {
   std::int32_t i = 0, j = 0, k = 0;
   auto operator<=>(const VoxelIndex&) const = default;
@@ -23,7 +24,7 @@ struct Grid {
   Vec3 to_grid(const Vec3& x) const noexcept { return (x - origin) / edge; }
   /// The point with these grid coordinates [m], in the grid's frame.
   Vec3 from_grid(const Vec3& u) const noexcept { return origin + edge * u; }
-  /// Centre of the voxel [m], likewise.
+  /// Centre of the voxel [m], in the grid's frame.
   Vec3 centre(const VoxelIndex& v) const noexcept {
     return from_grid(Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5));
   }

@@ -23,7 +23,7 @@ struct Bounds {
   Vec3 high = -low;
 };
 
-/// Bounds over the vertices that triangles use; says which vertex or triangle is unusable.
+/// Bounds over the vertices used by triangles; names an unusable vertex or triangle.
 void add_bounds(const mesh::TriangleMesh& mesh, Bounds& bounds) {
   if (mesh.empty())
     throw std::runtime_error("the mesh has no triangles to voxelise");
@@ -50,7 +50,7 @@ std::string in_units(double bytes) {
   std::snprintf(text, sizeof text, "%.3g %s", bytes, kUnits[unit]);
   for (char* c = text; *c; ++c)
     if (*c == ',')
-      *c = '.';  // whatever the locale's decimal point
+      *c = '.';  // independent of the locale's decimal point
   return text;
 }
 
@@ -63,9 +63,9 @@ std::string in_metres(double metres) {
   return std::string(text) + " m";
 }
 
-/// Cells of `edge_m` that the surface is expected to meet. A plane patch of area A meets 1 to 2
-/// cells an A / edge^2, a slender one as many as its length says; triangles smaller than a cell
-/// share theirs.
+/// Expected number of cells of `edge_m` that the surface meets. A plane patch of area A meets 1 to
+/// 2 cells per A / edge^2; a slender patch as many as its length implies; triangles smaller than a
+/// cell share theirs.
 double expected_cells(const mesh::TriangleMesh& mesh, double edge_m) {
   double sum = 8.0;
   for (const auto& t : mesh.triangles) {
@@ -104,7 +104,7 @@ VoxelEstimate estimate_voxels(const mesh::TriangleMesh& mesh, const Grid& grid) 
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto a = static_cast<Eigen::Index>(axis);
     estimate.first[axis] =
-        std::ceil(low[a]) - 1.0;  // closed voxels: a vertex on a border lies in both
+        std::ceil(low[a]) - 1.0;  // closed voxels: a vertex on a border belongs to both
     estimate.last[axis] = std::floor(high[a]);
     estimate.voxels *= estimate.last[axis] - estimate.first[axis] + 1.0;
     cells[axis] =
@@ -113,8 +113,8 @@ VoxelEstimate estimate_voxels(const mesh::TriangleMesh& mesh, const Grid& grid) 
   const double all = estimate.table_cells = cells[0] * cells[1] * cells[2];
   const double bricks = std::min(expected_cells(mesh, grid.edge * Voxmap::kBrickEdge), all);
   estimate.surface_voxels = std::min(expected_cells(mesh, grid.edge), estimate.voxels);
-  // Blocks of cells, pages of those with surface, a table of all cells where it is small; building
-  // adds an index and two labels a cell, and three masks a brick.
+  // Blocks of cells, pages of those with surface, and a table of all cells if it is small. Building
+  // adds an index and two labels per cell, and three masks per brick.
   double distances = 8.0 * all;
   if (all <= static_cast<double>(Voxmap::kMaxTableCells)) {
     const std::array<std::int64_t, 3> whole{static_cast<std::int64_t>(cells[0]),

@@ -4,15 +4,15 @@
 
 namespace voxtouch::voxmap {
 
-/// A value and how it changes along the axes, for a voxel of edge 1.
+/// A value and its derivatives along the axes, for a voxel of edge 1.
 struct Interpolated {
   double value, along_x, along_y, along_z;
 };
 
-/// From `a` to `b` as `s` goes from 0 to 1.
+/// Interpolates from `a` to `b` as `s` goes from 0 to 1.
 VOXTOUCH_INLINE double mix(double a, double b, double s) noexcept { return a + s * (b - a); }
 
-/// `d`: the nodes, x first, then y, then z; x, y, z: place within the voxel, 0 to 1. Continuous
+/// `d`: the nodes, x first, then y, then z; x, y, z: position within the voxel, 0 to 1. Continuous
 /// from voxel to voxel. Real-time safe.
 VOXTOUCH_INLINE Interpolated interpolated(const double (&d)[8], double x, double y,
                                           double z) noexcept {

@@ -8,17 +8,17 @@
 namespace voxtouch::voxmap {
 namespace {
 
-constexpr int kSteps = 1024;  ///< of a voxel, that offsets are whole multiples of
+constexpr int kSteps = 1024;  ///< offsets are multiples of 1 / kSteps of a voxel
 constexpr double kFlat =
-    1e-3;  ///< slope, and extent in voxels, up to which a triangle lies along the grid
-constexpr double kTie = 1e-9;  ///< of the area: sums this near to each other differ by rounding
+    1e-3;  ///< largest slope, and extent in voxels, of a triangle that is parallel to the grid
+constexpr double kTie = 1e-9;  ///< of the area: sums this close differ by rounding only
 
-/// The faces across one axis over where they lie in their voxel, from 0 to 1. What falls into one
-/// bin is kept as its mean.
+/// The faces across one axis by their position in their voxel, from 0 to 1. Faces in one bin are
+/// represented by their mean.
 struct FacesAcross {
   std::array<double, kSteps> area{}, moment{};  ///< of all
   std::array<double, kSteps> facing{},
-      facing_down{};  ///< the same, those that face down the axis counted below 0
+      facing_down{};  ///< the same, with faces pointing down the axis counted negative
 
   void add(double place, double size, bool up) noexcept {
     const auto bin =
@@ -28,7 +28,7 @@ struct FacesAcross {
     facing[bin] += sign * size, facing_down[bin] += sign * size * place;
   }
 
-  /// The offset for which the sum of squared distances to the middles is least.
+  /// The offset with the smallest sum of squared distances to the voxel centres.
   double best_clearance() const noexcept {
     double all = 0.0, moments = 0.0, squares = 0.0, facings = 0.0, turnings = 0.0;
     for (std::size_t n = 0; n < kSteps; ++n) {
@@ -38,12 +38,12 @@ struct FacesAcross {
     }
     if (!(all > 0.0) || !std::isfinite(squares))
       return 0.0;
-    // Places lie on a circle, a voxel long. Cut open before each bin in turn they are numbers:
-    // their mean is the best middle then, their scatter the sum, and `out` how far they lie outward
-    // of it.
+    // Positions lie on a circle of one voxel. Cut open at each bin in turn they are numbers. Their
+    // mean is then the best centre, their scatter the sum, and `out` their outward displacement
+    // from it.
     const auto for_each_cut = [&](auto&& f) {
       double before = 0.0, facing_before = 0.0,
-             turned = squares;  // what is before the cut, a voxel on; all squared places
+             turned = squares;  // values ahead of the cut, one voxel on; all squared positions
       for (std::size_t n = 0; n < kSteps; ++n) {
         const double mean = (moments + before) / all;
         f(mean, turned - mean * (moments + before), turnings + facing_before - mean * facings);
@@ -64,7 +64,7 @@ struct FacesAcross {
     return best;
   }
 
-  /// Borders half a voxel next to `middle`.
+  /// Borders half a voxel from `middle`.
   static double clearance_for(double middle) noexcept {
     const double steps = std::round((middle - 0.5) * kSteps);
     return (steps - kSteps * std::floor(steps / kSteps)) / kSteps;

@@ -17,7 +17,7 @@ Vec3 area_of(const GridMesh& mesh, std::uint32_t t) {
   return area_vector(mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2));
 }
 
-/// Triangles (patch, number), patch by patch.
+/// Triangles (patch, number), grouped by patch.
 using Members = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 Members members_of(const ClosedShells& shells) {
@@ -29,10 +29,10 @@ Members members_of(const ClosedShells& shells) {
   return members;
 }
 
-/// Six times the volume that the patch encloses, its triangles as their roles turn them.
+/// Six times the volume enclosed by the patch, with its triangles oriented by their roles.
 double six_volumes(const GridMesh& mesh, const ClosedShells& shells, Members::const_iterator first,
                    Members::const_iterator last) {
-  const Vec3& at = mesh.corner(first->second, 0);  // near the patch, so that little cancels
+  const Vec3& at = mesh.corner(first->second, 0);  // a point near the patch, to limit cancellation
   double sum = 0.0;
   for (; first != last; ++first) {
     const std::uint32_t t = first->second;
@@ -43,7 +43,7 @@ double six_volumes(const GridMesh& mesh, const ClosedShells& shells, Members::co
   return sum;
 }
 
-/// Looks to both sides of a triangle.
+/// Examines both sides of a triangle.
 class Sides {
  public:
   Sides(const GridMesh& mesh, const ClosedShells& shells)
@@ -51,7 +51,7 @@ class Sides {
         shells_(shells),
         tree_(mesh, triangles_of_closed_parts(shells)) {}
 
-  /// +1 or -1 for the triangle as the file has it; nothing where both sides are alike.
+  /// +1 or -1 for the triangle as in the file; empty if both sides are alike.
   std::optional<int> outward(std::uint32_t t) const {
     const Vec3 &a = mesh_.corner(t, 0), &b = mesh_.corner(t, 1), &c = mesh_.corner(t, 2);
     const Vec3 normal = area_of(mesh_, t).stableNormalized();
@@ -77,7 +77,7 @@ class Sides {
   DistanceTree tree_;
 };
 
-/// Whether the patch, as its roles turn it, has the solid in front: asked at its largest triangles.
+/// Whether the patch, oriented by its roles, faces the solid, decided at its largest triangles.
 bool faces_inward(const GridMesh& mesh, const ClosedShells& shells, const Sides& sides,
                   Members::const_iterator first, Members::const_iterator last) {
   constexpr std::size_t kAsked = 8;

@@ -1,5 +1,5 @@
 #pragma once
-/// Which way out of a body each triangle of a mesh faces, whatever way round the file has it.
+/// Outward side of each triangle of a mesh, independent of the orientation in the file.
 #include <cstdint>
 #include <vector>
 
@@ -7,12 +7,12 @@
 
 namespace voxtouch::voxmap {
 
-/// For each triangle +1 where its normal, by the order of its corners, leads out of the solid, -1
-/// where it leads in. "Inside" is that of the voxels (winding.hpp), so that the wall of a cavity
-/// faces the cavity, and a body turned inside out, alone or next to others, faces outward all the
-/// same. As the file has it (+1): triangles of open parts, which have no outside; of parts that
-/// cannot be oriented; of walls buried in a body, which have the solid on both sides. Loading only:
-/// allocates.
+/// For each triangle +1 if its normal, by the order of its corners, points out of the solid, and -1
+/// if it points in. Loading only: allocates.
+/// The interior is that of the voxels (winding.hpp). The wall of a cavity thus faces the cavity,
+/// and an inverted body, alone or among others, still faces outward. Three kinds of triangles keep
+/// the orientation of the file (+1). They belong to open parts, which have no outside, to parts
+/// that cannot be oriented, or to walls buried in a body, with solid on both sides.
 std::vector<std::int8_t> outward_sides(const GridMesh& mesh, const ClosedShells& shells);
 
 }  // namespace voxtouch::voxmap

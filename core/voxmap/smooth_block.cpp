@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kPlaces = SmoothBlock::kPlaces;
 
-/// All places at once; what is done for one is unrolled, so that it stays in registers.
+/// All positions at once. The work for one is unrolled, so that it stays in registers.
 VOXTOUCH_CLONES void find_gradients(const double (&__restrict node)[64][kPlaces],
                                     const double (&__restrict t)[3][kPlaces], double band,
                                     double (&__restrict gradient)[3][kPlaces]) noexcept {

@@ -13,7 +13,7 @@
 namespace voxtouch::voxmap {
 namespace {
 
-/// Two points no farther apart are one [voxels, of coordinates up to 1].
+/// Points this close are merged [voxels, for coordinates up to 1].
 constexpr double kSameVoxels = 1e-9;
 
 struct Box {
@@ -34,12 +34,12 @@ Box box_of(const GridMesh& mesh, std::uint32_t t) noexcept {
 }
 
 using Polygon = std::vector<Vec3>;  ///< convex
-/// Where another triangle meets the plane of the one that is cut.
+/// Intersection of another triangle with the plane of the triangle that is cut.
 struct Cut {
   Vec3 from, to;
 };
 
-/// Triangles that may meet: of patches whose boxes meet, those whose own boxes do.
+/// Triangles that may meet: of patches whose boxes meet, those whose own boxes meet.
 class Neighbours {
  public:
   Neighbours(const GridMesh& mesh, const ClosedShells& shells) : mesh_(mesh), shells_(shells) {
@@ -52,7 +52,7 @@ class Neighbours {
     for (std::uint32_t t = 0; t < mesh.size(); ++t)
       if (shells.role[t] != ShellRole::kNone)
         add(shells.patch[t], t);
-    // Open triangles are cut, and cut none.
+    // Open triangles are cut and cut no others.
     for (const std::uint32_t t : shells.open)
       open_.push_back({box_of(mesh, t), t});
   }
@@ -81,7 +81,7 @@ class Neighbours {
   struct Patch {
     Box box;
     double widest = 0.0;         ///< largest extent of a triangle along x
-    std::vector<Entry> entries;  ///< by where they begin along x, once sorted
+    std::vector<Entry> entries;  ///< sorted by their start along x
     bool sorted = false;
   };
   void find_pairs() {
@@ -168,14 +168,14 @@ class CutTriangle {
       if ((a > kSeamVoxels && b < -kSeamVoxels) || (a < -kSeamVoxels && b > kSeamVoxels))
         on.push_back(from + a / (a - b) * (to - from));
     }
-    if (on.size() == 3)  // in the plane: each of its sides is one
+    if (on.size() == 3)  // coplanar: each of its sides is a cut
       for (std::size_t k = 0; k < 3; ++k)
         add({on[k], on[(k + 1) % 3]});
     if (on.size() == 2)
       add({on[0], on[1]});
   }
 
-  /// The pieces, all of which together are the triangle.
+  /// The pieces, which together cover the triangle.
   std::vector<Polygon> pieces() const {
     struct Part {
       Polygon polygon;
@@ -192,7 +192,7 @@ class CutTriangle {
         done.push_back(std::move(part.polygon));
         continue;
       }
-      // Of the middle of the list, so that an outline is halved.
+      // Takes the middle of the list, so that an outline is halved.
       std::swap(part.cuts[part.cuts.size() / 2], part.cuts.back());
       if (!reaches_into(part.polygon, part.cuts.back())) {
         open.push_back(std::move(part));
@@ -220,7 +220,7 @@ class CutTriangle {
     if ((cut.to - cut.from).norm() > same_)
       cuts_.push_back(cut);
   }
-  /// Whether the cut goes through the inside of the piece.
+  /// Whether the cut passes through the interior of the piece.
   bool reaches_into(const Polygon& piece, const Cut& cut) const noexcept {
     double from = 0.0, to = 1.0;
     const Vec3 along = cut.to - cut.from;
@@ -239,7 +239,7 @@ class CutTriangle {
     }
     return (to - from) * along.norm() > same_;
   }
-  /// What of `piece` lies where `inward` points to.
+  /// The part of `piece` on the side of `inward`.
   Polygon clipped(const Polygon& piece, const Vec3& at, const Vec3& inward) const {
     Polygon out;
     for (std::size_t k = 0; k < piece.size(); ++k) {
@@ -317,7 +317,7 @@ class Builder {
       open[t] = true;
     for (std::uint32_t t = 0; t < mesh_.size(); ++t) {
       if (shells_.role[t] == ShellRole::kNone && !open[t])
-        continue;  // another has its place
+        continue;  // another one has taken its place
       const std::size_t before = out.mesh.triangles.size();
       add(t, out.mesh);
       std::vector<std::uint32_t>& of = open[t] ? out.open : out.closed;

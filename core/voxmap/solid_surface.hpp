@@ -1,5 +1,5 @@
 #pragma once
-/// Of several closed parts of a mesh, the surface of the solid that they enclose together.
+/// Surface of the solid that several closed parts of a mesh enclose together.
 #include <cstdint>
 #include <vector>
 
@@ -9,24 +9,24 @@
 
 namespace voxtouch::voxmap {
 
-/// Faces with solid on both sides are no surface: the seam of two boxes that touch, and what of a
-/// box lies within another. Parts no farther apart than kSeamVoxels touch.
+/// Faces with solid on both sides do not belong to the surface: the seam of two touching boxes, and
+/// the part of a box inside another. Parts within kSeamVoxels of each other touch.
 inline constexpr double kSeamVoxels = 1e-4;
 
-/// Grid coordinates. `whole`: the surface is the mesh itself, and the rest is empty.
+/// In grid coordinates. `whole`: the surface is the mesh itself, and the other members are empty.
 struct SolidSurface {
   bool whole = true;
-  mesh::TriangleMesh mesh;  ///< triangles of the mesh, or the pieces of them that are left
+  mesh::TriangleMesh mesh;            ///< triangles of the mesh, or their remaining pieces
   std::vector<std::uint32_t> closed;  ///< those of closed parts, ascending
   std::vector<std::uint32_t> open;    ///< those of open parts, ascending
 };
 
-/// Triangles of a patch that another patch meets are cut where it does; pieces with solid on both
-/// sides are left out. Where it is solid is the winding number of the whole mesh (winding.hpp).
-/// Whole is a mesh whose patches' boxes do not meet, one of a single patch among them. Allocates.
+/// Cuts the triangles of a patch along other patches and removes pieces with solid on both sides.
+/// The winding number of the whole mesh defines the solid (winding.hpp). A mesh is whole if the
+/// boxes of its patches do not meet, for example with a single patch. Allocates.
 SolidSurface solid_surface(const GridMesh& mesh, const ClosedShells& shells);
 
-/// The same in metres: the mesh itself where it is whole. Throws like GridMesh.
+/// The same in metres; returns the mesh itself if it is whole. Throws like GridMesh.
 mesh::TriangleMesh solid_surface(const mesh::TriangleMesh& mesh, const Grid& grid);
 
 }  // namespace voxtouch::voxmap

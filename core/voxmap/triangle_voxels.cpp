@@ -8,7 +8,7 @@
 namespace voxtouch::voxmap {
 namespace {
 
-constexpr double kFilter = 64.0 * 0x1p-53;  // more than the roundings of any form add up to
+constexpr double kFilter = 64.0 * 0x1p-53;  // more than the sum of the roundings of any form
 constexpr int kPlane = 16;
 
 }  // namespace
@@ -26,13 +26,13 @@ TriangleVoxels::TriangleVoxels(const Vec3& a, const Vec3& b, const Vec3& c) noex
     on_border = on_border || low == std::floor(low) || high == std::floor(high);
     wide += last_[s] > first_[s];
   }
-  // A connected set whose extent crosses layers along one axis only meets the open cube of each of
-  // them.
+  // A connected set that extends over several layers along one axis only meets the open cube of
+  // each of them.
   boxed_ = !on_border && wide <= 1;
   if (boxed_)
     return;
   normal_ = area_vector(a, b, c);
-  // runs are long along the axis the triangle lies along
+  // runs are long along the axis most parallel to the triangle
   run_ = std::abs(normal_.y()) < std::abs(normal_.z()) ? 1 : 2;
   for (int dropped = 0; dropped < 3; ++dropped)
     add_edge_forms(dropped);
@@ -47,17 +47,16 @@ void TriangleVoxels::add(int kind, double side, const std::array<double, 3>& gra
   form.constant = side * at_zero;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     form.slope[axis] = side * gradient[axis];
-    // The corner of the cube that lies furthest inside decides: it adds the positive slopes once
-    // more.
+    // The innermost corner of the cube decides: the positive slopes are added once again.
     if (form.slope[axis] > 0.0)
       form.constant += form.slope[axis];
   }
   form.error = kFilter * magnitude;
 }
 
-/// The cube's shadow along one axis against the triangle's: one form an edge, on the side where the
-/// third corner lies. Seen edge-on, the edges run both ways along one line, and so bound it from
-/// both sides. Edges that shrink to a point say nothing.
+/// Projection of the cube along one axis against that of the triangle: one form for each edge, on
+/// the side of the third corner. A projection of zero area has edges in both directions along one
+/// line, which bound it from both sides. Edges projected to a point give no bound.
 void TriangleVoxels::add_edge_forms(int dropped) noexcept {
   const int p = (dropped + 1) % 3, q = (dropped + 2) % 3;
   const auto sp = static_cast<std::size_t>(p), sq = static_cast<std::size_t>(q);
@@ -74,7 +73,7 @@ void TriangleVoxels::add_edge_forms(int dropped) noexcept {
     const double at_first = fp * (first_[sq] - a[q]) - fq * (first_[sp] - a[p]);
     const double magnitude = std::abs(fp) * width_q + std::abs(fq) * width_p;
     const int kind = 4 * dropped + edge;
-    const double seen = normal_[dropped];  // orientation of the shadow; its sign is exact
+    const double seen = normal_[dropped];  // orientation of the projection; its sign is exact
     add(kind, seen >= 0.0 ? 1.0 : -1.0, gradient, at_first, magnitude);
   }
 }
@@ -89,8 +88,8 @@ void TriangleVoxels::add_plane_forms() noexcept {
     const auto s = static_cast<std::size_t>(axis);
     gradient[s] = normal_[axis];
     at_first += normal_[axis] * (first_[s] - corner_[0][axis]);
-    // 2^-37 relative is what `area_vector` promises of a component; the products are where that
-    // comes from.
+    // `area_vector` guarantees a component to 2^-37 relative; the products are the terms of that
+    // error.
     magnitude += (side[p] * other[q] + side[q] * other[p] + std::abs(normal_[axis]) * 0x1p10) *
                  (last_[s] - first_[s] + 2.0);
   }

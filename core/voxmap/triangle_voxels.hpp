@@ -1,11 +1,11 @@
 #pragma once
-/// Which voxels a triangle meets: the separating-axis test of triangle and closed cube (13 axes),
+/// The voxels that a triangle meets: separating-axis test of triangle and closed cube (13 axes),
 /// exact in grid coordinates.
 ///
-/// Each axis is a linear form in the voxel's index, so the voxels of one row that pass all of them
-/// are an interval: rows are solved, not walked. Rounding only ever makes a row's ends uncertain,
-/// and an uncertain end is decided with `exact_sign`. Zero-area triangles are segments or points
-/// and go through the same tests.
+/// Each axis is a linear form in the voxel's index. The voxels of one row that pass all of them
+/// form an interval, which is solved for and not searched. Rounding only makes the ends of a row
+/// uncertain, and `exact_sign` decides uncertain ends. Zero-area triangles are segments or points
+/// and pass the same tests.
 #include <array>
 #include <cstdint>
 
@@ -14,7 +14,8 @@
 
 namespace voxtouch::voxmap {
 
-/// How a triangle meets a voxel: not at all, at the closed cube's border only, or in the open cube.
+/// Kind of intersection of a triangle and a voxel: none, only the border of the closed cube, or the
+/// open cube.
 enum class Meeting : std::uint8_t { kNone, kTouch, kOpen };
 
 class TriangleVoxels {
@@ -22,22 +23,22 @@ class TriangleVoxels {
   /// Corners in grid coordinates, within +-2^30.
   TriangleVoxels(const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
-  /// Box of the closed voxels that the triangle's box meets, inclusive.
+  /// Box of the closed voxels that the triangle's bounding box meets, inclusive.
   const std::array<std::int32_t, 3>& first() const noexcept { return first_; }
   const std::array<std::int32_t, 3>& last() const noexcept { return last_; }
 
   /// Exact, for any voxel.
   Meeting meeting(const VoxelIndex& v) const noexcept;
 
-  /// Axis along which the runs of `for_each_run` lie: 1 (j) or 2 (k).
+  /// Axis of the runs of `for_each_run`: 1 (j) or 2 (k).
   int run_axis() const noexcept { return run_; }
-  /// Calls f(i, row, run_first, run_last) for every row of voxels met with i in [i_first, i_last];
+  /// Calls f(i, row, run_first, run_last) for every row of met voxels with i in [i_first, i_last];
   /// `row` is the index along the axis 3 - run_axis().
   template <class F>
   void for_each_run(std::int32_t i_first, std::int32_t i_last, F&& f) const;
 
  private:
-  /// value(v) = slope . (v - first) + constant >= 0 where the voxel passes; good to +- error.
+  /// value(v) = slope . (v - first) + constant >= 0 if the voxel passes; accurate to +- error.
   struct Form {
     std::array<double, 3> slope{};
     double constant = 0.0, error = 0.0;
@@ -52,9 +53,9 @@ class TriangleVoxels {
   void add(int kind, double side, const std::array<double, 3>& gradient, double at_zero,
            double magnitude) noexcept;
   double exact_value(const Form& form, const VoxelIndex& v) const noexcept;
-  /// Rows (along the axis 3 - run_) that the slab i holds, perhaps one too many.
+  /// Rows (along the axis 3 - run_) within slab i, perhaps one too many.
   Range rows_in_slab(std::int32_t i) const noexcept;
-  /// The run of one row; false if it is empty.
+  /// The run of one row; returns false if it is empty.
   bool solve_row(std::int32_t i, std::int32_t row, Range& run) const noexcept;
   VoxelIndex voxel(std::int32_t i, std::int32_t row, std::int32_t run) const noexcept {
     return run_ == 2 ? VoxelIndex{i, row, run} : VoxelIndex{i, run, row};
@@ -64,10 +65,11 @@ class TriangleVoxels {
   Vec3 normal_;  ///< twice the area vector, zero only for zero area
   std::array<std::int32_t, 3> first_{}, last_{};
   int run_ = 2;
-  /// the box has one voxel across two axes and no corner lies on a border: all of it is met
+  /// The box has one voxel across two axes and no corner on a border: all of it is met.
   bool boxed_ = false;
   int forms_ = 0;
-  std::array<Form, 11> form_;  ///< nine edges seen along three axes, and both sides of the plane
+  /// Nine edges projected along three axes, and both sides of the plane.
+  std::array<Form, 11> form_;
 };
 
 template <class F>

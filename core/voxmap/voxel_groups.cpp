@@ -84,10 +84,10 @@ void split_bricks(const SurfaceBits& surface, const ParallelFor& parallel_for,
   }
 }
 
-/// Joins what touches across a face. Nodes of `sets`: the cells, then the pieces of bricks.
+/// Joins groups that touch across a face. Nodes of `sets`: the cells, then the pieces of bricks.
 void join_cells(const SurfaceBits& surface, const VoxelGroups& groups, UnionFind& sets) {
   const std::size_t cells = surface.brick_of.size();
-  // Calls f(node, face bits) for everything on one face of a cell.
+  // Calls f(node, face bits) for every group on one face of a cell.
   const auto on_face = [&](std::size_t cell, int axis, int side, auto&& f) {
     const std::int32_t brick = surface.brick_of[cell];
     if (brick < 0)
@@ -122,7 +122,7 @@ void join_cells(const SurfaceBits& surface, const VoxelGroups& groups, UnionFind
       }
 }
 
-/// In order of their lowest node; node 0 is a cell of the border, so group 0 is outside.
+/// In order of their lowest node. Node 0 is a cell of the border, so group 0 is the outside.
 void number_groups(const SurfaceBits& surface, UnionFind& sets, VoxelGroups& groups) {
   const std::size_t cells = surface.brick_of.size();
   groups.group.assign(cells + groups.pieces.size(), 0);

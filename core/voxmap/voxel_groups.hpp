@@ -1,6 +1,5 @@
 #pragma once
-/// The voxels that are not surface, grouped by common faces: whole bricks at once where they are
-/// empty.
+/// The voxels that are not surface, grouped by common faces; empty bricks are processed as a whole.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -11,11 +10,11 @@
 
 namespace voxtouch::voxmap {
 
-/// Surface voxels as bits, in the cells of a voxmap. The cells of the border hold none.
+/// Surface voxels as bits, in the cells of a voxmap. The border cells contain none.
 struct SurfaceBits {
   VoxelIndex base;  ///< first voxel, a multiple of 8
   std::array<std::int64_t, 3> cells{};
-  /// of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel
+  /// Of each cell, (x * cells[1] + y) * cells[2] + z; -1: no surface voxel.
   std::vector<std::int32_t> brick_of;
   std::vector<BrickMask> bricks;
 
@@ -27,7 +26,7 @@ struct SurfaceBits {
   }
 };
 
-/// A piece of a group within one brick that also holds surface.
+/// A piece of a group within a brick that also contains surface.
 struct GroupPiece {
   std::size_t cell;
   BrickMask voxels;
@@ -36,13 +35,13 @@ struct GroupPiece {
 struct VoxelGroups {
   std::vector<GroupPiece> pieces;
   std::vector<std::uint32_t> first_piece;  ///< of each brick, one more at the end
-  /// of each cell (cells with surface: unused), then of each piece; 0 is outside
+  /// Of each cell (unused for cells with surface), then of each piece; 0 is the outside.
   std::vector<std::uint32_t> group;
   std::vector<VoxelIndex> representative;  ///< one voxel of each group
 };
 
-/// Groups of the voxels that are not `surface`, by common faces; the same whatever `parallel_for`
-/// does. Allocates.
+/// Groups of the voxels outside `surface`, by common faces; equal for any `parallel_for`.
+/// Allocates.
 VoxelGroups group_voxels(const SurfaceBits& surface, const ParallelFor& parallel_for);
 
 }  // namespace voxtouch::voxmap

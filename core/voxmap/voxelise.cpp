@@ -15,7 +15,7 @@ namespace {
 // finished, marked, two pieces, spare
 constexpr double kBuildBytesPerBrick = sizeof(Voxmap::Brick) + 4.0 * sizeof(BrickMask);
 
-/// The bricks of one slab: cells along y and z, filled on first touch.
+/// The bricks of one slab: cells along y and z, allocated at the first mark.
 struct SlabBits {
   std::vector<std::int32_t> brick_of;
   std::vector<BrickMask> bricks;
@@ -55,7 +55,7 @@ SlabBits mark_slab(const GridMesh& mesh, const Slabs& slabs, std::size_t slab,
   return bits;
 }
 
-/// Throws VoxelBudgetError where scattered triangles touch more bricks than the estimate foresaw.
+/// Throws VoxelBudgetError if scattered triangles touch more bricks than the estimate predicted.
 SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap& map,
                          const ParallelFor& parallel_for, VoxelEstimate estimate,
                          std::uint64_t memory_limit_bytes) {
@@ -85,7 +85,7 @@ SurfaceBits mark_surface(const GridMesh& mesh, const Slabs& slabs, const Voxmap&
   return surface;
 }
 
-/// For each group of voxels, whether it lies inside.
+/// Whether each group of voxels lies inside.
 std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs,
                                        const ClosedShells& shells, const VoxelGroups& groups,
                                        const ParallelFor& parallel_for) {
@@ -93,7 +93,7 @@ std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs,
   if (shells.closed_parts == 0)
     return inside;
   parallel_for(inside.size() - 1, [&](std::size_t n) {
-    const VoxelIndex& v = groups.representative[n + 1];  // group 0 is outside
+    const VoxelIndex& v = groups.representative[n + 1];  // group 0 is the outside
     const auto slab = static_cast<std::size_t>((v.i - slabs.first(0)) >> 3);
     inside[n + 1] =
         inside_shells(mesh, shells, slabs.triangles(slab), Vec3(v.i + 0.5, v.j + 0.5, v.k + 0.5));
@@ -101,7 +101,7 @@ std::vector<std::uint8_t> judge_groups(const GridMesh& mesh, const Slabs& slabs,
   return inside;
 }
 
-/// The voxels of `surface` that what is left of the mesh meets; the others are within the solid.
+/// The voxels of `surface` met by the remaining mesh; the others are inside the solid.
 std::vector<BrickMask> bricks_left(const mesh::TriangleMesh& left, const Voxmap& map,
                                    const SurfaceBits& surface, const ParallelFor& parallel_for) {
   const GridMesh mesh(left, Grid{Vec3::Zero(), 1.0});
@@ -120,7 +120,7 @@ std::vector<BrickMask> bricks_left(const mesh::TriangleMesh& left, const Voxmap&
   return bricks;
 }
 
-/// `left`: of each brick, the surface of the solid; empty: all of it.
+/// `left`: for each brick, the surface of the solid; empty: all of it.
 void write_map(const SurfaceBits& surface, const std::vector<BrickMask>& left,
                const VoxelGroups& groups, const std::vector<std::uint8_t>& inside, Voxmap& map) {
   map.reserve_bricks(surface.bricks.size());

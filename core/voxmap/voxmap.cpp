@@ -14,7 +14,7 @@ constexpr std::uint64_t kLowBits = 0x5555555555555555ULL;  // of each 2-bit voxe
 
 std::uint64_t all_of(VoxelKind kind) { return static_cast<std::uint64_t>(kind) * kLowBits; }
 
-/// Bit n of the lower 32 goes to bit 2 n.
+/// Moves bit n of the lower 32 to bit 2 n.
 std::uint64_t every_other_bit(std::uint64_t bits) {
   bits &= 0xffffffffULL;
   bits = (bits | bits << 16) & 0x0000ffff0000ffffULL;
@@ -32,14 +32,13 @@ Voxmap::Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last
     if (n < -kMaxIndex || n > kMaxIndex)
       throw std::length_error(
           "voxmap: voxel indices exceed 2^30; choose a grid origin near the mesh");
-  // One brick of border on every side, so that a point next to the object still finds a free brick.
+  // One border brick on every side, so that a point next to the object still finds a free brick.
   base_ = {floor_to_brick(std::int64_t{first.i} - kBrickEdge),
            floor_to_brick(std::int64_t{first.j} - kBrickEdge),
            floor_to_brick(std::int64_t{first.k} - kBrickEdge)};
   const auto count = [](std::int64_t base, std::int64_t end) { return ((end - base) >> 3) + 2; };
   cells_ = {count(base_.i, last.i), count(base_.j, last.j), count(base_.k, last.k)};
-  // Each count is below 2^29, so the product of two fits int64 and the third is compared by
-  // division.
+  // Each count is below 2^29, so the product of two fits int64; the third is checked by division.
   if (cells_[0] * cells_[1] > kMaxTableCells / cells_[2])
     throw std::length_error("voxmap: the table exceeds 2^28 bricks; use a larger voxel size");
   blocks_.assign(static_cast<std::size_t>(blocks_along(0) * blocks_along(1) * blocks_along(2)),
@@ -182,7 +181,7 @@ void Voxmap::mark_brick(std::int64_t x, std::int64_t y, std::int64_t z,
   const Brick& brick = bricks_[static_cast<std::size_t>(number)];
   std::array<std::array<unsigned, 4>, 4> columns{};  // of 2x2x2-cells along z
   for (std::size_t word = 0; word < brick.size(); ++word) {
-    // A word is half a slice: 8 voxels along x, 4 along y; 16 bits a row of x, 4 bits a pair of
+    // A word is half a slice: 8 voxels along x, 4 along y; 16 bits per row of x, 4 bits per pair of
     // voxels.
     const std::uint64_t rows[2] = {brick[word] | brick[word] >> 16,
                                    brick[word] >> 32 | brick[word] >> 48};
@@ -213,8 +212,8 @@ double Voxmap::free_distance_voxels(const Vec3& u) const noexcept {
     squared += distance * distance;
     cell[static_cast<std::size_t>(axis)] = nearest;
   }
-  // No distance falls faster than the distance from the cell's centre. A point outside the table is
-  // no nearer to anything in the table than its projection onto the table is.
+  // A distance decreases no faster than the displacement from the cell's centre. A point outside
+  // the table is no nearer to any voxel than its projection onto the table.
   const double from_centre = free_distance::step_of(near_shift_) *
                              free_distance::steps(near_[near_index(cell[0], cell[1], cell[2])]);
   return std::max(outside, from_centre - std::sqrt(squared));

@@ -1,15 +1,18 @@
 #pragma once
-/// The static scene as a voxmap: surface, interior, free (paper, section 1), in bricks behind a
-/// table of two levels.
+/// The static scene as a voxmap: surface, interior and free voxels (paper, section 1), in bricks
+/// behind a two-level table.
 ///
-/// Layout: bricks of 8x8x8 voxels, 2 bits a voxel, one for each 8-voxel cell that holds surface;
-/// shared bricks for "all free" and "all interior". A block is 4x4x4 cells. Its page (a cache line)
-/// has a byte for each cell: which of the block's own bricks it is, or which shared one. Blocks
-/// without surface share two pages, so only 8 bytes a block grow with the volume. Bricks lie in
-/// Morton order of their cells. Up to kFewTableBytes a table names the brick of each cell directly.
-/// One border cell of free bricks surrounds the object. Strides are exact: powers of two would cost
-/// up to four times the table. One byte for each cell of 4x4x4 voxels or more bounds the distance
-/// to the nearest surface or interior from below (free_distance.hpp), for the culling tree.
+/// Bricks: 8x8x8 voxels with 2 bits each, one for each 8-voxel cell with surface, and shared bricks
+/// for "all free" and "all interior". Bricks are in Morton order of their cells. One border cell of
+/// free bricks surrounds the object.
+///
+/// Table: a block is 4x4x4 cells. Its page (a cache line) has one byte for each cell, which selects
+/// one of the block's own bricks or a shared one. Blocks without surface share two pages, so only 8
+/// bytes per block grow with the volume. Up to kFewTableBytes, a table names the brick of each cell
+/// directly. Strides are exact: powers of two would need up to four times the memory.
+///
+/// Free distances: one byte for each cell of 4x4x4 voxels or more is a lower bound of the distance
+/// to the nearest surface or interior voxel (free_distance.hpp), for the culling tree.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -33,14 +36,13 @@ class Voxmap {
   using Brick = std::array<std::uint64_t, 16>;
 
   Voxmap() = default;
-  /// A map with room for voxels `first`..`last` (inclusive), all free. Throws std::length_error for
-  /// more than `kMaxTableCells` cells or indices beyond +-2^30; callers estimate first
-  /// (grid_mesh.hpp).
+  /// A map for voxels `first`..`last` (inclusive), all free. Throws std::length_error for more than
+  /// `kMaxTableCells` cells or indices beyond +-2^30; callers estimate first (grid_mesh.hpp).
   Voxmap(const Grid& grid, const VoxelIndex& first, const VoxelIndex& last);
 
   const Grid& grid() const noexcept { return grid_; }
 
-  /// Kind of a voxel; everything outside the table is free. Real-time safe.
+  /// Kind of a voxel; all voxels outside the table are free. Real-time safe.
   VoxelKind at(const VoxelIndex& v) const noexcept {
     const auto [x, y, z] = local(v);
     if ((x | y | z) < 0 || (x >> 3) >= cells_[0] || (y >> 3) >= cells_[1] || (z >> 3) >= cells_[2])
@@ -50,40 +52,39 @@ class Voxmap {
     return static_cast<VoxelKind>((bricks_[brick][bit >> 6] >> (bit & 63)) & 3U);
   }
 
-  /// Sets one voxel; the voxel must lie within the room given at construction. Not real-time safe.
-  /// A cell that gets its own brick may move those of other cells, here and below: none in the
-  /// order of `for_each_cell`.
+  /// Sets one voxel within the range given at construction. Not real-time safe. A cell that gets
+  /// its own brick may move those of other cells, here and below; in the order of `for_each_cell`
+  /// none moves.
   void set(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` to one kind; free and interior by pointing at the
-  /// shared brick.
+  /// Sets the whole 8-voxel cell that contains `v` to one kind; free and interior use the shared
+  /// brick.
   void fill_cell(const VoxelIndex& v, VoxelKind kind);
-  /// Sets the whole 8-voxel cell that holds `v` from bits; surface wins over interior, what is in
-  /// neither is free.
+  /// Sets the whole 8-voxel cell that contains `v` from bits; surface takes precedence over
+  /// interior, and voxels in neither are free.
   void set_cell(const VoxelIndex& v, const BrickMask& surface, const BrickMask& interior);
-  /// Room for that many bricks of their own, so that filling them neither copies nor leaves spare
+  /// Reserves memory for that many own bricks, so that filling them neither copies nor leaves spare
   /// memory.
   void reserve_bricks(std::size_t count) { bricks_.reserve(count + 2); }
 
-  /// Calls f(x, y, z) for each 8-voxel cell of the table, counted from its first, in Morton order.
+  /// Calls f(x, y, z) for each 8-voxel cell of the table, relative to its first, in Morton order.
   template <class F>
   void for_each_cell(F&& f) const;
 
-  /// Counts voxels, lets uniform blocks share a page, computes the free-distance bytes and what
-  /// stands next to the pages; call after the last change: until then kernels see the map as it
-  /// was.
+  /// Counts voxels, shares pages of uniform blocks, and computes the free-distance bytes and
+  /// auxiliary tables. Call it after the last change; until then kernels use the previous state.
   void finish();
 
   /// Lower bound of the distance [voxels] from `u` (grid coordinates) to the nearest voxel that is
-  /// not free; 0 where unknown (before `finish`, NaN) or near. Outside the table: the distance to
-  /// the table at least. Real-time safe.
+  /// not free; 0 if unknown (`finish` not called, NaN) or near. Outside the table at least the
+  /// distance to the table. Real-time safe.
   double free_distance_voxels(const Vec3& u) const noexcept;
 
-  /// Surface and interior voxels, counted.
+  /// Number of surface and interior voxels.
   std::size_t surface_count() const noexcept { return surface_count_; }
   std::size_t interior_count() const noexcept { return interior_count_; }
-  /// Memory of all that is stored.
+  /// Memory of all stored data.
   std::size_t bytes() const noexcept;
-  /// Of that, what says where bricks are.
+  /// Memory of the tables, included above.
   std::size_t table_bytes() const noexcept;
 
   /// Calls f(VoxelIndex, VoxelKind) for each voxel that is not free, sorted by (i, j, k).
@@ -92,8 +93,8 @@ class Voxmap {
 
   /// Edge of a block [cells].
   static constexpr int kBlockEdge = 4;
-  /// One code for each cell (x, y, z) of a block, at x + 4 (y + 4 z): below 64 so many bricks after
-  /// the block's first; else less 64 the shared brick.
+  /// One code for each cell (x, y, z) of a block, at x + 4 (y + 4 z). Below 64: offset from the
+  /// block's first brick. Otherwise, minus 64: the shared brick.
   using Page = std::array<std::uint8_t, 64>;
   static constexpr std::uint8_t kSharedCode = 64;
   /// A block of the table.
@@ -110,18 +111,19 @@ class Voxmap {
 
   static constexpr std::int32_t kFreeBrick = 0, kFreePage = 0;
 
-  /// The arrays themselves, for kernels that look up many points at once. Valid while the map is.
+  /// The arrays, for kernels that query many points at once. Valid during the lifetime of the map.
   struct Arrays {
     const Block* blocks;  ///< of 4x4x4 cells: x + blocks_along[0] (y + blocks_along[1] z)
     const Page* pages;
-    const std::int32_t* table;  ///< brick of the cell x + cells_along[0] (y + cells_along[1] z);
-                                ///< null in a large map and before `finish`
+    /// Brick of the cell x + cells_along[0] (y + cells_along[1] z); null in a large map and until
+    /// `finish`.
+    const std::int32_t* table;
     std::array<std::int32_t, 2> blocks_along, cells_along;
     const Brick* bricks;
     std::size_t brick_count;
-    const std::uint8_t* free;  ///< free_distance of the cell (x free_cells[1] + y) free_cells[2] +
-                               ///< z; null before `finish`
-    int free_shift;            ///< log2 of such a cell's edge [voxels]
+    /// free_distance of the cell (x free_cells[1] + y) free_cells[2] + z; null until `finish`.
+    const std::uint8_t* free;
+    int free_shift;  ///< log2 of such a cell's edge [voxels]
     std::array<std::int32_t, 3> free_cells;
   };
   Arrays arrays() const noexcept {
@@ -142,7 +144,7 @@ class Voxmap {
 
  private:
   static constexpr std::int32_t kInteriorBrick = 1, kInteriorPage = 1;
-  /// Voxel counted from the first of the table.
+  /// Voxel relative to the first of the table.
   std::array<std::int64_t, 3> local(const VoxelIndex& v) const noexcept {
     return {std::int64_t{v.i} - base_.i, std::int64_t{v.j} - base_.j, std::int64_t{v.k} - base_.k};
   }

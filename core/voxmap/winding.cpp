@@ -7,7 +7,8 @@
 namespace voxtouch::voxmap {
 namespace {
 
-/// How often, and which way, the triangle's shadow on the xy plane goes round the point: -1, 0, +1.
+/// Number and direction of turns of the triangle's projection on the xy plane around the point: -1,
+/// 0, +1.
 int shadow_winding(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& at) {
   const Vec3* const corner[] = {&a, &b, &c};
   int winding = 0;
@@ -41,7 +42,7 @@ bool inside_shells(const GridMesh& mesh, const ClosedShells& shells,
     const int shadow = shadow_winding(a, b, c, at);
     if (shadow == 0)
       continue;
-    const double side = orient3d(a, b, c, at);  // < 0: the point lies behind the triangle
+    const double side = orient3d(a, b, c, at);  // < 0: the point is behind the triangle
     if ((shadow > 0 ? side : -side) >= 0.0)
       continue;  // the triangle is below the point
     if (role == ShellRole::kParity)

@@ -1,5 +1,5 @@
 #pragma once
-/// Whether a point lies inside the closed shells of a mesh: crossings of a ray, counted exactly.
+/// Whether a point lies inside the closed shells of a mesh: exactly counted crossings of a ray.
 #include <cstdint>
 #include <span>
 
@@ -7,11 +7,12 @@
 
 namespace voxtouch::voxmap {
 
-/// `at`: a point in grid coordinates that no listed triangle contains; `triangles`: at least all
-/// that a ray from it along +z can meet. Inside = the winding number of the oriented shells is not
-/// 0 (so a mesh turned inside out, or two shells that overlap, have the same inside as ever, and a
-/// cavity whose wall faces inward is outside), or the number of crossings with some unoriented
-/// shell is odd. No rounding: ties are broken alike for both triangles of an edge.
+/// `at`: a point in grid coordinates that no listed triangle contains. `triangles`: at least all
+/// that a ray from it along +z can meet.
+/// A point is inside if the winding number of the oriented shells is not 0, or if the number of
+/// crossings with some unoriented shell is odd. An inverted mesh or two overlapping shells thus
+/// have the usual interior, and a cavity whose wall faces inward is outside. No rounding: ties are
+/// broken alike for both triangles of an edge.
 bool inside_shells(const GridMesh& mesh, const ClosedShells& shells,
                    std::span<const std::uint32_t> triangles, const Vec3& at);
 

@@ -8,7 +8,7 @@
 namespace voxtouch::arm {
 namespace {
 
-/// A number without what rounding leaves of 0.
+/// Replaces rounding residues of 0 by 0.
 double clean(double x) { return std::abs(x) < 1e-12 ? 0.0 : x; }
 
 std::string origin(const Pose& pose) {
@@ -21,7 +21,7 @@ std::string origin(const Pose& pose) {
                      clean(rpy.z()));
 }
 
-/// A link that reaches to `next`, in its own frame.
+/// A link that extends to `next`, in its own frame.
 std::string link(const std::string& name, const Vec3& next, double radius_m) {
   const double length = next.norm();
   if (!(length > 1e-6))

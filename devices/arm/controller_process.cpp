@@ -22,9 +22,9 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-constexpr auto kStart = 10s;  // on a machine that is very busy
+constexpr auto kStart = 10s;  // on a very busy machine
 constexpr auto kStopTimeout = 2s;
-constexpr std::string_view kReady = "simulated controller:";  // begins its first line
+constexpr std::string_view kReady = "simulated controller:";  // prefix of its first line
 constexpr int kExecFailed = 127;
 
 std::string words(int status) {
@@ -36,16 +36,16 @@ std::string words(int status) {
 /// Between fork and exec of a process with threads: async-signal-safe calls only.
 [[noreturn]] void become(char* const* argv, pid_t parent, int hand, int log) {
   prctl(PR_SET_PDEATHSIG,
-        SIGKILL);  // it must not go on sending to a port without an owner, or of another program
+        SIGKILL);  // it must not continue to send to a port without an owner, or of another program
   if (getppid() != parent)
     _exit(kExecFailed);
-  setpgid(0, 0);  // Ctrl-C is the parent's, which stops the arm before it ends this
+  setpgid(0, 0);  // SIGINT goes to the parent, which stops the arm and then ends this process
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nothing = open("/dev/null", O_RDWR);
   dup2(nothing, 0), dup2(nothing, 1), dup2(log, 2);
-  close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);  // the network's sockets among them
+  close_range(3, ~0U, CLOSE_RANGE_CLOEXEC);  // including the network's sockets
   fcntl(hand, F_SETFD, 0);
   execv(argv[0], argv);
   _exit(kExecFailed);

@@ -1,5 +1,5 @@
 #pragma once
-/// A simulated controller as a child process that lives no longer than whoever started it.
+/// A simulated controller as a child process that does not outlive its parent.
 #include <sys/types.h>
 
 #include <mutex>
@@ -12,21 +12,21 @@ namespace voxtouch::arm {
 
 class ControllerProcess {
  public:
-  /// Starts `program` from the running program's folder with these arguments and `hand` (text of
-  /// hand_file.hpp) as its hand, and waits until it is ready to send: its first line begins with
-  /// "simulated controller:". Nothing of it is on a disk. Throws DeviceOpenError, which names
-  /// `device`: the program is not there, or it ended at once; then with what it said.
+  /// Starts `program` from the folder of the running program, with these arguments and `hand` (text
+  /// of hand_file.hpp) as its hand. Waits until its first line, "simulated controller:...", reports
+  /// that it is ready to send. Uses no files on disk. Throws DeviceOpenError, which names `device`,
+  /// if the program is missing or ended at once; then with its output.
   ControllerProcess(std::string_view device, const std::string& program,
                     const std::vector<std::string>& arguments, const std::string& hand);
-  /// Ends it: asked first, by force after 2 s.
+  /// Ends the process: by a signal first, by force after 2 s.
   ~ControllerProcess();
   ControllerProcess(const ControllerProcess&) = delete;
   ControllerProcess& operator=(const ControllerProcess&) = delete;
 
   pid_t pid() const noexcept { return pid_; }
-  /// How it ended, as words; empty while it runs. Any thread.
+  /// How it ended, as text; empty while it runs. Any thread.
   std::string ending() const;
-  /// Its last words, on one line.
+  /// Its last output, on one line.
   std::string said() const;
 
  private:
@@ -47,7 +47,7 @@ class ControllerProcess {
   File hand_, log_;  // in memory
   pid_t pid_ = -1;
   mutable std::mutex mutex_;
-  mutable std::optional<int> status_;  // as waitpid gave it
+  mutable std::optional<int> status_;  // as returned by waitpid
 };
 
 }  // namespace voxtouch::arm

@@ -1,5 +1,5 @@
 #pragma once
-/// What the emulated devices of both arms share: a driver at a simulated controller of ours, in a
+/// Common parts of the emulated devices of both arms: a driver with a simulated controller in a
 /// process of its own.
 #include <fmt/format.h>
 
@@ -11,15 +11,14 @@
 
 namespace voxtouch::arm {
 
-/// The ring gives a silent peer up after 5 s, and a controller that died has to be seen before
-/// that.
+/// The ring ends after a peer is silent for 5 s; a dead controller must be detected earlier.
 inline constexpr double kVirtualTimeoutS = 4.0;
 
-/// A firm arm: kilograms at the tool that nothing brakes swing past where a relaxed one leads them.
+/// A firm grip: an undamped tool of several kilograms would overshoot the motion of a relaxed hand.
 inline sim::OperatorConfig default_emulator_hand() { return *hand::grip("arm-firm"); }
 
-/// Arguments of every simulated controller. In lockstep it waits as long as the ring does; it goes
-/// with its parent, so it needs no patience of its own.
+/// Common arguments of every simulated controller. In lockstep it waits as long as the ring; it
+/// ends with its parent, so it needs no time limit of its own.
 inline std::vector<std::string> emulator_arguments(const Vec3& tool_F,
                                                    const devices::DeviceOptions& options,
                                                    const devices::SettingReader& settings) {
@@ -32,7 +31,7 @@ inline std::vector<std::string> emulator_arguments(const Vec3& tool_F,
   return a;
 }
 
-/// D and T of `options` so that the tool lies at `rest_in_d` while the flange is at `flange_B`,
+/// Sets D and T of `options` so that the tool is at `rest_in_d` while the flange is at `flange_B`,
 /// with the axes of T, D and the base parallel.
 template <class Options>
 void place(Options& options, const Pose& flange_B, const Vec3& rest_in_d, const Vec3& tool_F) {
@@ -40,11 +39,11 @@ void place(Options& options, const Pose& flange_B, const Vec3& rest_in_d, const 
   options.pose_BD = {(flange_B * options.pose_FT).position - rest_in_d, Quat::Identity()};
 }
 
-/// The controller begins before the driver and ends after it, whose last messages need it.
+/// The controller starts first and ends last, because it receives the driver's last messages.
 template <class ArmDriver, class Options>
 class EmulatedArm final : ControllerProcess, public ArmDriver {
  public:
-  /// `ready`: the driver's options once the controller has said its first line. Throws
+  /// `ready`: derives the driver's options from the first line of the controller. Throws
   /// DeviceOpenError.
   EmulatedArm(std::string_view device, const std::string& program,
               const std::vector<std::string>& arguments, const devices::DeviceOptions& requested,
@@ -61,8 +60,8 @@ class EmulatedArm final : ControllerProcess, public ArmDriver {
   }
 
  private:
-  /// The controller's tool has the flange's axes, ours is turned against them: so is the motion in
-  /// the base.
+  /// The controller's tool has the axes of the flange; the driver's tool is rotated relative to
+  /// them, and so is the motion in the base.
   static std::string hand_text(const devices::DeviceOptions& requested, const Options& options) {
     hand::HandFile file;
     file.motion = motion_in_device(devices::motion_of(requested), options.pose_BD.inverse(),

@@ -7,13 +7,16 @@
 
 namespace voxtouch::arm {
 
-/// Backward difference, then a first-order low-pass: rate += (1 - exp(-2 pi f dt)) (difference -
-/// rate). Any dt is stable. It lags a steady acceleration by half a period (the difference) and 1 /
-/// (2 pi f) (the low-pass), within a period: a sampled low-pass is half a period ahead. Real-time
-/// safe.
+/// Backward difference, then a first-order low-pass:
+///
+///     rate += (1 - exp(-2 pi f dt)) (difference - rate)
+///
+/// Any dt is stable. At constant acceleration it lags by half a period (the difference) and 1 / (2
+/// pi f) (the low-pass). This holds to within a period, because a sampled low-pass leads by half a
+/// period. Real-time safe.
 class JointRates {
  public:
-  /// `cutoff_hz`: f of the low-pass, above 0.
+  /// `cutoff_hz`: f of the low-pass, > 0.
   explicit JointRates(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
 
   /// The rates [rad/s] with the positions `q` [rad], `dt_s` [s] after the last ones.
@@ -24,7 +27,7 @@ class JointRates {
     last_ = q;
     return rate_;
   }
-  /// The next position starts anew, at rest: after a gap a difference says nothing.
+  /// Restarts at rest with the next position: after a gap a difference is not the present velocity.
   void restart() noexcept { started_ = false, rate_.setZero(); }
   const Joints& rate() const noexcept { return rate_; }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What every arm of seven joints shares: its vectors.
+/// Common vector types of arms with seven joints.
 #include "core/types/geometry.hpp"
 
 namespace voxtouch::arm {

@@ -1,30 +1,31 @@
 #pragma once
-/// What keeps the elbow where it belongs while a hand leads the tool: seven joints, six degrees of
-/// freedom at the tool, one left.
+/// Keeps the elbow in place while the operator moves the tool: of seven joints, six degrees of
+/// freedom are those of the tool, and one remains.
 #include "devices/arm/joints.hpp"
 
 namespace voxtouch::arm {
 
 struct PostureRules {
-  Joints posture = Joints::Zero();    ///< rad; where the free motion is drawn to
-  double stiffness_nm_per_rad = 6.0;  ///< along the free motion
+  Joints posture = Joints::Zero();    ///< rad; goal of the null-space motion
+  double stiffness_nm_per_rad = 6.0;  ///< along the null-space motion
   double damping_nms_per_rad = 1.5;
   double max_torque_nm = 3.0;        ///< length of the torque vector over the seven joints
   double min_manipulability = 0.02;  ///< below it the torque fades to zero, linearly
-  double ramp_s = 0.5;               ///< from nothing to full after force comes on
+  double ramp_s = 0.5;               ///< fade-in time after force is enabled
 };
 
-/// The one direction of joint motion that leaves the tool where it is, times sqrt(det(J J^T))
-/// (Yoshikawa's manipulability, m^3): component i is (-1)^i times the determinant of J without
-/// column i (Cauchy-Binet gives the length). Zero at a singularity.
+/// The direction of joint motion that leaves the tool in place, times sqrt(det(J J^T)) (Yoshikawa's
+/// manipulability, m^3). Component i is (-1)^i times the determinant of J without column i
+/// (Cauchy-Binet gives the length). Zero at a singularity.
 Joints free_motion(const Jacobian& jacobian) noexcept;
 
-/// -k n n^T (q - posture) - d n n^T rate, n the unit free motion: the projection onto null(J), cut
-/// to `max_torque_nm`.
+/// Torque along the unit null-space direction n, limited to `max_torque_nm`:
 ///
-/// A torque in null(J) is at right angles to every J^T F, so a hand that holds the tool still feels
-/// none of it; while the elbow swings the hand feels the reaction to its acceleration (no mass
-/// matrix is used), which the small limit keeps to a few newtons. Non-finite in, zero out.
+///     -k n n^T (q - posture) - d n n^T rate
+///
+/// A torque in null(J) is orthogonal to every J^T F, so the operator of a resting tool receives no
+/// force from it. While the elbow moves, the operator receives the reaction to its acceleration (no
+/// mass matrix is used), which the small limit keeps to a few newtons. Non-finite input gives zero.
 /// Real-time safe.
 Joints posture_torque(const PostureRules& rules, const Jacobian& jacobian, const Joints& q,
                       const Joints& rate) noexcept;

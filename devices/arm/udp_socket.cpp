@@ -28,8 +28,8 @@ UdpEndpoint from_system(const sockaddr_in& address) noexcept {
   return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
 }
 
-/// Since the kernel took the datagram; zero where it did not say. Both stamps are of the wall
-/// clock, whose rare steps make one packet look too old or too new.
+/// Age since the kernel received the datagram; zero without a stamp. Both stamps are of the wall
+/// clock, whose rare steps make one packet appear too old or too new.
 std::chrono::nanoseconds age_of(msghdr& message) noexcept {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS)
@@ -83,7 +83,7 @@ UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
         fmt::format("cannot create a UDP socket: {}", std::strerror(errno)));
   const int on = 1;
   setsockopt(file_, SOL_SOCKET, SO_TIMESTAMPNS, &on,
-             sizeof on);  // without it a packet's age is unknown, and taken as zero
+             sizeof on);  // without it the age of a packet is unknown and counts as zero
   const sockaddr_in requested = to_system({*host, port});
   if (bind(file_, reinterpret_cast<const sockaddr*>(&requested), sizeof requested) != 0) {
     const int error = errno;
@@ -131,7 +131,7 @@ std::optional<UdpSocket::Datagram> UdpSocket::receive(std::span<std::byte> buffe
   message.msg_controllen = sizeof control;
   for (;;) {
     const ssize_t size = recvmsg(
-        file_, &message, MSG_TRUNC);  // MSG_TRUNC: the true size, also of one that is too long
+        file_, &message, MSG_TRUNC);  // MSG_TRUNC: the true size, also if it exceeds the buffer
     if (size >= 0)
       return Datagram{static_cast<std::size_t>(size), from_system(from), age_of(message)};
     if (errno == EINTR)

@@ -17,7 +17,7 @@ devices::SettingReader emulator_settings(const devices::DeviceOptions& options) 
   return {"emulated-fr3", options.settings, {"rest", "tool", "server_version", "fault"}, {"fault"}};
 }
 
-/// What both names share.
+/// Common options of both devices.
 Fr3Options driver_options(const devices::SettingReader& settings) {
   Fr3Options o;
   place(o, settings.vector("rest").value_or(devices::usual_rest_in_d()),
@@ -36,7 +36,7 @@ Fr3Options hardware_options(const devices::DeviceOptions& options) {
       settings.number("connect_timeout_s", 0.0, 3600.0).value_or(o.connect_timeout_s);
   o.load.mass_kg = settings.number("load_kg", 0.0, 3.0).value_or(0.0);
   o.load.centre_m = settings.vector("load_centre").value_or(Vec3::Zero());
-  o.load.inertia_kg_m2.setConstant(1e-3 * o.load.mass_kg);  // of a ball of 5 cm
+  o.load.inertia_kg_m2.setConstant(1e-3 * o.load.mass_kg);  // of a ball of 5 cm radius
   o.cancelled = options.cancelled;
   return o;
 }
@@ -47,7 +47,7 @@ std::uint32_t server_version(const devices::SettingReader& settings) {
 
 using EmulatedFr3 = arm::EmulatedArm<Fr3Driver, Fr3Options>;
 
-/// Its first line says where it listens: "... TCP 127.0.0.1:PORT, ...".
+/// The first line of the robot gives its address: "... TCP 127.0.0.1:PORT, ...".
 Fr3Options at_port(Fr3Options driver, const std::string& said) {
   const std::string mark = fmt::format("TCP {}:", driver.address);
   const auto begin = said.find(mark);

@@ -21,19 +21,19 @@ T get(const std::byte* at) noexcept {
   return value;
 }
 
-// The state: its count, then numbers all of one kind, then modes and flags. Places are counted in
+// The state: its count, then numbers of one kind, then modes and flags. Places are counted in
 // numbers.
 constexpr std::size_t kId = 8;
 constexpr std::size_t kPoseEe = 0, kPoseEeD = 16, kFlangeEe = 32, kEeK = 48, kFlangeNe = 64,
                       kNeEe = 80, kTau = 126, kTauD = 133, kQ = 147, kQd = 154, kDq = 161,
                       kPoseEeC = 242, kTheta = 270, kDtheta = 277, kNumbers = 284,
                       kAccelerometers = 36;
-/// Two modes, two lists of errors, the robot's mode.
+/// Two modes, two lists of errors, the mode of the robot.
 constexpr std::size_t flags_size(std::size_t errors) noexcept {
   return 1 + 1 + errors + errors + 1;
 }
-// The newest version with doubles has all numbers. Older ones lack two transforms, and before them
-// the three numbers of the base's acceleration.
+// The newest version with doubles has all numbers. Older ones lack two transforms, and still older
+// ones also the three numbers of the base's acceleration.
 constexpr std::size_t kNominalFrames = 32, kBehindNominalFrames = kFlangeNe + kNominalFrames;
 constexpr std::size_t kBaseAcceleration = 3, kBehindBaseAcceleration = 236;
 constexpr std::size_t double_state(std::size_t numbers, std::size_t errors) noexcept {
@@ -48,7 +48,7 @@ constexpr std::size_t kFloatState =
     kId + (kNumbers + kAccelerometers) * 4 + flags_size(kErrors) + 4;
 static_assert(kFloatState == 1377);
 
-// The command: its count, what a motion generator would say, torques.
+// The command: its count, the fields of a motion generator, torques.
 constexpr std::size_t kGenerator = 8 + (7 + 7 + 16 + 6 + 2) * 8, kMotionFinished = kGenerator + 1,
                       kTorques = kGenerator + 2, kTorqueFinished = kTorques + 7 * 8;
 static_assert(kTorqueFinished + 1 == kMaxCommandBytes);
@@ -144,8 +144,8 @@ std::span<const Outcome> outcomes(const Dialect& dialect, Request request) noexc
   return {};
 }
 
-/// Reads and writes numbers of a state, whichever kind they are. A transform that the version lacks
-/// is never named.
+/// Reads and writes numbers of a state of either kind. A transform that the version lacks is never
+/// accessed.
 struct Numbers {
   const Dialect& dialect;
   std::size_t at(std::size_t place) const noexcept {
@@ -173,7 +173,7 @@ struct Numbers {
     for (std::size_t i = 0; i < 7; ++i)
       write(bytes, place + i, j[static_cast<Eigen::Index>(i)]);
   }
-  /// Column-major transform: its origin.
+  /// Origin of a column-major transform.
   Vec3 origin(std::span<const std::byte> bytes, std::size_t place) const noexcept {
     return {read(bytes, place + 12), read(bytes, place + 13), read(bytes, place + 14)};
   }
@@ -197,7 +197,7 @@ void errors_to(std::byte* at, std::size_t count, Errors errors) noexcept {
     at[i] = static_cast<std::byte>(errors >> i & 1);
 }
 
-/// Behind the numbers.
+/// Position after the numbers.
 std::size_t flags_at(const Dialect& dialect) noexcept {
   return dialect.state_size - flags_size(dialect.errors) - (dialect.floats ? 4 : 8);
 }
@@ -376,7 +376,7 @@ std::optional<Received> StreamReader::next() noexcept {
                    get<std::uint32_t>(&buffer_[4]),
                    get<std::uint32_t>(&buffer_[8]),
                    {}};
-  constexpr std::size_t kLongest = 1 << 24;  // a robot model is some ten thousand bytes
+  constexpr std::size_t kLongest = 1 << 24;  // a robot model has some ten thousand bytes
   if (message.size < kHeaderSize || message.size > kLongest) {
     broken_ = true;
     return std::nullopt;

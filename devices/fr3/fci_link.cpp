@@ -18,7 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr int kGlanceMs = 50;
 
-/// True: something is there (or the end); false: the time is over.
+/// Returns true if data (or the end) is available, false after the time.
 bool wait_for(int file, short what, int milliseconds) noexcept {
   pollfd requested{file, what, 0};
   return ::poll(&requested, 1, milliseconds) > 0;
@@ -93,9 +93,8 @@ bool FciLink::send(const fci::Message& message) noexcept {
   const std::span<const std::byte> bytes = message.span();
   const ssize_t sent = ::send(file_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   closed_ =
-      sent !=
-      static_cast<ssize_t>(
-          bytes.size());  // requests are short: where one does not fit, there is no reader any more
+      sent != static_cast<ssize_t>(
+                  bytes.size());  // requests are short: if one does not fit, the reader is gone
   return !closed_;
 }
 

@@ -82,7 +82,7 @@ void FciSession::answered(Request request, Outcome outcome) noexcept {
   refusal_ = outcome;
   if (request == Request::kErrorRecovery)
     return fail(Diagnostic::kRefused);
-  // The end of a motion that ran is seen in the states as well, with its reason.
+  // The states also report the end of a running motion, with its reason.
   if (request == Request::kMove && phase_ == Phase::kStarting) {
     if (++restarts_ > rules_.most_restarts)
       return fail(Diagnostic::kRefused);
@@ -142,7 +142,7 @@ void FciSession::see(const State& state, double elapsed_s, bool fast) noexcept {
     if (phase_ == Phase::kStarting)
       phase_ = Phase::kRunning;
     if (phase_ != Phase::kRunning)
-      return;  // another program's
+      return;  // of another program
     diagnostic_ = fast ? Diagnostic::kFast : Diagnostic::kNone;
     return;
   }
@@ -162,7 +162,7 @@ void FciSession::see(const State& state, double elapsed_s, bool fast) noexcept {
       if (phase_ != Phase::kRecovering)
         wait(Diagnostic::kRecovering);
       return;
-    case RobotMode::kMove:  // on the way into it, or another controller's
+    case RobotMode::kMove:  // starting, or controlled by another program
       if (phase_ == Phase::kRunning)
         wait(Diagnostic::kEnded);
       return;

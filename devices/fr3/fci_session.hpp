@@ -1,6 +1,6 @@
 #pragma once
-/// Where the robot and this driver are with each other: which mode, which request next, what keeps
-/// the force off. No socket, no clock.
+/// State machine of the session between robot and driver: mode, next request, and reason for zero
+/// force. It uses no socket and no clock.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,62 +11,62 @@
 namespace voxtouch::fr3::fci {
 
 struct SessionRules {
-  double pause_s = 0.5;  ///< after a motion that ended by itself, before the next is asked for
+  double pause_s = 0.5;          ///< after a motion ended by the robot, until the next request
   double start_timeout_s = 2.0;  ///< from Move to the first state in torque control
   double user_stop_timeout_s =
-      2.0;  ///< a user stop that lasts ends the session: a person is at work
+      2.0;  ///< a longer user stop ends the session: the operator is working at the robot
   int most_restarts = 10;
 };
 
 enum class Diagnostic : std::uint8_t {
   kNone,
-  kStarting,  ///< Move was asked for
+  kStarting,  ///< Move was requested
   kRecovering,
-  kLostPackets,  ///< a reflex: 20 commands in a row came late or not at all
-  kTorqueJump,   ///< a reflex: torques changed faster than the robot bears, as lost commands make
-                 ///< them
-  kReflex,       ///< another reflex
+  kLostPackets,  ///< a reflex: 20 consecutive commands were late or missing
+  /// A reflex: torques changed faster than the robot allows, an effect of lost commands.
+  kTorqueJump,
+  kReflex,  ///< another reflex
   kUserStop,
   kGuiding,
   kNotReady,  ///< joints locked, FCI not activated, or busy
   kRefused,   ///< Move or a recovery was refused
   kEnded,     ///< the motion ended without a reason
   kTooOften,
-  kFast,  ///< a joint is faster than it may be
+  kFast,  ///< a joint exceeds its speed limit
 };
-/// What it is and what to do, for people.
+/// Describes the diagnostic and the remedy.
 std::string_view sentence_of(Diagnostic diagnostic) noexcept;
 
-/// Torque control is asked for while the robot is idle, and again after what lost packets did;
-/// every other reflex is a person's matter. Pure, real-time safe.
+/// Requests torque control while the robot is idle, and again after an effect of lost packets; any
+/// other reflex requires the operator. A pure function of its inputs, real-time safe.
 class FciSession {
  public:
   explicit FciSession(const Dialect& dialect, const SessionRules& rules = {}) noexcept
       : dialect_(&dialect),
         rules_(rules) {}
 
-  /// A state, `elapsed_s` after the last one. `fast`: a joint is over its speed.
+  /// Processes a state, `elapsed_s` after the last one. `fast`: a joint exceeds its speed limit.
   void see(const State& state, double elapsed_s, bool fast) noexcept;
-  /// The answer to a request of this session.
+  /// Processes the reply to a request of this session.
   void answered(Request request, Outcome outcome) noexcept;
-  /// The request that is due now; asked once.
+  /// The request that is due, returned once.
   std::optional<Request> due() noexcept;
-  /// From now on nothing is asked for but the end of a motion that runs.
+  /// From now on the only request is the end of a running motion.
   void end() noexcept;
 
   /// Torque may be commanded.
   bool force_allowed() const noexcept {
     return phase_ == Phase::kRunning && diagnostic_ == Diagnostic::kNone;
   }
-  /// The robot waits for commands, pushing or not.
+  /// The robot expects commands, with or without force.
   bool listens() const noexcept { return in_torque_control_; }
-  /// kRecoverable as long as it may get better by itself or by a person; kFault: over.
+  /// kRecoverable while it may recover by itself or by the operator; kFault: the session is over.
   devices::DeviceError error() const noexcept {
     return phase_ == Phase::kFailed ? devices::DeviceError::kFault
                                     : devices::DeviceError::kRecoverable;
   }
   Diagnostic diagnostic() const noexcept { return diagnostic_; }
-  Errors errors() const noexcept { return errors_; }  ///< of the diagnostic, if a reflex
+  Errors errors() const noexcept { return errors_; }  ///< of the diagnostic, for a reflex
   Outcome refusal() const noexcept { return refusal_; }
   int restarts() const noexcept { return restarts_; }
 

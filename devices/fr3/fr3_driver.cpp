@@ -7,18 +7,17 @@ namespace {
 
 constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
 constexpr std::uint64_t kStrangeAhead =
-    5000;  // more counts at once than a session outlives are no count of milliseconds
+    5000;  // a larger jump, beyond the lifetime of a session, is not a count of milliseconds
 
 }  // namespace
 
-/// An answer that has gone out stays: what follows it is a step nearer to zero, with the next
-/// state.
+/// A sent reply cannot be withdrawn: the next one, with the next state, is a step closer to zero.
 void Fr3Driver::stop() noexcept {
   if (unanswered_)
     reply_without_force();
 }
 
-// --- what comes in
+// --- input
 
 Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram,
                                    std::span<const std::byte> bytes) noexcept {
@@ -62,14 +61,14 @@ void Fr3Driver::accept() noexcept {
   if (session_.listens())
     ramp_.acknowledge(state_.tau_d);
   else
-    ramp_.forget();  // it has ended the motion, and holds the arm itself
+    ramp_.forget();  // it has ended the motion and holds the arm itself
   ask_what_is_due();
   note();
   silent_.store(false, std::memory_order_relaxed);
 }
 
-/// Pose and twist in D. A state without usable angles leaves the pose as it was, marked, and at
-/// rest.
+/// Computes pose and twist in D. A state without usable angles keeps the previous pose, marked as
+/// invalid and at rest.
 void Fr3Driver::measure() noexcept {
   sample_.pose_valid = (state_.q.array() >= limits_.lowest_rad.array() - kBeyondLimitRad).all() &&
                        (state_.q.array() <= limits_.highest_rad.array() + kBeyondLimitRad).all() &&
@@ -97,7 +96,7 @@ void Fr3Driver::receive(const fci::Received& received) noexcept {
   const auto request = fci::request_of(*dialect_, received.command);
   if (!request)
     return;
-  // A motion that is over may be answered after the next has begun.
+  // The reply to an ended motion may arrive after the start of the next.
   if (*request == fci::Request::kMove && received.id != move_request_)
     return;
   session_.answered(*request, fci::outcome_of(*dialect_, *request, received));
@@ -114,8 +113,8 @@ void Fr3Driver::ask_what_is_due() noexcept {
   } else {
     link_->send(fci::bare_request(*dialect_, *request, id));
   }
-  // Two channels keep no order between them: where runs have to be the same, the one is received in
-  // full before the other goes on.
+  // The two channels have no common order. If runs must be reproducible, one is read completely and
+  // then the other.
   while (virtual_time_) {
     const auto received = link_->wait(options_.virtual_timeout_s);
     if (!received)
@@ -126,7 +125,7 @@ void Fr3Driver::ask_what_is_due() noexcept {
   }
 }
 
-// --- what goes out
+// --- output
 
 bool Fr3Driver::push(const Wrench& command) noexcept {
   const Quat rotation_BD = rotation_DB_.conjugate();
@@ -140,7 +139,7 @@ bool Fr3Driver::push(const Wrench& command) noexcept {
   return send(ramp_.next(posture_.jacobian, requested, posture));
 }
 
-/// Smaller, direction kept, where a joint would have to give more than it may.
+/// Scales the wrench down, with constant direction, if a joint would exceed its torque limit.
 Wrench Fr3Driver::within_joints(Wrench command) noexcept {
   const Joints torque = arm::joint_torque(posture_.jacobian, command);
   const double need =
@@ -156,7 +155,7 @@ void Fr3Driver::reply_without_force() noexcept {
   send(ramp_.next(posture_.jacobian, {}, Joints::Zero()));
 }
 
-/// A state without a pose: the next step towards zero, at the last posture that could be trusted.
+/// Replies to a state without a pose: the next step towards zero, at the last valid posture.
 void Fr3Driver::reply_to_invalid() noexcept {
   if (!started_)
     return;
@@ -169,7 +168,7 @@ void Fr3Driver::reply_to_invalid() noexcept {
 bool Fr3Driver::send(const Joints& torque) noexcept {
   unanswered_ = false;
   if (!session_.listens() && !virtual_time_)
-    return true;  // the robot takes commands in a motion only
+    return true;  // the robot accepts commands only during a motion
   std::array<std::byte, fci::kMaxCommandBytes> bytes;
   const std::size_t size =
       fci::encode(*dialect_, {state_.message_id, torque, ending_ && ramp_.at_rest()}, bytes);

@@ -1,10 +1,10 @@
 #pragma once
-/// The Franka Research 3, or the Panda before it, as a haptic device, over the Franka Control
+/// Driver of the Franka Research 3, or the Panda, as a haptic device over the Franka Control
 /// Interface.
 ///
-/// The robot sends its state every millisecond (UDP) and takes joint torques back, on top of its
-/// own compensation of gravity. What is done once goes over TCP: Connect, SetCollisionBehavior,
-/// SetLoad, Move, StopMove, AutomaticErrorRecovery.
+/// The robot sends its state every millisecond (UDP) and receives joint torques, which it adds to
+/// its own gravity compensation. Requests use TCP: Connect, SetCollisionBehavior, SetLoad, Move,
+/// StopMove, AutomaticErrorRecovery.
 #include <atomic>
 #include <memory>
 #include <string>
@@ -18,39 +18,41 @@
 
 namespace voxtouch::fr3 {
 
-/// The numbers of the arm; those of deploy/devices/fr3.yaml.
+/// Description of the arm, equal to deploy/devices/fr3.yaml.
 DeviceDescription describe_fr3();
 
-/// While the robot listens, every state is answered.
+/// Driver of the arm. While the robot expects commands, every state is answered.
 ///
-/// **Zero force takes steps.** The robot stops itself with a reflex where a joint's torque changes
-/// by more than 1 Nm in a millisecond, so force begins and ends along a straight line of at most
-/// 0.95 Nm a command: 8.8 N are gone in 7 ms, 60 N in 50 ms.
+/// **Zero force takes several steps.** The robot stops itself with a reflex if the torque of a
+/// joint changes by more than 1 Nm in a millisecond. Force therefore begins and ends along a
+/// straight line of at most 0.95 Nm per command: 8.8 N take 7 ms, 60 N take 50 ms.
 ///
-/// read: kTimeout (nothing new in time), kDisconnected (silence, or the command channel has
-/// closed), kProtocol (a state that cannot be trusted, or only malformed datagrams came), kFault (a
-/// reflex other than lost packets, a user stop that lasts, too many restarts). While there is no
-/// torque control samples come all the same. write: kNotFinite, kLimit (check_command),
-/// kRecoverable (no torque control, a joint too fast, not sent: `last_error` states it), kProtocol
-/// (the sample's pose was not valid), kTimeout (no unanswered state).
+/// Errors of `read`: kTimeout (no new state in time), kDisconnected (silence, or the command
+/// channel was closed), kProtocol (an invalid state, or only malformed datagrams), kFault (a reflex
+/// other than lost packets, a lasting user stop, too many restarts). Samples continue without
+/// torque control.
 ///
-/// Force is J^T F, geometric Jacobian of the tool, plus the posture torque. The joint torques of a
-/// command that would need more than `max_add_torque_nm` are made smaller in proportion. Twist is
-/// the Jacobian times the rates that the robot measures.
+/// Errors of `write`: kNotFinite, kLimit (check_command), kRecoverable (no torque control, a joint
+/// too fast, not sent; `last_error` gives the reason), kProtocol (the pose of the sample was
+/// invalid), kTimeout (no unanswered state).
+///
+/// Force is J^T F, with the geometric Jacobian of the tool, plus the posture torque. Joint torques
+/// of a command beyond `max_add_torque_nm` are scaled down in proportion. The twist is the Jacobian
+/// times the joint rates measured by the robot.
 ///
 /// Time: the robot's count of milliseconds, from the first state (virtual time: from the first in
 /// torque control).
 class Fr3Driver : public arm::RequestReplyDriver {
  public:
-  /// Connects, and waits for the first state. Throws DeviceOpenError: no connection, a version that
-  /// it does not speak, a robot that a person has to see to, an arm of another geometry; the
-  /// sentence says what to do. In virtual time it returns in torque control.
+  /// Connects, and waits for the first state. Throws DeviceOpenError, with a remedy: no connection,
+  /// an unsupported version, a robot that requires the operator, an arm of another geometry. In
+  /// virtual time it returns in torque control.
   explicit Fr3Driver(const Fr3Options& options);
-  /// Force along its line to zero, StopMove, zero torque until the robot has left torque control
-  /// (at most `stop_timeout_s`).
+  /// Ramps the force to zero, sends StopMove, and sends zero torque until the robot has left torque
+  /// control (at most `stop_timeout_s`).
   ~Fr3Driver() override;
 
-  /// The first step towards zero, now; the next states' answers go on with it.
+  /// Makes the first step towards zero at once; the replies to the next states continue it.
   void stop() noexcept override;
   std::string last_error() const override;
   const arm::ArmDescription* arm_description() const noexcept override {
@@ -60,7 +62,7 @@ class Fr3Driver : public arm::RequestReplyDriver {
     return {state_.q.data(), static_cast<std::size_t>(state_.q.size())};
   }
 
-  // For the thread that owns it.
+  // For the owning thread.
   const fci::FciSession& session() const noexcept { return session_; }
   const fci::State& state() const noexcept { return state_; }
   std::uint16_t version() const noexcept { return dialect_->version; }
@@ -114,14 +116,14 @@ class Fr3Driver : public arm::RequestReplyDriver {
   fci::State incoming_, state_;
   Fr3Arm::State posture_{};
   std::uint64_t newest_id_ = 0, first_id_ = 0;
-  std::uint64_t steps_ms_ = 0;  // since the last state that was accepted
+  std::uint64_t steps_ms_ = 0;  // since the last accepted state
   std::uint32_t next_request_ = 0, move_request_ = 0;
   bool started_ = false;  // a state has been taken
-  bool ending_ = false;   // commands say that the motion is to end
+  bool ending_ = false;   // commands request the end of the motion
 
-  /// For last_error(), which other threads ask.
+  /// For last_error(), which other threads call.
   void note() noexcept;
-  // Each by itself: a mixture of two moments, for a person's eye, costs nothing.
+  // Stored individually: values of two different moments are acceptable in a message.
   std::atomic<fci::Errors> noted_errors_{0};
   std::atomic<fci::Diagnostic> noted_diagnostic_{fci::Diagnostic::kNone};
   std::atomic<fci::Outcome> noted_refusal_{fci::Outcome::kSuccess};

@@ -1,4 +1,4 @@
-// Opening and closing the Franka arm: the parts of Fr3Driver that may wait, throw and allocate.
+// Opening and closing the Franka arm: the parts of Fr3Driver that may block, throw and allocate.
 #include <fmt/format.h>
 
 #include "devices/fr3/fr3_driver.hpp"
@@ -59,7 +59,7 @@ Fr3Driver::Fr3Driver(const Fr3Options& options, Connected connected)
     start_in_virtual_time();
 }
 
-/// The newest version first; a robot that refuses it says its own.
+/// Tries the newest version first; a robot that refuses it reports its own.
 Fr3Driver::Connected Fr3Driver::connect(const Fr3Options& options) {
   std::uint16_t version = fci::kNewestVersion;
   for (bool again = false;; again = true) {
@@ -103,7 +103,7 @@ fci::Received Fr3Driver::answer_to(const fci::Message& message, fci::Request req
                      options_.address, fci::name_of(request)));
 }
 
-/// What the robot is to bear, before any motion.
+/// Sets thresholds and load of the robot for all motions.
 void Fr3Driver::set_up() {
   const auto set = [this](const fci::Message& message, fci::Request request) {
     const fci::Outcome outcome = fci::outcome_of(*dialect_, request, answer_to(message, request));
@@ -147,7 +147,7 @@ void Fr3Driver::first_state() {
     reply_without_force();
 }
 
-/// The robot's own pose of its end effector, against that of this driver's geometry.
+/// Compares the robot's own pose of its end effector with the geometry of this driver.
 void Fr3Driver::compare_geometry() const {
   const Vec3 ours = posture_.flange.position + posture_.flange.orientation * state_.ee_in_flange;
   const double apart = (ours - state_.ee_in_base).norm();
@@ -157,7 +157,7 @@ void Fr3Driver::compare_geometry() const {
         1e3 * apart));
 }
 
-/// Virtual time stands still meanwhile, so all until torque control fits in here.
+/// Virtual time does not advance meanwhile, so all steps up to torque control are done here.
 void Fr3Driver::start_in_virtual_time() {
   const double patience_s = options_.session.start_timeout_s + options_.connect_timeout_s;
   for (double waited_s = 0.0; !(session_.force_allowed() && sample_.pose_valid); waited_s += 1e-3) {
@@ -176,9 +176,9 @@ void Fr3Driver::start_in_virtual_time() {
 
 DeviceDescription describe_fr3() {
   DeviceDescription d =
-      sim::sim_lwr().description;  // an arm's, for what the file leaves to its class
+      sim::sim_lwr().description;  // class defaults of an arm, for values that the file omits
   d.model = "fr3";
-  // The figures and where they come from: deploy/devices/fr3.yaml. A test holds the two together.
+  // The figures and their sources are in deploy/devices/fr3.yaml; a test compares them.
   d.rate_hz = 1000.0;
   d.max_force_n = 60.0;
   d.max_torque_nm = 10.0;
@@ -195,7 +195,7 @@ DeviceDescription describe_fr3() {
   d.max_stiffness_nm_per_rad = 300.0;
   d.lost_in_a_row = 2;
   d.grip = "arm";
-  derive_slew_limits(d);  // of the guard; the steps of the joints' torques (TorqueRamp) are smaller
+  derive_slew_limits(d);  // of the guard; the torque steps of the joints (TorqueRamp) are smaller
   return d;
 }
 
@@ -204,7 +204,7 @@ Fr3Driver::~Fr3Driver() { disengage(); }
 void Fr3Driver::disengage() noexcept {
   stop();
   const auto deadline = Clock::now() + seconds(options_.stop_timeout_s);
-  // First along the line to zero, then StopMove; zero torque is the last that goes out.
+  // First the ramp to zero, then StopMove; the last command is zero torque.
   while (session_.listens() && !link_->closed()) {
     const Intake intake = wait_and_take(deadline);
     if (intake == Intake::kNothing)

@@ -15,8 +15,8 @@ void TorqueRamp::acknowledge(const arm::Joints& tau_d) noexcept {
   const arm::Joints low = given_.cwiseMin(sent_), high = given_.cwiseMax(sent_);
   const bool arrived = !tau_d.allFinite() || (tau_d - sent_).cwiseAbs().maxCoeff() < kRounding;
   unheard_ = arrived ? 0 : unheard_ + 1;
-  // A robot that has received nothing for so long has stopped itself: this one does not state the
-  // received torque.
+  // A robot that has received no command for this long has stopped itself, so its report of the
+  // received torque is not credible.
   given_ =
       arrived || unheard_ > kMaxUnheard ? sent_ : arm::Joints(tau_d.cwiseMax(low).cwiseMin(high));
 }
@@ -27,7 +27,8 @@ const arm::Joints& TorqueRamp::next(const arm::Jacobian& jacobian, const Wrench&
   goal << requested.force, requested.torque;
   const Vec6 displacement = goal - wrench_;
   const arm::Joints posture_displacement = posture - posture_;
-  // Torque along the way is base + fraction * slope, to be within a step of what was given.
+  // The torque along the line is base + fraction * slope and must be within one step of the last
+  // given torque.
   const arm::Joints base = jacobian.transpose() * wrench_ + posture_,
                     slope = jacobian.transpose() * displacement + posture_displacement;
   double fraction = 1.0;
@@ -43,7 +44,8 @@ const arm::Joints& TorqueRamp::next(const arm::Jacobian& jacobian, const Wrench&
     wrench_ += fraction * displacement, posture_ += fraction * posture_displacement;
   const arm::Joints torque =
       (jacobian.transpose() * wrench_ + posture_).cwiseMax(-most_nm_).cwiseMin(most_nm_);
-  // The arm has moved under a force that stays: what that adds may be a step of its own.
+  // The arm has moved under a constant force, which may itself change the torque by more than a
+  // step.
   sent_ = torque.cwiseMax(given_ - arm::Joints::Constant(step_nm_))
               .cwiseMin(given_ + arm::Joints::Constant(step_nm_));
   return sent_;

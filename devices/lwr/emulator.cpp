@@ -6,7 +6,7 @@
 namespace voxtouch::lwr {
 namespace {
 
-constexpr double kConnectTimeoutS = 3.0;  // a controller that runs sends every few milliseconds
+constexpr double kConnectTimeoutS = 3.0;  // a running controller sends every few milliseconds
 
 devices::SettingReader hardware_settings(const devices::DeviceOptions& options) {
   return {"lwr",
@@ -21,7 +21,7 @@ devices::SettingReader emulator_settings(const devices::DeviceOptions& options) 
           {"fault"}};
 }
 
-/// What both names share.
+/// Common options of both devices.
 LwrOptions driver_options(const devices::SettingReader& settings) {
   LwrOptions o;
   place(o, settings.vector("rest").value_or(devices::usual_rest_in_d()),

@@ -1,6 +1,5 @@
 #pragma once
-/// The last packets of a session, kept in memory while the loop runs and written to a file that
-/// Wireshark opens.
+/// Keeps the last packets of a session in memory, and writes them to a file for Wireshark.
 #include <cstdint>
 #include <span>
 #include <string>
@@ -17,19 +16,19 @@ using arm::UdpSocket;
 
 namespace fri {
 
-/// A ring of datagrams. `note` is real-time safe; the rest allocates.
+/// A ring of datagrams. `note` is real-time safe; the other functions allocate.
 class FriCapture {
  public:
-  /// Room for `packets` datagrams; 0 keeps nothing.
+  /// Room for `packets` datagrams; 0 disables it.
   explicit FriCapture(std::size_t packets = 0) : ring_(packets) {}
 
-  /// Keeps one datagram (what is over the size of a measurement is cut), the oldest one goes.
+  /// Stores one datagram in place of the oldest, cut to the size of a measurement.
   void note(std::span<const std::byte> datagram, const UdpEndpoint& from, const UdpEndpoint& to,
             std::int64_t time_ns) noexcept;
 
-  /// Writes what is there, oldest first: classic pcap with microseconds, link type RAW (101), each
-  /// record an IPv4 and a UDP header (made here, UDP checksum 0 = none) and the datagram as it was
-  /// on the wire. Throws std::runtime_error that names the file.
+  /// Writes the datagrams, oldest first, as classic pcap with microseconds and link type RAW (101).
+  /// Each record has a generated IPv4 and UDP header (UDP checksum 0 = none) and the datagram as on
+  /// the wire. Throws std::runtime_error that names the file.
   void write(const std::string& path) const;
   std::size_t size() const noexcept {
     return count_ < ring_.size() ? static_cast<std::size_t>(count_) : ring_.size();

@@ -1,23 +1,23 @@
 #pragma once
-/// The device's time out of sequence counts and the controller's stamps.
+/// The device's time from sequence counts and the controller's stamps.
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
 namespace voxtouch::lwr::fri {
 
-/// The stamp on the wire is a float: after 2.3 hours its steps are longer than a millisecond. So
-/// time is counted in periods, and the stamp only checks the count. A controller in virtual time is
-/// taken at its word: there the stamp leads where the two differ by more than half a period and
-/// what the float cannot resolve. Pure, real-time safe.
+/// The stamp on the wire is a float: after 2.3 hours its steps exceed a millisecond. Time is
+/// therefore counted in periods, and the stamp only checks the count. In virtual time the stamp
+/// takes precedence if the two differ by more than half a period plus the resolution of the float.
+/// A pure function of its inputs, real-time safe.
 class FriClock {
  public:
   FriClock(std::int64_t period_ns, bool stamps_lead) noexcept
       : period_ns_(period_ns),
         stamps_lead_(stamps_lead) {}
 
-  /// The newest measurement, `steps` periods after the one before. Returns what has passed since
-  /// that one, > 0 (0 for the first).
+  /// Processes the newest measurement, `steps` periods after the previous one. Returns the elapsed
+  /// time since then, > 0 (0 for the first).
   std::int64_t see(float stamp_s, std::uint64_t steps) noexcept {
     const double last_s = stamp_s_;
     stamp_s_ = stamp_s;
@@ -37,7 +37,7 @@ class FriClock {
     time_ns_ += elapsed_ns;
     return elapsed_ns;
   }
-  /// The newest measurement is at time zero.
+  /// Sets the time of the newest measurement to zero.
   void zero() noexcept { time_ns_ = 0; }
   std::int64_t time_ns() const noexcept { return time_ns_; }
   std::uint64_t disagreements() const noexcept { return disagreements_; }

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array<int, 6> kOrder = {0, 1, 2, 5, 4, 3};  // its own inverse
 
-/// Numbers as they lie in a packet, row by row.
+/// Numbers in the row order of a packet.
 template <int kRows, int kColumns>
 using WireRows =
     Eigen::Matrix<float, kRows, kColumns, kColumns == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
@@ -22,7 +22,7 @@ bool all_finite(const std::array<float, N>& values) noexcept {
                      [](float value) { return std::isfinite(value); });
 }
 
-/// What an answer outside command mode holds: the sum of both.
+/// Whether the sum that a reply mirrors outside command mode is finite.
 bool mirror_finite(const Measured& data) noexcept {
   for (std::size_t i = 0; i < kJoints; ++i)
     if (!std::isfinite(data.cmd_jnt_pos[i] + data.cmd_jnt_pos_fri_offset[i]))

@@ -1,8 +1,8 @@
 #pragma once
 /// The two packets of KUKA's Fast Research Interface 1.0 (KRC2-LR controllers, light-weight robot 4
-/// and 4+), declared anew from their layout: little-endian, IEEE floats, aligned to four bytes
-/// without a gap. The controller sends a measurement (MSR) every period; the remote side answers
-/// each one with a command (CMD) to the address that it came from.
+/// and 4+), declared from their layout: little-endian, IEEE floats, aligned to four bytes without
+/// gaps. The controller sends a measurement (MSR) every period. The remote side answers each with a
+/// command (CMD) to the address of its sender.
 #include <array>
 #include <bit>
 #include <cstddef>
@@ -31,9 +31,9 @@ using CartVector = std::array<float, 6>;  ///< x, y, z, then about Z, Y, X: see 
                                           ///< in fri_codec.hpp
 using JacobianRows = std::array<float, 42>;  ///< 6 x 7, row-major, rows as in CartVector
 
-/// msr.intf.state. The wire is unsigned: -1 reads 0xFFFF.
+/// msr.intf.state. The wire type is unsigned: -1 reads as 0xFFFF.
 enum class State : std::uint16_t { kOff = 0, kMon = 1, kCmd = 2, kInvalid = 0xFFFF };
-/// msr.intf.quality; ordered, kInvalid apart.
+/// msr.intf.quality; ordered, except kInvalid.
 enum class Quality : std::uint16_t {
   kUnacceptable = 0,
   kBad = 1,
@@ -48,7 +48,7 @@ enum class Control : std::uint16_t {
   kCartesianImpedance = 2,
   kJointImpedance = 3
 };
-/// $stiffness.strategy in KRL, and what is asked for in $FRI_FRM_INT[1].
+/// $stiffness.strategy in KRL, as requested in $FRI_FRM_INT[1].
 enum class Strategy : std::int32_t {
   kPosition = 10,
   kCartesianImpedance = 20,
@@ -60,14 +60,14 @@ inline constexpr std::uint32_t kFlagJntPos = 0x0001, kFlagJntTrq = 0x0004, kFlag
                                kFlagJntDamp = 0x0020, kFlagCartPos = 0x0100, kFlagTcpFt = 0x0400,
                                kFlagCartStiff = 0x1000, kFlagCartDamp = 0x2000;
 
-/// The KRL program's side of the handshake, as wire indices (KRL counts from one).
+/// The handshake variables of the KRL program, as wire indices (KRL counts from one).
 inline constexpr std::size_t kFrmIntStrategy = 0;  ///< $FRI_FRM_INT[1]: the requested Strategy
 inline constexpr std::size_t kFrmIntRun = 1;       ///< $FRI_FRM_INT[2]: 1 friStart, 0 friStop
 inline constexpr std::size_t kToIntEcho = 1;  ///< $FRI_TO_INT[2]: echo of it, or kKrlInitialised
 inline constexpr std::size_t kToIntSimulated =
-    15;  ///< $FRI_TO_INT[16]: kVirtualTime, from our simulated controller only
+    15;  ///< $FRI_TO_INT[16]: kVirtualTime, from the simulated controller only
 inline constexpr std::int32_t kRun = 1, kHalt = 0, kKrlInitialised = 10;
-/// "VTXT": the controller runs in virtual time and sends its next measurement only after the answer
+/// "VTXT": the controller runs in virtual time and sends its next measurement only after the reply
 /// to the last.
 inline constexpr std::int32_t kVirtualTime = 0x56545854;
 
@@ -149,8 +149,8 @@ struct CmdPacket {
   Command command;
 };
 
-// The sizes; tests/unit/lwr/layout_test.cpp has the layout field by field, and so has
-// tests/interop/fri/decode_fri.py.
+// The sizes; tests/unit/lwr/layout_test.cpp and tests/interop/fri/decode_fri.py have the layout
+// field by field.
 static_assert(std::is_trivially_copyable_v<MsrPacket> && std::is_standard_layout_v<MsrPacket> &&
               sizeof(MsrPacket) == kMsrSize);
 static_assert(std::is_trivially_copyable_v<CmdPacket> && std::is_standard_layout_v<CmdPacket> &&

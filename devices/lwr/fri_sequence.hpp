@@ -1,6 +1,6 @@
 #pragma once
-/// Which measurement is news: by a count of sixteen bits that wraps, over a network that may lose,
-/// double and reorder.
+/// Finds new measurements by a wrapping 16-bit count, over a network that may lose, duplicate and
+/// reorder.
 #include <cstdint>
 
 #include "devices/lwr/fri_codec.hpp"
@@ -9,20 +9,19 @@ namespace voxtouch::lwr::fri {
 
 struct SequenceCounts {
   std::uint64_t accepted = 0;
-  std::uint64_t lost =
-      0;  ///< counts that were jumped over, those that came late (`reordered`) among them
-  std::uint64_t reordered = 0;   ///< older than the newest
-  std::uint64_t duplicates = 0;  ///< the newest once more
-  std::uint64_t restarts = 0;    ///< the controller began to count anew
+  std::uint64_t lost = 0;       ///< skipped counts, including those that arrived late (`reordered`)
+  std::uint64_t reordered = 0;  ///< older than the newest
+  std::uint64_t duplicates = 0;  ///< equal to the newest
+  std::uint64_t restarts = 0;    ///< the controller restarted its count
 };
 
-/// Pure and real-time safe.
+/// A pure function of its inputs; real-time safe.
 class SequenceTracker {
  public:
   enum class Verdict : std::uint8_t { kNew, kDuplicate, kOld };
 
-  /// An older count is old news, unless `kRestartRun` of them come in one ascending run: then the
-  /// controller counts anew.
+  /// An older count is outdated, unless `kRestartRun` of them arrive in one ascending run: the
+  /// controller has then restarted its count.
   Verdict see(std::uint16_t sequence) noexcept {
     if (!started_)
       return accept(sequence, 1);
@@ -41,10 +40,10 @@ class SequenceTracker {
     ++counts_.restarts;
     return accept(sequence, 1);
   }
-  /// After a silence any count is news: the wrap may have been jumped over.
+  /// After a silence any count is new, because it may have wrapped.
   void forget() noexcept { started_ = false; }
 
-  /// Periods from the measurement accepted before to the newest, at least 1.
+  /// Periods from the previous accepted measurement to the newest, at least 1.
   std::uint32_t steps() const noexcept { return steps_; }
   std::uint16_t newest() const noexcept { return newest_; }
   const SequenceCounts& counts() const noexcept { return counts_; }

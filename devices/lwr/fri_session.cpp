@@ -89,8 +89,7 @@ void FriSession::halt(Diagnostic why, double pause_s) noexcept {
   pause_left_s_ = pause_s;
 }
 
-/// Errors and drives, distinguished: what a person must mend, what may come back, and what has not
-/// been there yet.
+/// Classifies errors and drives: requires the operator, may recover, or has not been ready yet.
 Diagnostic FriSession::drives(const MsrPacket& msr, double elapsed_s) noexcept {
   if (msr.robot.error != 0)
     return Diagnostic::kDriveError;

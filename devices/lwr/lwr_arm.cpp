@@ -33,7 +33,7 @@ LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
   state.pose_BT = state.links.back() * pose_FT_;
   for (int i = 0; i < kJoints; ++i) {
     const Pose& before =
-        state.links[static_cast<std::size_t>(i)];  // joint i turns about the z axis of frame i
+        state.links[static_cast<std::size_t>(i)];  // joint i rotates about the z axis of frame i
     const Vec3 axis = before.orientation * Vec3::UnitZ();
     state.jacobian.col(i) << axis.cross(state.pose_BT.position - before.position), axis;
   }
@@ -46,7 +46,7 @@ const arm::ArmDescription& lwr_description() {
                                                                       "A4", "A5", "A6"};
     const LwrLimits limits = lwr_limits();
     arm::ArmDescription arm{.model = "lwr", .joints = {}, .flange = {}};
-    Pose after;  // the last joint, at an angle of 0, up to the next one
+    Pose after;  // from the last joint, at an angle of 0, to the next one
     for (int i = 0; i < LwrArm::kJoints; ++i) {
       const auto n = static_cast<std::size_t>(i);
       const double most = limits.position_rad[i];

@@ -7,7 +7,7 @@ namespace voxtouch::lwr {
 namespace {
 
 constexpr std::uint64_t kGapPeriods =
-    5;  // after a longer gap a difference of positions says nothing about now
+    5;  // after a longer gap a difference of positions is not the present velocity
 constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
 
 std::int64_t wall_ns() noexcept {
@@ -22,14 +22,14 @@ std::span<const std::byte> bytes_of(const fri::CmdPacket& packet) noexcept {
 
 }  // namespace
 
-/// Outside virtual time an answer that has gone out already is taken back by a second one: the
-/// controller acts on the newest.
+/// Outside virtual time, a second reply replaces a reply already sent: the controller uses the
+/// newest.
 void LwrDriver::stop() noexcept {
   if (unanswered_ || (pushing_ && !virtual_time_))
     reply_without_force();
 }
 
-// --- what comes in
+// --- input
 
 void LwrDriver::keep(Intake intake) noexcept {
   msr_.header = incoming_.header;
@@ -65,7 +65,7 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram,
   steps_ += sequence_.steps();
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
   if (too_old && composer_ &&
-      !virtual_time_)  // before the first one nothing is known, virtual time not either
+      !virtual_time_)  // until the first one nothing is known, including virtual time
     return ++counts_.aged, Intake::kNothing;
   if (untrusted)
     return ++counts_.untrusted, Intake::kUntrusted;
@@ -94,8 +94,8 @@ void LwrDriver::accept() noexcept {
   silent_.store(false, std::memory_order_relaxed);
 }
 
-/// Pose and twist in D. A measurement without usable joint positions leaves the pose as it was,
-/// marked, and at rest.
+/// Computes pose and twist in D. A measurement without usable joint positions keeps the previous
+/// pose, marked as invalid and at rest.
 void LwrDriver::measure(double elapsed_s) noexcept {
   const LwrJoints q = fri::from_wire(msr_.data.jnt_pos);
   sample_.pose_valid = fri::measured_finite(msr_) &&
@@ -119,7 +119,7 @@ fri::Diagnostic LwrDriver::check_arm() const noexcept {
   return fast ? fri::Diagnostic::kTooFast : fri::Diagnostic::kNone;
 }
 
-// --- what goes out
+// --- output
 
 bool LwrDriver::push(const Wrench& command) noexcept {
   const fri::CmdPacket& packet = composer_->answer(msr_, session_, true, push_for(command));

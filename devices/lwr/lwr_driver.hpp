@@ -1,22 +1,22 @@
 #pragma once
-/// The DLR / KUKA light-weight robot 4 or 4+ as a haptic device, over the Fast Research
+/// Driver of the DLR / KUKA light-weight robot 4 or 4+ as a haptic device, over the Fast Research
 /// Interface 1.0 of its KRC2-LR controller.
 ///
-/// What the controller has to run: a KRL program that calls friOpen(period) and friSetup(address of
-/// this machine, port, port), sets $stiffness.strategy from $FRI_FRM_INT[1], calls friStart while
-/// $FRI_FRM_INT[2] is 1 and friStop once it is 0, and echoes that in $FRI_TO_INT[2]. It has to
-/// widen what the impedance controller may deviate ($stiffness.axismaxdelta, axismaxdeltatrq),
-/// since here all force comes as torque on top.
+/// The controller must run a KRL program that calls friOpen(period) and friSetup(address of this
+/// machine, port, port), and sets $stiffness.strategy from $FRI_FRM_INT[1]. The program calls
+/// friStart while $FRI_FRM_INT[2] is 1, calls friStop once it is 0, and echoes it in
+/// $FRI_TO_INT[2]. It must widen the deviation limits of the impedance controller
+/// ($stiffness.axismaxdelta, axismaxdeltatrq), because all force is additional torque.
 ///
-/// Not this driver: the successor, LBR iiwa. Its controller's "FRI 1.x" shares the name only. It
-/// speaks protocol buffers over UDP 30200 with the roles turned round (the client binds, the
-/// controller is addressed by its own application program). Open there: the ids of the monitor and
-/// command messages (0x245142, 0x34001), the fields of both (header, joint position and torque,
-/// wrench feed-forward, connection quality, session state IDLE to COMMANDING_ACTIVE), and client
-/// sources that can be read. Missing for a driver: permission to use those sources without the
-/// vendor's product (an own decoder of the messages is possible from the public field numbers), the
-/// iiwa's own kinematic and torque limits, a controller-side application, and hardware to see which
-/// command mode (torque or wrench overlay) holds its rate.
+/// The successor, LBR iiwa, is not supported: its "FRI 1.x" shares only the name. It uses protocol
+/// buffers over UDP 30200 with reversed roles (the client binds, the controller is addressed by its
+/// own application program). The ids of the monitor and command messages (0x245142, 0x34001), their
+/// fields and readable client sources are public. The fields are header, joint position and torque,
+/// wrench feed-forward, connection quality and session state (IDLE to COMMANDING_ACTIVE). A driver
+/// would need permission to use those sources without the vendor's product, or its own decoder from
+/// the public field numbers. It would also need the kinematic and torque limits of the iiwa and a
+/// controller-side application. Hardware is needed to test which command mode (torque or wrench
+/// overlay) keeps its rate.
 #include <atomic>
 #include <cstddef>
 #include <optional>
@@ -34,34 +34,35 @@
 
 namespace voxtouch::lwr {
 
-/// The numbers of an arm whose controller sends every `period_s`.
+/// Description of an arm whose controller sends every `period_s`.
 DeviceDescription describe_lwr(double period_s);
 
-/// read: kTimeout (nothing new in time; measurements that are too old are nothing new),
-/// kDisconnected (silence, or friClose), kProtocol (a measurement that cannot be trusted, or only
-/// malformed datagrams came), kFault (drive error, drives stay off, left command mode too often).
-/// While the controller is not in command mode samples come all the same, so that the answers keep
-/// coming that the quality is judged by. write: kNotFinite, kLimit (check_command), kRecoverable
-/// (not in command mode, quality dropped, too fast, not sent: `session` states it), kProtocol (the
-/// sample's pose was not valid), kTimeout (no unanswered measurement). After a kRecoverable the
-/// driver works its way back into command mode by itself.
+/// Errors of `read`: kTimeout (no new measurement in time, or only outdated ones), kDisconnected
+/// (silence, or friClose), kProtocol (an invalid measurement, or only malformed datagrams), kFault
+/// (drive error, drives stay off, left command mode too often). Outside command mode samples
+/// continue, so that the replies that determine the quality continue too.
 ///
-/// Force is J^T F, geometric Jacobian of the tool, plus the posture torque (posture_torque.hpp),
-/// with stiffness zero and the commanded position at the measured one. The joint torques of a
-/// command that would need more than `max_add_torque_nm` are made smaller in proportion. Twist is
-/// the Jacobian times low-passed joint rates, and lags as JointRates says.
+/// Errors of `write`: kNotFinite, kLimit (check_command), kRecoverable (not in command mode,
+/// quality dropped, too fast, not sent; `session` gives the reason), kProtocol (the pose of the
+/// sample was invalid), kTimeout (no unanswered measurement). After kRecoverable the driver returns
+/// to command mode by itself.
+///
+/// Force is J^T F, with the geometric Jacobian of the tool, plus the posture torque
+/// (posture_torque.hpp). Stiffness is zero and the commanded position is the measured one. Joint
+/// torques of a command beyond `max_add_torque_nm` are scaled down in proportion. The twist is the
+/// Jacobian times low-passed joint rates, with the lag of JointRates.
 ///
 /// Time: periods counted from the first measurement (virtual time: from the first sample in command
-/// mode). A controller that announces virtual time (fri::kVirtualTime) makes `simulated()` true: it
-/// waits for each answer, so `read` waits for it, up to `virtual_timeout_s` whatever its own
-/// timeout; the constructor then returns in command mode.
+/// mode). A controller that announces virtual time (fri::kVirtualTime) makes `simulated()` true. It
+/// waits for each reply, so `read` waits for it up to `virtual_timeout_s`, independent of its own
+/// timeout. The constructor then returns in command mode.
 class LwrDriver : public arm::RequestReplyDriver {
  public:
-  /// Waits for the first measurement. Throws DeviceOpenError: port, capture file, nothing or
-  /// nothing readable within `connect_timeout_s`, a drive error; the sentence says what to check.
+  /// Waits for the first measurement. Throws DeviceOpenError, with a remedy: port, capture file, no
+  /// valid measurement within `connect_timeout_s`, a drive error.
   explicit LwrDriver(const LwrOptions& options);
-  /// No push, then the handshake out of command mode (kept up until the controller followed, at
-  /// most `stop_timeout_s`); closes.
+  /// Removes the force and leaves command mode by the handshake (until the controller followed, at
+  /// most `stop_timeout_s`); then closes.
   ~LwrDriver() override;
 
   void stop() noexcept override;
@@ -73,16 +74,16 @@ class LwrDriver : public arm::RequestReplyDriver {
     return {q_.data(), static_cast<std::size_t>(q_.size())};
   }
 
-  /// For the thread that owns it: the handshake, the newest measurement, and the packets' numbers.
-  /// Real-time safe.
+  /// For the owning thread: the handshake, the newest measurement, and the packet counts. Real-time
+  /// safe.
   const fri::FriSession& session() const noexcept { return session_; }
   const fri::MsrPacket& measurement() const noexcept { return msr_; }
   const fri::SequenceCounts& sequence() const noexcept { return sequence_.counts(); }
   std::uint64_t clock_disagreements() const noexcept {
     return clock_ ? clock_->disagreements() : 0;
   }
-  /// What keeps the force off and what to do, or that nothing does; with the drives' bits as joint
-  /// names. Allocates.
+  /// Reason for zero force and the remedy, or that force is possible; with the drives' bits as
+  /// joint names. Allocates.
   std::string status_text() const;
   UdpEndpoint local() const noexcept { return socket_->local(); }
   UdpEndpoint controller() const noexcept { return controller_; }
@@ -114,7 +115,7 @@ class LwrDriver : public arm::RequestReplyDriver {
   LwrLimits limits_;
   fri::SequenceTracker sequence_;
   fri::FriSession session_;
-  std::optional<fri::FriComposer> composer_;  // these two: once the period is known
+  std::optional<fri::FriComposer> composer_;  // both exist once the period is known
   std::optional<fri::FriClock> clock_;
   arm::JointRates rates_;
 
@@ -125,10 +126,10 @@ class LwrDriver : public arm::RequestReplyDriver {
   std::size_t last_bad_size_ = 0;
   UdpEndpoint last_bad_from_;
   std::int64_t period_ns_ = 1'000'000;
-  std::uint64_t steps_ = 0;  // periods since the last measurement that was accepted
-  bool pushing_ = false;     // the last answer held a push
+  std::uint64_t steps_ = 0;  // periods since the last accepted measurement
+  bool pushing_ = false;     // the last reply contained a force
 
-  /// For last_error(), which other threads ask.
+  /// For last_error(), which other threads call.
   struct Noted {
     fri::Diagnostic diagnostic = fri::Diagnostic::kNone;
     bool usable = true;  // the last measurement

@@ -1,4 +1,4 @@
-// Opening and closing the light-weight robot: the parts of LwrDriver that may wait, throw and
+// Opening and closing the light-weight robot: the parts of LwrDriver that may block, throw and
 // allocate.
 #include <fmt/format.h>
 
@@ -83,7 +83,7 @@ void LwrDriver::connect() {
         "device 'lwr': the controller at {} announces a period of {} s, valid: 1 to 100 ms",
         text_of(controller_), period_s));
   period_ns_ =
-      std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is a little off
+      std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is slightly off
   virtual_time_ = msr_.krl.integer[fri::kToIntSimulated] == fri::kVirtualTime;
   composer_.emplace(composer_rules(options_, 1e-9 * static_cast<double>(period_ns_)));
   clock_.emplace(period_ns_, virtual_time_);
@@ -119,7 +119,7 @@ std::string LwrDriver::nothing_came() const {
       where, socket_->local().port);
 }
 
-/// Virtual time stands still meanwhile, so the whole handshake fits in here.
+/// Virtual time does not advance meanwhile, so the whole handshake is done here.
 void LwrDriver::start_in_virtual_time() {
   const double period_s = 1e-9 * static_cast<double>(period_ns_);
   const double patience_s = options_.session.start_timeout_s + options_.connect_timeout_s;
@@ -155,7 +155,8 @@ LwrDriver::~LwrDriver() {
     if (!options_.capture_file.empty())
       capture_.write(options_.capture_file);
   } catch (const std::exception&) {
-    // The file could be opened at the start; a disk that has filled since is no reason to abort.
+    // The file could be opened at the start; a disk that has filled up since then must not abort
+    // the process.
   }
 }
 

@@ -23,7 +23,7 @@ constexpr std::string_view kWire = "emulated-phantom";
 struct FaultKind {
   std::string_view name;
   int code;
-  double usual;  // amount
+  double usual;  // default amount
 };
 constexpr std::array kFaults{
     FaultKind{"comm_error", HDSIM_COMM_ERROR, -1.0},
@@ -93,7 +93,7 @@ devices::SettingReader emulator_settings(const devices::DeviceOptions& options) 
           {"fault"}};
 }
 
-/// What both names share.
+/// Common options of both devices.
 PhantomOptions driver_options(const devices::SettingReader& settings) {
   PhantomOptions o;
   o.library = settings.text("library").value_or("");
@@ -119,8 +119,7 @@ PhantomOptions hardware_options(const devices::DeviceOptions& options) {
   return o;
 }
 
-/// The hooks that set the scene for the simulated library, which stays loaded for as long as the
-/// process runs.
+/// The hooks that configure the simulated library. It stays loaded until the process ends.
 const HdSimHooks& hooks_of(const HdLibrary& library) {
   if (library.hooks().complete())
     return library.hooks();
@@ -130,7 +129,7 @@ const HdSimHooks& hooks_of(const HdLibrary& library) {
                   kWire, library.name()));
 }
 
-/// The simulated library, configured for what it simulates before a driver opens it.
+/// The simulated library, configured for the driver that opens it.
 class SimulatedArm {
  protected:
   SimulatedArm(const PhantomOptions& driver, const devices::DeviceOptions& options,

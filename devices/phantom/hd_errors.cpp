@@ -5,7 +5,8 @@
 namespace voxtouch::phantom {
 namespace {
 
-// More than any stack holds: a library that never answers "none" must not catch the servo thread.
+// More than any stack holds: a library that never reports an empty stack must not block the servo
+// thread.
 constexpr int kMaxAtOnce = 256;
 
 }  // namespace
@@ -28,7 +29,7 @@ HdVerdict classify(hd::HDerror code) noexcept {
     case hd::kIllegalEnd:
     case hd::kFrameError:
       return {HdSeverity::kRefused, devices::DeviceError::kProtocol};
-    case hd::kBadHandle:  // the device was disabled behind our back
+    case hd::kBadHandle:  // the device was disabled by other code
     case hd::kCommError:
     case hd::kCommConfigError:
       return {HdSeverity::kFatal, devices::DeviceError::kDisconnected};

@@ -13,8 +13,8 @@
 namespace voxtouch::phantom {
 namespace {
 
-// The name for building, which every release installs, and the run-time names of the releases
-// of 3.4 and 3.0.
+// The development name, which every release installs, and the run-time names of releases 3.4 and
+// 3.0.
 const std::vector<std::string>& usual_names() {
   static const std::vector<std::string> names = {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"};
   return names;
@@ -33,7 +33,7 @@ HdSimHooks find_hooks(void* library) {
 
 }  // namespace
 
-/// Global: the vendor's library looks for its device drivers' symbols at large.
+/// Global: the vendor's library resolves symbols of its device drivers globally.
 std::string HdLibrary::open(const std::string& file) {
   void* const library = dlopen(file.c_str(), RTLD_LAZY | RTLD_GLOBAL);
   if (library == nullptr) {
@@ -52,7 +52,7 @@ std::string HdLibrary::open(const std::string& file) {
 const HdLibrary& HdLibrary::load(const std::string& path) {
   static std::mutex mutex;
   static const HdLibrary* loaded =
-      nullptr;  // never freed: its functions are called until the process ends
+      nullptr;  // never unloaded: its functions are called until the process ends
   const std::lock_guard lock(mutex);
   if (loaded != nullptr) {
     if (path.empty() || path == loaded->name_)

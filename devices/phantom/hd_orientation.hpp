@@ -1,19 +1,20 @@
 #pragma once
-/// The rotation in a transform of the library, which is column-major and not quite orthonormal.
+/// Extracts the rotation of a transform of the library, which is column-major and not exactly
+/// orthonormal.
 #include <Eigen/LU>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch::phantom {
 
-/// Of any entry of R^T R from the identity.
+/// Tolerance of any entry of R^T R minus the identity.
 inline constexpr double kOrthonormalWithin = 0.05;
 
 /// The rotation nearest to the upper left block of `transform16`, as a unit quaternion with w of
-/// either sign; false and `out` left as it was where the block is not finite, mirrors, or is
-/// further from a rotation than `kOrthonormalWithin`. Nearest in the Frobenius norm: the polar
-/// factor, by Newton's iteration X := (X + X^-T) / 2 (Higham), which squares the error each time.
-/// Real-time safe.
+/// either sign. Real-time safe.
+/// Returns false, with `out` unchanged, if the block is not finite, is a reflection, or deviates
+/// from a rotation by more than `kOrthonormalWithin`. Nearest in the Frobenius norm: the polar
+/// factor, by Newton's iteration X := (X + X^-T) / 2 (Higham), which converges quadratically.
 inline bool orientation_of(const double* transform16, Quat& out) noexcept {
   Mat3 x = Eigen::Map<const Eigen::Matrix4d>(transform16).topLeftCorner<3, 3>();
   if (!x.allFinite() || !(x.determinant() > 0.0))

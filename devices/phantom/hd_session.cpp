@@ -11,15 +11,15 @@
 namespace voxtouch::phantom {
 namespace {
 
-constexpr double kMilli = 1e-3;  // m in a mm, Nm in a mNm
+constexpr double kMilli = 1e-3;  // m per mm, Nm per mNm
 constexpr auto kPoll = std::chrono::milliseconds(10);
 constexpr int kTicksAPoll = 10;  // in virtual time
 constexpr double kPollS = 0.01;
 
 std::atomic<bool> g_in_use{
-    false};  // the servo loop is the process's, so there is one session a process
+    false};  // the servo loop belongs to the process, so there is one session per process
 
-/// Throws away what waits; the first of it that matters, which is the newest.
+/// Discards all waiting errors; returns the newest relevant one.
 hd::HDerror take_errors(const hd::Api& api) {
   hd::HDerror newest = hd::kSuccess;
   for (int i = 0; i < 256; ++i) {
@@ -32,7 +32,7 @@ hd::HDerror take_errors(const hd::Api& api) {
   return newest;
 }
 
-hd::HDenum style_of(int bits) noexcept {  // the last that is supported wins, in this order
+hd::HDenum style_of(int bits) noexcept {  // the last supported one is selected, in this order
   hd::HDenum style = 0;
   for (const hd::HDenum s :
        {hd::kCalibrationEncoderReset, hd::kCalibrationInkwell, hd::kCalibrationAuto})
@@ -91,7 +91,7 @@ void HdSession::initiate() {
   std::string tried;
   if (!options_.name.empty() && initiate(options_.name.c_str(), tried))
     return;
-  // Releases differ in which of these they know, and in whether they take null for it.
+  // Releases differ in the names that they accept, and in whether they accept null.
   for (const char* name : {"Default Device", "Default PHANToM", hd::kDefaultDevice})
     if (initiate(name, tried))
       return;
@@ -126,8 +126,8 @@ bool HdSession::initiate(const char* name, std::string& tried) {
   return false;
 }
 
-/// Absent: the library knows no such number, or it is none. Up to 16 values may be written; the
-/// first counts.
+/// Absent if the library does not support the parameter or returns NaN. It may write up to 16
+/// values; the first is used.
 std::optional<double> HdSession::number(hd::HDenum name) {
   std::array<double, 16> values;
   values.fill(std::nan(""));
@@ -154,8 +154,8 @@ void HdSession::ask() {
   facts_.max_force_n = number(hd::kNominalMaxForce).value_or(0.0);
   facts_.continuous_force_n = number(hd::kNominalMaxContinuousForce).value_or(0.0);
   facts_.max_stiffness_n_per_m = number(hd::kNominalMaxStiffness).value_or(0.0) / kMilli;
-  // The unit is not documented. mNm, as torques are set in: were it Nm, the limit would be too low
-  // and not too high.
+  // The unit is undocumented. mNm is assumed, as for setting torques. If it were Nm, the limit
+  // would be too low and not too high.
   facts_.max_torque_nm = number(hd::kNominalMaxTorqueForce).value_or(0.0) * kMilli;
   facts_.max_impulse_n_per_s = number(hd::kSoftwareForceImpulseLimit).value_or(0.0) / kMilli;
   facts_.temperatures = number(hd::kMotorTemperature) ? std::clamp(facts_.output_dof, 0, 6) : 0;
@@ -186,7 +186,7 @@ void HdSession::start(hd::HDSchedulerCallback callback, void* data) {
   claim_.scheduled = true;
   must("scheduling the servo callback");
   api_.hdStartScheduler();
-  claim_.started = true;  // also where it failed: stopping what does not run is no harm
+  claim_.started = true;  // also after a failure: stopping a loop that does not run is harmless
   must("starting the servo loop");
   const std::optional<int> rate = integer(hd::kUpdateRate);
   facts_.rate_hz = rate && *rate > 0 ? *rate : options_.rate_hz.value_or(0);

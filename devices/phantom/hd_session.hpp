@@ -1,5 +1,6 @@
 #pragma once
-/// One initiated device with its servo loop, from the opening to the end, whatever fails between.
+/// One initiated device with its servo loop, from opening to closing, with clean-up after any
+/// failure.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -11,23 +12,24 @@
 
 namespace voxtouch::phantom {
 
-/// Order of the opening: initiate; encoders to zero (devices that have no other calibration);
-/// ramping, clamping and, last, force output; callback at the highest priority; servo loop. Where a
-/// calibration needs the servo loop (inkwell, automatic) it comes after that, and force output
-/// after it. After each step the library's errors are taken and any of them ends the opening.
-///
-/// Order of the end, from wherever it got to: force output off, servo loop stopped, callback taken
-/// out, device disabled.
+/// Opens and closes a device in the required order.
+/// Opening: initiate; zero the encoders (devices without other calibration); set ramping, clamping
+/// and, last, force output; schedule the callback at the highest priority; start the servo loop. A
+/// calibration that needs the servo loop (inkwell, automatic) follows it, and force output follows
+/// the calibration. The errors of the library are read after each step, and any of them aborts the
+/// opening.
+/// Closing, from any state: force output off, servo loop stopped, callback removed, device
+/// disabled.
 class HdSession {
  public:
-  /// Initiates the device and asks it. Throws DeviceOpenError: another session is open in this
-  /// process, no device.
+  /// Initiates the device and reads its properties. Throws DeviceOpenError if another session is
+  /// open in this process or there is no device.
   HdSession(const HdLibrary& library, const PhantomOptions& options);
   ~HdSession();
   HdSession(const HdSession&) = delete;
   HdSession& operator=(const HdSession&) = delete;
 
-  /// From here on `callback(data)` runs once a tick. Throws DeviceOpenError: calibration, servo
+  /// From now on `callback(data)` runs once per tick. Throws DeviceOpenError: calibration, servo
   /// loop, rate, a limit.
   void start(hd::HDSchedulerCallback callback, void* data);
 
@@ -36,14 +38,14 @@ class HdSession {
   bool virtual_time() const noexcept { return virtual_time_; }
 
  private:
-  /// Undone by its destructor, so that a constructor which throws leaves nothing open.
+  /// Released by its destructor, so that a throwing constructor leaves nothing open.
   struct Claim {
     explicit Claim(const hd::Api& functions);
     ~Claim();
     Claim(const Claim&) = delete;
     Claim& operator=(const Claim&) = delete;
     const hd::Api& api;
-    hd::HHD device = hd::kInvalidHandle;  // 0 is a device
+    hd::HHD device = hd::kInvalidHandle;  // 0 is a valid device
     bool initiated = false, scheduled = false, started = false;
     hd::HDSchedulerHandle callback = 0;
   };

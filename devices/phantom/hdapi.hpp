@@ -1,11 +1,9 @@
 #pragma once
-/// What the driver uses of the vendor's device library (libHD.so, OpenHaptics HDAPI 3.x) on x86-64
-/// Linux: our own declarations of types, numbers and functions. Nothing is linked: the driver
-/// resolves the functions by name from whatever library it is set to load, the vendor's or the
-/// simulated one.
+/// The part of the vendor's device library that the driver uses (libHD.so, OpenHaptics HDAPI 3.x)
+/// on x86-64 Linux: own declarations of types, constants and functions. The driver links no library
+/// and resolves the functions by name at run time, from the vendor's library or the simulated one.
 ///
-/// Units at this border are the library's: mm, mm/s, N, mNm, rad, rad/s. Arrays of transforms are
-/// column-major.
+/// Units of this interface: mm, mm/s, N, mNm, rad, rad/s. Transforms are column-major arrays.
 #include <cstddef>
 #include <string_view>
 
@@ -71,7 +69,7 @@ inline constexpr HDerror kInvalidPriority = 0x0500;
 inline constexpr HDerror kSchedulerFull = 0x0501;
 inline constexpr HDerror kInvalidLicense = 0x0600;
 
-// --- state; type and unit behind each
+// --- state; type and unit in each comment
 inline constexpr HDenum kCurrentButtons = 0x2000;    // int, one bit a button
 inline constexpr HDenum kCurrentPosition = 0x2050;   // double x3, mm
 inline constexpr HDenum kCurrentVelocity = 0x2051;   // double x3, mm/s, smoothed
@@ -79,16 +77,16 @@ inline constexpr HDenum kCurrentTransform = 0x2052;  // double x16, column-major
 inline constexpr HDenum kCurrentForce = 0x2700;      // get, set: double x3, N
 inline constexpr HDenum kCurrentTorque = 0x2701;     // get, set: double x3, mNm
 
-// --- facts and settings of a device
+// --- properties and settings of a device
 inline constexpr HDenum kDeviceModelType = 0x2501;            // string
 inline constexpr HDenum kInputDof = 0x2553;                   // int
 inline constexpr HDenum kOutputDof = 0x2554;                  // int
-inline constexpr HDenum kCalibrationStyle = 0x2555;           // int, a set of bits
+inline constexpr HDenum kCalibrationStyle = 0x2555;           // int, bit set
 inline constexpr HDenum kUpdateRate = 0x2600;                 // int, Hz
 inline constexpr HDenum kNominalMaxStiffness = 0x2602;        // double, N/mm
 inline constexpr HDenum kNominalMaxForce = 0x2603;            // double, N
 inline constexpr HDenum kNominalMaxContinuousForce = 0x2604;  // double, N
-inline constexpr HDenum kMotorTemperature = 0x2605;       // double x OUTPUT_DOF, 0..1; 1 is too hot
+inline constexpr HDenum kMotorTemperature = 0x2605;  // double x OUTPUT_DOF, 0..1; 1 is overheated
 inline constexpr HDenum kSoftwareVelocityLimit = 0x2606;  // set: double, mm/s; also a capability
 inline constexpr HDenum kSoftwareForceImpulseLimit =
     0x2607;  // get, set: double, N/ms; also a capability
@@ -107,8 +105,8 @@ inline constexpr HDenum kCalibrationNeedsUpdate = 0x5001;
 inline constexpr HDenum kCalibrationNeedsManualInput = 0x5002;
 inline constexpr HDenum kCalibrationEncoderReset = 1, kCalibrationAuto = 2, kCalibrationInkwell = 4;
 
-/// Of the 36 functions that libHD.so 3.0.0 exports those that the driver and its tests call:
-/// X(name, result, arguments).
+/// The functions, of the 36 exported by libHD.so 3.0.0, that the driver and its tests call: X(name,
+/// result, arguments).
 // clang-format off
 #define VOXTOUCH_HD_FUNCTIONS(X)                                                               \
   X(hdInitDevice, HHD, (HDstring name))                                                        \
@@ -136,15 +134,15 @@ inline constexpr HDenum kCalibrationEncoderReset = 1, kCalibrationAuto = 2, kCal
   X(hdUnschedule, void, (HDSchedulerHandle handle))
 // clang-format on
 
-/// The functions, by the names that the library exports them under. Null until resolved.
+/// The functions, by their exported names. Null until resolved.
 struct Api {
 #define VOXTOUCH_HD_MEMBER(name, result, arguments) result(*name) arguments = nullptr;
   VOXTOUCH_HD_FUNCTIONS(VOXTOUCH_HD_MEMBER)
 #undef VOXTOUCH_HD_MEMBER
 };
 
-/// Fills `api` from `resolve(const char* name) -> void*` (dlsym); the name of the first function
-/// that is missing, or empty.
+/// Fills `api` from `resolve(const char* name) -> void*` (dlsym). Returns the name of the first
+/// missing function, or an empty text.
 template <class Resolve>
 std::string_view resolve_api(Api& api, Resolve&& resolve) {
   std::string_view missing;

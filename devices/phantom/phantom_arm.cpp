@@ -40,7 +40,7 @@ Mat3 phantom_jacobian_rate(const PhantomGeometry& g, const Vec3& q, const Vec3& 
 std::optional<Vec3> phantom_joints(const PhantomGeometry& g, const Vec3& tip) noexcept {
   const double depth = tip.z() + g.thigh_m;
   const double reach = std::hypot(tip.x(), depth);
-  const double height = tip.y() - g.shin_m;  // against the shoulder
+  const double height = tip.y() - g.shin_m;  // relative to the shoulder
   const double far = std::hypot(reach, height);
   // In a triangle of thigh, shin and `far`: the law of cosines.
   const double cosine =
@@ -57,14 +57,14 @@ Quat phantom_shin(const Vec3& q) noexcept {
   return Quat(Eigen::AngleAxisd(q[0], Vec3::UnitY()) * Eigen::AngleAxisd(-q[2], Vec3::UnitX()));
 }
 
-// Ry(a) Rx(b) Rz(c), with a = -g0 (right is a turn against +y), b = -g1, c = -g2 (clockwise as the
-// operator sees it).
+// Ry(a) Rx(b) Rz(c), with a = -g0 (right is a rotation against +y), b = -g1, c = -g2 (clockwise for
+// the operator).
 Vec3 gimbal_angles(const Vec3& q, const Quat& orientation) noexcept {
   const Mat3 r = (phantom_shin(q).conjugate() * orientation).toRotationMatrix();
   const double sine = std::clamp(-r(1, 2), -1.0, 1.0);
   const double middle = std::asin(sine);
   if (std::abs(sine) >
-      1.0 - 1e-12) {  // the outer axes coincide: all the turn is given to the first
+      1.0 - 1e-12) {  // the outer axes coincide: the whole rotation is assigned to the first
     return {-std::atan2(-r(2, 0), r(0, 0)), -middle, 0.0};
   }
   return {-std::atan2(r(0, 2), r(2, 2)), -middle, -std::atan2(r(1, 0), r(1, 1))};
@@ -84,9 +84,8 @@ const arm::ArmDescription& phantom_description() {
     };
     constexpr double kTurn = std::numbers::pi, kQuarter = kTurn / 2.0;
     constexpr double kAssumedRadS = 10.0, kAssumedNm = 1.8;  // 8.5 N at the end of the thigh
-    // They turn z to where the joint turns about: +y, -x, -y and -z. About z they stand so that no
-    // step from one to the next has a pitch of 90 degrees, at which URDF's three angles say
-    // nothing.
+    // They rotate z to the axis of the joint: +y, -x, -y and -z. Their rotation about z is chosen
+    // so that no step to the next has a pitch of 90 degrees, where the angles of URDF are singular.
     const Quat up = about(-kQuarter, Vec3::UnitX()), left = about(-kQuarter, Vec3::UnitY()),
                aside = about(kQuarter, Vec3::UnitZ());
     const Quat down = about(kQuarter, Vec3::UnitX()) * aside,
@@ -158,8 +157,7 @@ Mat3 PhantomDynamics::mass(const Vec3& q) const noexcept {
 }
 
 Mat3 PhantomDynamics::coriolis(const Vec3& q, const Vec3& v) const noexcept {
-  // Half the derivatives of M11 by the thigh and by the shin, and the one of M23 by its difference
-  // of angles.
+  // Half the derivatives of M11 by thigh and shin, and that of M23 by the difference of the angles.
   const double by_thigh =
       -thigh_wave_ * std::sin(2.0 * q[1]) - 0.5 * cross_ * std::sin(q[1]) * std::sin(q[2]);
   const double by_shin =

@@ -1,13 +1,13 @@
 #pragma once
-/// Kinematics and dynamics of the Phantom's arm: a turret, and a thigh and a shin that a parallel
-/// linkage drives from the base. Model and figures as in M. C. Cavusoglu, D. Feygin, F. Tendick, "A
-/// critical study of the mechanical and electrical properties of the PHANToM haptic interface",
-/// Presence 11 (2002).
+/// Kinematics and dynamics of the Phantom's arm: a turret, a thigh and a shin, driven from the base
+/// by a parallel linkage. Model and figures: M. C. Cavusoglu, D. Feygin, F. Tendick, "A critical
+/// study of the mechanical and electrical properties of the PHANToM haptic interface", Presence 11
+/// (2002).
 ///
 /// Joints: 0 turret about +y (right-handed), 1 thigh from the horizontal (up +), 2 shin from the
-/// vertical (up +); all against the base, so the third does not contain the second. Frame D: +x
-/// right, +y up, +z to the operator; its origin is the tip in the reset pose, where all joints are
-/// zero, the thigh is level and the shin hangs.
+/// vertical (up +). All are relative to the base, so the third does not include the second. Frame
+/// D: +x right, +y up, +z to the operator. Its origin is the tip in the reset pose, where all
+/// joints are zero, the thigh is horizontal and the shin vertical.
 #include <array>
 #include <optional>
 
@@ -32,43 +32,42 @@ struct PhantomInertia {
   Vec3 df_kg_m2{7.11e-4, 0.629e-4, 6.246e-4};
   double base_yy_kg_m2 = 11.87e-4;
   double l3_m = 0.0325, l5_m = -0.0368, l6_m = 0.0527;  ///< offsets of bars and counterweights
-  Vec3 rotor_kg_m2{1.9e-4, 1.35e-4, 1.35e-4};           ///< of the motors, seen at the joints
+  Vec3 rotor_kg_m2{1.9e-4, 1.35e-4, 1.35e-4};           ///< of the motors, reflected to the joints
 };
 
 /// The tip in D [m].
 Vec3 phantom_tip(const PhantomGeometry& geometry, const Vec3& joints) noexcept;
-/// d tip / d joints [m/rad]; the torque of a force at the tip is its transpose times the force.
+/// d tip / d joints [m/rad]; its transpose times a force at the tip is the joint torque.
 Mat3 phantom_jacobian(const PhantomGeometry& geometry, const Vec3& joints) noexcept;
-/// Its derivative by time.
+/// Its time derivative.
 Mat3 phantom_jacobian_rate(const PhantomGeometry& geometry, const Vec3& joints,
                            const Vec3& rates) noexcept;
-/// The joints that put the tip there, with the elbow up; absent where the arm does not reach (the
-/// limits of the joints are not looked at), or where the tip is on the turret's axis.
+/// Inverse kinematics of the tip, with the elbow up. Absent if the arm does not reach (joint limits
+/// are ignored) or the tip is on the turret's axis.
 std::optional<Vec3> phantom_joints(const PhantomGeometry& geometry, const Vec3& tip) noexcept;
 
 /// Orientation of the shin in D: identity in the reset pose.
 Quat phantom_shin(const Vec3& joints) noexcept;
 
-/// The gimbal's angles for a stylus `orientation` in D: first about the shin, then up and down,
-/// then about the stylus, with the library's signs (right +, up -, clockwise +). The middle one is
-/// in [-pi/2, pi/2].
+/// The gimbal angles of a stylus `orientation` in D: about the shin, up and down, about the stylus,
+/// with the signs of the library (right +, up -, clockwise +). The middle one is in [-pi/2, pi/2].
 Vec3 gimbal_angles(const Vec3& joints, const Quat& orientation) noexcept;
-/// The inverse: the stylus in D.
+/// The inverse: orientation of the stylus in D.
 Quat stylus_orientation(const Vec3& joints, const Vec3& gimbal) noexcept;
 
-/// The arm as a chain, for who draws it: turret, thigh, elbow (the shin against the thigh), and the
-/// gimbal's three with the library's signs. The base is D as the library has it. Of a Premium 1.5;
-/// figures of limits are assumed.
+/// The arm as a chain for visualisation: turret, thigh, elbow (shin relative to thigh), and the
+/// three gimbal joints with the signs of the library. The base is D as defined by the library.
+/// Geometry of a Premium 1.5; limits are assumed.
 inline constexpr int kChainJoints = 6;
 const arm::ArmDescription& phantom_description();
-/// Angles of that chain for a tip and a stylus in D [rad]; absent where the arm does not reach.
+/// Angles of that chain for a tip and a stylus in D [rad]; absent if the arm does not reach.
 /// Real-time safe.
 std::optional<std::array<double, kChainJoints>> phantom_chain(const PhantomGeometry& geometry,
                                                               const Vec3& tip,
                                                               const Quat& orientation) noexcept;
 
-/// The arm without anything in the hand: M(q) q'' + C(q, q') q' + G(q) = torque. Rotors are part of
-/// M. The constants are summed up once; all calls are real-time safe.
+/// The arm without load: M(q) q'' + C(q, q') q' + G(q) = torque. M includes the rotors. Constants
+/// are computed once; all calls are real-time safe.
 class PhantomDynamics {
  public:
   explicit PhantomDynamics(const PhantomGeometry& geometry = {}, const PhantomInertia& inertia = {},

@@ -13,10 +13,10 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kLookPeriods = 2;   // without a tick for this long the errors are looked at
-constexpr int kStallPeriods = 5;  // without a tick for this long the force is turned off without it
+constexpr int kLookPeriods = 2;   // without a tick for this long the errors are read
+constexpr int kStallPeriods = 5;  // without a tick for this long the force is turned off directly
 constexpr auto kFirstTick = 1s;
-constexpr auto kLongSilence = 200ms;  // worth a word to people
+constexpr auto kLongSilence = 200ms;  // worth a message
 
 }  // namespace
 
@@ -31,7 +31,7 @@ PhantomDriver::PhantomDriver(const PhantomOptions& options)
   servo_.emplace(library_, session_->device(), session_->facts(), description_,
                  options_.velocity_cutoff_hz, virtual_time_);
   session_->start(&PhantomServo::run, &*servo_);
-  description_ = describe_phantom(session_->facts());  // the rate is known now
+  description_ = describe_phantom(session_->facts());  // the rate is now available
   servo_->set_rate(description_.rate_hz);
   period_ = std::chrono::nanoseconds(std::llround(1e9 / description_.rate_hz));
   if (!virtual_time_)
@@ -67,7 +67,7 @@ devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
   if (const auto error = ended()) {
     servo_->drop();
     if (!came)
-      servo_->force_off();  // no tick is there to do it
+      servo_->force_off();  // no tick can do it
     return std::unexpected(*error);
   }
   if (!came)
@@ -83,8 +83,8 @@ devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
   return sample_.sample;
 }
 
-/// A tick that is overdue may never come: then the library's errors say why, and no other thread
-/// takes them.
+/// An overdue tick may never come. The errors of the library then give the reason, and no other
+/// thread reads them.
 bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {
@@ -97,7 +97,7 @@ bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   }
 }
 
-/// At least one; as many as fit into `timeout` where ticks pass without a sample.
+/// At least one tick; as many as fit into `timeout` if ticks give no sample.
 bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
   const auto most = std::max<std::int64_t>(1, std::chrono::nanoseconds(timeout) / period_);
   for (std::int64_t i = 0; i < most; ++i) {
@@ -106,7 +106,7 @@ bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
       return true;
     servo_->errors().drain(library_.api());
     if (result < 0)
-      servo_->errors().note(hd::kTimerError);  // there is no servo loop any more
+      servo_->errors().note(hd::kTimerError);  // the servo loop has stopped
     if (ended())
       return false;
   }
@@ -146,7 +146,7 @@ void PhantomDriver::stop() noexcept {
     servo_->force_off();
 }
 
-/// From what any thread may read.
+/// Uses only values that any thread may read.
 std::string PhantomDriver::last_error() const {
   const HdErrorLog& last_error = servo_->errors();
   if (const hd::HDerror fatal = last_error.fatal(); fatal != hd::kSuccess) {

@@ -10,12 +10,12 @@
 namespace voxtouch::phantom {
 namespace {
 
-// Where numbers come from. Confirmed in CHAI3D's model table: maximum force and stiffness of
-// Premium 1.5 (its 6DOF row) and 3.0, Desktop, Omni, Touch. Derived from a published link model:
-// mass of the Premium 1.5. Assumed: all else, data sheets from memory; the Premium 1.0 and the
-// high-force model have their sister's stiffness, and a range of mass is the sheet's figure and a
-// third less. Model names are confirmed but for "1.0", "High Force", and "1.5" without 6DOF, which
-// are assumed.
+// Sources of the numbers. Confirmed in CHAI3D's model table: maximum force and stiffness of Premium
+// 1.5 (its 6DOF row) and 3.0, Desktop, Omni, Touch. Derived from a published link model: mass of
+// the Premium 1.5. Assumed: all others, from data sheets recalled from memory. The Premium 1.0 and
+// the high-force model have the stiffness of their sister model; a range of mass is the figure of
+// the sheet and a third less. Model names are confirmed except "1.0", "High Force", and "1.5"
+// without 6DOF, which are assumed.
 constexpr std::array kFigures{
     //             prefix                            max  cont. stiffness  mass from, to  friction
     //             resolution
@@ -28,12 +28,12 @@ constexpr std::array kFigures{
     PhantomFigures{"PHANTOM Omni", 3.3, 0.88, 700.0, 0.030, 0.045, 0.26, 0.055e-3},
     PhantomFigures{"Touch", 3.3, 0.88, 400.0, 0.030, 0.045, 0.26, 0.055e-3},
 };
-// Confirmed: force and stiffness, which CHAI3D takes for models that it does not know. The rest
-// assumed: the span of the rows above.
+// Confirmed: force and stiffness, which CHAI3D uses for unknown models. The others are assumed: the
+// range of the rows above.
 constexpr PhantomFigures kUnknown{"", 6.0, 0.88, 1000.0, 0.030, 0.160, 0.26, 0.055e-3};
 
 constexpr double kFadeS =
-    0.02;  // of the guard; a force rate below max_force / this would not let it fade
+    0.02;  // of the guard; a force rate below max_force / this would prevent its fade
 
 bool starts_with(std::string_view name, std::string_view prefix) noexcept {
   const auto same = [](char a, char b) {
@@ -44,12 +44,12 @@ bool starts_with(std::string_view name, std::string_view prefix) noexcept {
          std::equal(prefix.begin(), prefix.end(), name.begin(), same);
 }
 
-// What no device of this family reaches is an error of the library, not a figure of the device.
+// A larger value than any device of this family has is an error of the library.
 constexpr double kMostForceN = 1'000.0, kMostTorqueNm = 100.0, kMostStiffness = 1e9,
                  kMostRate = 1e9;
 
 double known_or(double known, double most, double otherwise) noexcept {
-  return known >= 1e-3 && known <= most ? known : otherwise;  // NaN is not within
+  return known >= 1e-3 && known <= most ? known : otherwise;  // false for NaN
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ double continuous_force_n(const PhantomFacts& facts) noexcept {
 
 DeviceDescription describe_phantom(const PhantomFacts& facts) {
   const PhantomFigures& f = phantom_figures(facts.model);
-  DeviceDescription d = sim::sim_phantom().description;  // what all models share, with its sources
+  DeviceDescription d = sim::sim_phantom().description;  // common to all models, with its sources
   d.model = facts.model.empty() ? "Phantom" : facts.model;
   d.rate_hz = servo_rate_hz(facts.rate_hz);
   d.max_force_n = known_or(facts.max_force_n, kMostForceN, f.max_force_n);
@@ -83,7 +83,7 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
   d.coulomb_friction_n = f.coulomb_friction_n;
   d.position_resolution_m = f.position_resolution_m;
   d.delay_s = 1.0 / d.rate_hz;  // derived: a command is set one tick after its sample
-  if (d.max_torque_nm > 0.0) {  // assumed but for the stiffness, which CHAI3D's table has
+  if (d.max_torque_nm > 0.0) {  // assumed, except the stiffness, which is in CHAI3D's table
     d.inertia_min_kg_m2 = d.inertia_max_kg_m2 = 1e-4;
     d.damping_nms_per_rad = 1e-3;
     d.max_stiffness_nm_per_rad = 0.3;
@@ -91,7 +91,8 @@ DeviceDescription describe_phantom(const PhantomFacts& facts) {
   d.input_dof = static_cast<std::uint32_t>(std::clamp(facts.input_dof, 0, 7));
   d.output_dof = static_cast<std::uint32_t>(std::clamp(facts.output_dof, 0, 7));
   derive_slew_limits(d);
-  // What makes the device drop its force is never reached; the guard has to be able to fade.
+  // The force rate at which the device drops its force is never reached; the guard must be able to
+  // fade.
   const double dropped_n_per_s = known_or(facts.max_impulse_n_per_s, kMostRate, kMostRate);
   d.max_force_rate_n_per_s =
       std::max(d.max_force_n / kFadeS, std::min(d.max_force_rate_n_per_s, 0.9 * dropped_n_per_s));

@@ -11,9 +11,9 @@
 namespace voxtouch::phantom {
 namespace {
 
-constexpr double kMilli = 1e-3;  // m in a mm, Nm in a mNm
+constexpr double kMilli = 1e-3;  // m per mm, Nm per mNm
 constexpr std::int64_t kGapPeriods =
-    5;  // after a longer gap a difference of positions says nothing about now
+    5;  // after a longer gap a difference of positions is not the present velocity
 constexpr double kNoArmReachesM = 10.0;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
@@ -45,7 +45,7 @@ hd::HDCallbackCode PhantomServo::run(void* self) noexcept {
 }
 
 void PhantomServo::tick() noexcept {
-  errors_.drain(api_);  // heat and speed are judged before the tick
+  errors_.drain(api_);  // heat and speed are checked first in a tick
   const std::uint64_t known = errors_.count();
   const std::int64_t now = now_ns();
   api_.hdBeginFrame(device_);
@@ -66,7 +66,7 @@ void PhantomServo::publish() noexcept {
   if (samples_.put(seen_))
     count(counts_.superseded);
   else
-    wake_up_.post();  // where the one before was not taken yet its post still stands
+    wake_up_.post();  // if the previous sample was not taken, its post is still pending
 }
 
 std::int64_t PhantomServo::now_ns() const noexcept {
@@ -77,9 +77,9 @@ std::int64_t PhantomServo::now_ns() const noexcept {
   return std::llround(1e9 * state.time);
 }
 
-// --- what comes in
+// --- input
 
-/// What the library leaves as it was is no number, and found out as that.
+/// A value that the library leaves unset is NaN and is detected as such.
 void PhantomServo::read_frame() noexcept {
   raw_ = Raw{};
   api_.hdGetDoublev(hd::kCurrentPosition, raw_.position.data());
@@ -112,24 +112,23 @@ void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
                  std::exchange(set_n_, 0.0));
 }
 
-/// Leaves the pose as it was where there is none to be had from the frame.
+/// Keeps the previous pose if the frame contains no valid one.
 bool PhantomServo::see_pose() noexcept {
   Pose pose;
   pose.position = kMilli * Vec3(raw_.position[0], raw_.position[1], raw_.position[2]);
-  // Each by itself: the largest of three may be a number where one of them is none.
+  // Each separately: the maximum of three may be a number although one of them is NaN.
   if (!(pose.position.cwiseAbs().array() < kNoArmReachesM).all())
     return false;
   if (!orientation_of(raw_.transform.data(), pose.orientation))
     return false;
-  // The same rotation with the sign that is nearer to the last: no jump for whoever draws a line
-  // between the two.
+  // The same rotation with the sign nearer to the last, so that interpolation has no jump.
   if (pose.orientation.dot(seen_.sample.pose.orientation) < 0.0)
     pose.orientation.coeffs() *= -1.0;
   seen_.sample.pose = pose;
   return true;
 }
 
-// --- what goes out
+// --- output
 
 void PhantomServo::answer() noexcept {
   Command command;
@@ -143,7 +142,7 @@ void PhantomServo::answer() noexcept {
   set(command.wrench);
 }
 
-/// The last check stands here, directly before the library.
+/// The last check, at the call of the library.
 void PhantomServo::set(const Wrench& wrench) noexcept {
   Vec3 force = wrench.force;
   if (clamp_length(force, clamp_.limit_n()))
@@ -159,7 +158,7 @@ void PhantomServo::set(const Wrench& wrench) noexcept {
   count(counts_.pushed);
 }
 
-// --- the other thread's side
+// --- the side of the other thread
 
 bool PhantomServo::take(ServoSample& out, Clock::time_point deadline) noexcept {
   for (;;) {
@@ -172,8 +171,8 @@ bool PhantomServo::take(ServoSample& out, Clock::time_point deadline) noexcept {
   }
 }
 
-/// In this order: a tick between the two sets a force that the device does not give, and the next
-/// one turns it on.
+/// In this order: a tick in between sets a force that the device does not give, and the next one
+/// turns it on.
 void PhantomServo::force_off() noexcept {
   api_.hdDisable(hd::kForceOutput);
   force_off_.store(true, std::memory_order_release);

@@ -1,5 +1,5 @@
 #pragma once
-/// The half of the driver that runs in the library's servo thread: one frame a tick.
+/// The part of the driver that runs in the library's servo thread: one frame per tick.
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -17,7 +17,7 @@
 
 namespace voxtouch::phantom {
 
-/// What a tick saw.
+/// Result of a tick.
 struct ServoSample {
   devices::DeviceSample sample;  ///< time since the clock's own zero
   double force_limit_n = 0.0;    ///< of the thermal clamp
@@ -25,19 +25,20 @@ struct ServoSample {
 
 struct ServoCounts {
   std::atomic<std::uint64_t> ticks{0};
-  std::atomic<std::uint64_t> late{0};  ///< ticks that came more than half a period too late
+  std::atomic<std::uint64_t> late{0};  ///< ticks more than half a period late
   std::atomic<std::uint64_t> superseded{
-      0};  ///< samples that a newer one overtook before they were read
+      0};  ///< samples superseded by a newer one without being read
   std::atomic<std::uint64_t> invalid_poses{0};
   std::atomic<std::uint64_t> pushed{0};  ///< ticks that set a force
   std::atomic<std::uint64_t> withheld{
-      0};  ///< commands that met an error, or a pose that was not valid, in their tick
-  std::atomic<std::uint64_t> thermal{0};  ///< forces that were made smaller because motors are warm
+      0};  ///< commands dropped in their tick because of an error or an invalid pose
+  std::atomic<std::uint64_t> thermal{0};  ///< forces reduced because motors are warm
 };
 
-/// A tick: begin a frame, read, set the command that waits, end. Errors are taken before the frame,
-/// before the set and after the end. A command is set only where nothing has gone wrong since its
-/// `write`, and the tick's own pose is valid; else the tick sets nothing, which is zero force.
+/// A tick: begin a frame, read, set the waiting command, end the frame. Errors are read first,
+/// again when the command is to be set, and after the end. A command is set only if no error has
+/// occurred since its `write` and the pose of the tick is valid. Otherwise the tick sets nothing,
+/// which is zero force.
 class PhantomServo {
  public:
   using Clock = std::chrono::steady_clock;
@@ -52,25 +53,25 @@ class PhantomServo {
   static hd::HDCallbackCode run(void* self) noexcept;
 
   // --- for the thread that owns the driver; real-time safe
-  /// Waits until `deadline` at most, not at all where it has passed. False: no sample that has not
-  /// been taken.
+  /// Waits until `deadline`; returns at once if it has passed. Returns false if there is no unread
+  /// sample.
   bool take(ServoSample& out, Clock::time_point deadline) noexcept;
-  /// For the next tick; `errors` is the count of errors that the writer knows of.
+  /// Sets the command of the next tick. `errors`: error count seen by the writer.
   void push(const Wrench& command, std::uint64_t errors) noexcept {
     commands_.put({command, errors, true});
   }
-  /// The next tick sets nothing.
+  /// Makes the next tick set no force.
   void drop() noexcept { commands_.put({}); }
-  /// For a servo loop that has stopped ticking: takes the force without it. A tick that has a
-  /// command turns it on again, from the start of the device's ramp.
+  /// Removes the force without a tick, if the servo loop has stopped. A tick with a command turns
+  /// it on again, from the start of the device's ramp.
   void force_off() noexcept;
-  /// Since the last tick, or the construction.
+  /// Time since the last tick, or since construction.
   Clock::duration silence() const noexcept;
 
   HdErrorLog& errors() noexcept { return errors_; }
   const HdErrorLog& errors() const noexcept { return errors_; }
   const ServoCounts& counts() const noexcept { return counts_; }
-  /// What the ticks are to be judged by: how late they are, and what a gap is.
+  /// Sets the rate by which late ticks and gaps are detected.
   void set_rate(double rate_hz) noexcept;
 
  private:
@@ -83,7 +84,7 @@ class PhantomServo {
   struct Raw {
     static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     std::array<double, 3> position{kNone, kNone, kNone};
-    std::array<double, 16> transform{kNone};  // of the others the first decides
+    std::array<double, 16> transform{kNone};  // only the first is checked for the others
     std::array<double, 16> temperature{};
     int buttons = 0;
   };

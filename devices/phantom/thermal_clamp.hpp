@@ -1,17 +1,18 @@
 #pragma once
-/// Less force while motors are warm, so that the device need not drop it.
+/// Reduces the force while motors are warm, so that the device does not drop it.
 #include <algorithm>
 #include <span>
 
 namespace voxtouch::phantom {
 
-/// A limit of the force's magnitude. Any motor over `kWarm`: it shrinks by a thousandth a tick from
-/// what is being asked for, down to the continuous force. All under `kCool`: it grows by a
-/// thousandth a tick, up to the maximum. Between the two it stays. The rule is the one that the
-/// vendor publishes as an example. A temperature that is not finite counts as warm. Real-time safe.
+/// Limit of the force magnitude. Real-time safe.
+/// If any motor is above `kWarm`, the limit decreases by a thousandth per tick from the requested
+/// force, down to the continuous force. If all are below `kCool`, it increases by a thousandth per
+/// tick, up to the maximum. In between it is constant. The rule is an example published by the
+/// vendor. A non-finite temperature counts as warm.
 class ThermalClamp {
  public:
-  static constexpr double kWarm = 0.7, kCool = 0.5;  // 1: so hot that the device drops its force
+  static constexpr double kWarm = 0.7, kCool = 0.5;  // 1: the device drops its force
   static constexpr double kShrink = 0.999, kGrow = 1.001;
 
   ThermalClamp(double max_n, double continuous_n) noexcept
@@ -19,8 +20,8 @@ class ThermalClamp {
         floor_n_(std::min(continuous_n, max_n)),
         limit_n_(max_n) {}
 
-  /// Once a tick; no temperatures: no change. `asked_n`: magnitude of the force that was last set,
-  /// 0 for none.
+  /// Call once per tick; without temperatures the limit is unchanged. `asked_n`: magnitude of the
+  /// last set force, 0 without one.
   double see(std::span<const double> temperatures, double asked_n) noexcept {
     bool warm = false, cool = !temperatures.empty();
     for (const double t : temperatures) {
@@ -36,7 +37,7 @@ class ThermalClamp {
     return limit_n_;
   }
   double limit_n() const noexcept { return limit_n_; }
-  /// What is left of the maximum, (0, 1].
+  /// Present limit over the maximum, (0, 1].
   double fraction() const noexcept { return limit_n_ / max_n_; }
 
  private:

@@ -1,19 +1,21 @@
 #pragma once
-/// Velocity from poses. The library's own velocity is smoothed in a way that is not published, so
-/// it is not used.
+/// Velocity from poses. The smoothing of the library's own velocity is not published, so it is not
+/// used.
 #include <numbers>
 
 #include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::phantom {
 
-/// Backward difference over the time that really passed, then a first-order low-pass by backward
-/// Euler: twist += w dt / (1 + w dt) (difference - twist), w = 2 pi `cutoff_hz`. Any dt is stable.
-/// The twist lags a steady acceleration by half a period (the difference) and 1 / w (the low-pass).
-/// Outer frame's axes. Real-time safe.
+/// Backward difference over the elapsed time, then a first-order low-pass by backward Euler:
+///
+///     twist += w dt / (1 + w dt) (difference - twist),   w = 2 pi cutoff_hz
+///
+/// Any dt is stable. At constant acceleration the twist lags by half a period (the difference) and
+/// 1 / w (the low-pass). Axes of the outer frame. Real-time safe.
 class TwistEstimate {
  public:
-  /// `cutoff_hz`: f of the low-pass, above 0.
+  /// `cutoff_hz`: cut-off of the low-pass, > 0.
   explicit TwistEstimate(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
 
   /// The twist [m/s, rad/s] at `pose`, `dt_s` [s] after the last one.
@@ -28,7 +30,7 @@ class TwistEstimate {
     last_ = pose;
     return twist_;
   }
-  /// The next pose starts anew, at rest: after a gap a difference says nothing about now.
+  /// Restarts at rest with the next pose: after a gap a difference is not the present velocity.
   void restart() noexcept { started_ = false, twist_ = {}; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// A thread that waits, and one that may not wait and wakes it.
+/// Wakes a waiting thread from a thread that must not block.
 #include <semaphore.h>
 #include <time.h>
 
@@ -9,8 +9,8 @@
 
 namespace voxtouch::phantom {
 
-/// A POSIX semaphore: posting is one atomic operation, and a system call only where a thread waits.
-/// Look for what you wait for first, and wait then; a wait may end for nothing.
+/// A POSIX semaphore: posting is one atomic operation, and a system call only if a thread waits.
+/// Check the condition first, then wait; a wait may end without a change.
 class WakeUp {
  public:
   WakeUp() noexcept { sem_init(&semaphore_, 0, 0); }
@@ -19,12 +19,12 @@ class WakeUp {
   WakeUp& operator=(const WakeUp&) = delete;
 
   void post() noexcept { sem_post(&semaphore_); }
-  /// Forgets posts whose cause has been seen already.
+  /// Discards posts whose cause has been handled.
   void clear() noexcept {
     while (sem_trywait(&semaphore_) == 0) {
     }
   }
-  /// False: `deadline` passed without a post.
+  /// Returns false if `deadline` passed without a post.
   bool wait_until(std::chrono::steady_clock::time_point deadline) noexcept {
     const std::int64_t ns = std::chrono::nanoseconds(deadline.time_since_epoch()).count();
     const timespec at{static_cast<time_t>(ns / 1'000'000'000),

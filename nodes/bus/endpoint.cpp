@@ -32,7 +32,7 @@ Guid to_guid(const dds_builtintopic_guid_t& key) {
 
 template <class List>
 std::vector<dds_instance_handle_t> matched_handles(dds_entity_t endpoint, List list) {
-  // The call says how many there are, also where that is more than it was given room for.
+  // The call returns the total number, even if it exceeds the given capacity.
   std::vector<dds_instance_handle_t> handles(64);
   auto count = list(endpoint, handles.data(), handles.size());
   while (count > static_cast<dds_return_t>(handles.size())) {
@@ -43,7 +43,7 @@ std::vector<dds_instance_handle_t> matched_handles(dds_entity_t endpoint, List l
   return handles;
 }
 
-/// Both directions ask in the same way; `List` and `Data` are the two DDS calls.
+/// Common to both directions; `List` and `Data` are the two DDS calls.
 template <class List, class Data>
 std::vector<Guid> matched(dds_entity_t endpoint, List list, Data data) {
   std::vector<Guid> guids;

@@ -1,5 +1,5 @@
 #pragma once
-/// Move-only owner of a DDS handle, and the error that the bus throws while endpoints are made.
+/// Move-only owner of a DDS handle, and the error type of endpoint creation.
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -8,17 +8,18 @@
 
 namespace voxtouch::bus {
 
-/// Something about DDS failed while starting; the text is a sentence.
+/// A DDS call failed during start-up; the text is a sentence.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Deletes its entity when it goes. Not for the loop.
+/// Deletes its entity in the destructor. Not for the loop.
 class Entity {
  public:
   Entity() = default;
-  /// Takes `handle`; a negative one throws Error: `what` plus the DDS return code in words.
+  /// Takes ownership of `handle`. For a negative handle throws Error with `what` and the text of
+  /// the DDS return code.
   Entity(dds_entity_t handle, const std::string& what);
   Entity(Entity&& other) noexcept : handle_(std::exchange(other.handle_, 0)) {}
   Entity& operator=(Entity&& other) noexcept;

@@ -14,7 +14,7 @@
 namespace voxtouch::bus {
 namespace {
 
-/// A UDP socket that is closed when it goes.
+/// A UDP socket that is closed in the destructor.
 class Socket {
  public:
   Socket() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
@@ -34,7 +34,7 @@ class Socket {
   int fd_;
 };
 
-/// To `to` over the card; a group is joined first.
+/// Sends to `to` over the card; joins a multicast group first.
 bool datagram_returns(const Card& card, in_addr to, bool is_group) {
   const Socket receiver, sender;
   sockaddr_in address{};
@@ -58,7 +58,7 @@ bool datagram_returns(const Card& card, in_addr to, bool is_group) {
   return poll(&waiting, 1, 200) == 1;
 }
 
-/// Whether an element AllowMulticast of this XML switches multicast off.
+/// Whether an element AllowMulticast of this XML disables multicast.
 bool turns_multicast_off(std::string_view xml) {
   const std::size_t at = xml.find("<AllowMulticast>");
   return at != std::string_view::npos && xml.find("false", at) < xml.find("</AllowMulticast>", at);

@@ -1,5 +1,5 @@
 #pragma once
-/// A reader of a control topic: it gives the samples of one participant and refuses all others.
+/// Reader of a control topic that accepts the samples of one participant only.
 #include <memory>
 
 #include "nodes/bus/following.hpp"
@@ -7,8 +7,8 @@
 
 namespace voxtouch::bus {
 
-/// For fixed-size types. In real time its history holds one sample, the newest of the writer that
-/// is followed; in lockstep all of them, in order.
+/// For fixed-size types. The history holds the newest sample of the followed writer in real time,
+/// and all of them, in order, in lockstep.
 template <class T>
 class FollowedReader {
  public:
@@ -18,20 +18,20 @@ class FollowedReader {
       : following_(std::make_unique<Following>(Following::WhileUnbound::kTakeNothing)),
         reader_(participant, row, rig, profile, following_.get()) {}
 
-  /// The oldest waiting sample of the writer that is followed. Real-time safe apart from what DDS
-  /// itself does; looks at kMaxTakes samples at most, what is left comes next time.
+  /// Takes the oldest waiting sample of the followed writer. Real-time safe apart from the DDS
+  /// call. Examines at most kMaxTakes samples; the rest remain for the next call.
   bool take(T& sample, dds_instance_handle_t* writer = nullptr) noexcept {
     dds_instance_handle_t from = 0;
     for (int i = 0; i < kMaxTakes && reader_.take(sample, &from); ++i) {
       if (!following_->admits(from))
-        continue;  // it was stored before another writer was followed
+        continue;  // stored while another writer was followed
       if (writer)
         *writer = from;
       return true;
     }
     return false;
   }
-  /// Loops that answer sample after sample turn to other work after this many.
+  /// After this many samples a loop turns to its other work.
   static constexpr int kMaxTakes = 64;
 
   Following& following() const noexcept { return *following_; }
@@ -42,7 +42,7 @@ class FollowedReader {
   dds_entity_t condition() const noexcept { return reader_.condition(); }
 
  private:
-  std::unique_ptr<Following> following_;  // outlives the reader, which asks it
+  std::unique_ptr<Following> following_;  // outlives the reader, which calls it
   Reader<T> reader_;
 };
 

@@ -42,8 +42,8 @@ dds_topic_filter Following::filter() noexcept {
 
 bool Following::admits(dds_instance_handle_t writer) noexcept {
   const dds_instance_handle_t followed = writer_.load(std::memory_order_acquire);
-  // What is latched comes once. Of a participant that is found anew, after a cut of the network, it
-  // may come before `follow` knows its new writer.
+  // A latched value arrives once. After a network failure, the value of a rediscovered participant
+  // may arrive while `follow` has not selected its new writer.
   const bool unbound =
       followed == 0 || (rule_ == WhileUnbound::kTakeAll &&
                         has_gone_.load(std::memory_order_acquire) && followed != writer);
@@ -81,7 +81,7 @@ bool Following::follow(const Guid& participant) {
   writer_.store(found, std::memory_order_release);
   has_gone_.store(false, std::memory_order_release);
   if (found != 0 && !has_writer())
-    has_gone_.store(true, std::memory_order_release);  // since it was looked for
+    has_gone_.store(true, std::memory_order_release);  // since it was selected
   return found != 0;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Whose samples a reader takes in: those of one writer. DDS asks before it stores a sample, so
-/// what others write, however fast, takes no place in the reader's history and wakes no thread.
+/// Sample filter of a reader: it accepts the samples of one writer. DDS filters first and then
+/// stores, so other writers occupy no history and wake no thread.
 #include <array>
 #include <atomic>
 #include <map>
@@ -12,50 +12,52 @@ namespace voxtouch::bus {
 
 /// Samples of one participant that a reader refused.
 struct RefusedSamples {
-  Guid participant{};  ///< all zero: it went before it was known
+  Guid participant{};  ///< all zero: it left without being identified
   std::uint64_t count = 0;
 };
 
-/// `follow` and all that allocates: one slow thread. `writer`: any thread, real-time safe. Its
-/// address stays: the reader keeps it.
+/// One slow thread calls `follow` and all other allocating methods. `writer`: any thread, real-time
+/// safe. The object must not move, since the reader refers to it.
 class Following {
  public:
   enum class WhileUnbound : bool {
-    kTakeNothing,  ///< streams: a sample of an unknown writer is of no use
-    kTakeAll,  ///< latched values, which come before it is known whose is needed; also while the
-               ///< one that is followed has gone
+    kTakeNothing,  ///< streams: a sample of an unknown writer is useless
+    /// Latched values, which arrive while the relevant writer is unknown; also after the followed
+    /// writer has left.
+    kTakeAll,
   };
   explicit Following(WhileUnbound rule) noexcept : rule_(rule) {}
   Following(const Following&) = delete;
   Following& operator=(const Following&) = delete;
 
-  /// From now on the writer of `participant`. False, and no writer is followed, where this reader
-  /// has matched none of it.
+  /// Follows the writer of `participant`. Returns false, and follows no writer, if the reader has
+  /// matched none of its writers.
   bool follow(const Guid& participant);
   void follow_none() noexcept { writer_.store(0, std::memory_order_release); }
-  /// Nothing of `writer` is taken while no writer is followed, for one that sends what cannot be
-  /// ours. The last 16 are remembered.
+  /// Blocks `writer` while no writer is followed, after it has sent invalid data. The last 16 such
+  /// writers are stored.
   void refuse(dds_instance_handle_t writer) noexcept;
-  /// Its publication handle; 0: none's.
+  /// Publication handle of the followed writer; 0 if there is none.
   dds_instance_handle_t writer() const noexcept { return writer_.load(std::memory_order_acquire); }
 
   /// Whether this reader has matched a writer of `participant`.
   bool has_matched(const Guid& participant) const;
-  /// Whether the writer that is followed is still there.
+  /// Whether the followed writer is still present.
   bool has_writer() const;
-  /// Samples of others that came while a writer was followed; any thread.
+  /// Number of samples from other writers received while a writer was followed; any thread.
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
-  /// What was refused since the last call, of the first kMaxCounted writers.
+  /// Samples refused since the last call, for the first kMaxCounted writers.
   std::vector<RefusedSamples> take_refused();
 
-  // Of the reader.
-  /// Throws Error. From now on it is notified which writers leave.
+  // Called by the reader.
+  /// Subscribes to notifications about departing writers. Throws Error.
   void attach(dds_entity_t reader);
-  /// A writer has gone; remembered where it is the one that is followed. In a thread of DDS.
+  /// Handles the departure of a writer; stored if it is the followed one. Called in a thread of
+  /// DDS.
   void see_go(dds_instance_handle_t writer) noexcept;
-  /// What DDS asks before it stores a sample.
+  /// The filter that DDS applies to each received sample.
   dds_topic_filter filter() noexcept;
-  /// Whether a sample of `writer` is to be taken; counts. Real-time safe.
+  /// Whether to accept a sample of `writer`; counts refusals. Real-time safe.
   bool admits(dds_instance_handle_t writer) noexcept;
 
  private:
@@ -64,7 +66,7 @@ class Following {
   dds_entity_t reader_ = 0;
   std::atomic<dds_instance_handle_t> writer_{0};
   std::atomic<bool> has_gone_{
-      false};  ///< the writer that is followed has gone, and `follow` has not been called since
+      false};  ///< the followed writer has left, and `follow` has not been called since
   std::atomic<std::uint64_t> refused_{0};
   std::array<std::atomic<dds_instance_handle_t>, 16> unwanted_{};
   std::size_t unwanted_count_ = 0;
@@ -73,8 +75,8 @@ class Following {
     std::atomic<dds_instance_handle_t> writer{0};
     std::atomic<std::uint64_t> count{0};
   };
-  std::array<Counted, kMaxCounted> counted_{};  ///< a writer's place is the first that was free
-  std::map<dds_instance_handle_t, Guid> participants_;  ///< of writers that were refused
+  std::array<Counted, kMaxCounted> counted_{};  ///< each writer has the slot that was free first
+  std::map<dds_instance_handle_t, Guid> participants_;  ///< participants of refused writers
 };
 
 }  // namespace voxtouch::bus

@@ -15,9 +15,9 @@ namespace {
 using HumbleInfo = msg::rmw_dds_common_humble_ParticipantEntitiesInfo;
 using IronInfo = msg::rmw_dds_common_ParticipantEntitiesInfo;
 
-/// ROS 2's hash of rmw_dds_common/msg/ParticipantEntitiesInfo, from Iron on. Its names are bounded
-/// strings (string<=256), which are unbounded here: the bytes are the same and the hash is not, so
-/// it stands here as ROS 2 announces it.
+/// Hash of rmw_dds_common/msg/ParticipantEntitiesInfo in ROS 2 since Iron. ROS declares its names
+/// as bounded strings (string<=256); here they are unbounded. The serialised bytes are equal but
+/// the hash is not, so the ROS value is given here.
 constexpr std::string_view kInfoHash =
     "RIHS01_91a0593bacdcc50ea9bdcf849a938b128412cc1ea821245c663bcd26f83c295e";
 
@@ -29,7 +29,7 @@ Guid guid_of(dds_entity_t entity) {
   return guid;
 }
 
-/// A GUID as a GID; the bytes that Humble has more are 0.
+/// A GUID as a GID; the additional bytes of Humble are 0.
 template <class Gid>
 Gid to_gid(const Guid& guid) {
   Gid gid{};
@@ -37,7 +37,7 @@ Gid to_gid(const Guid& guid) {
   return gid;
 }
 
-/// A sequence of a C type over the elements of a vector, which keeps them.
+/// A C sequence that refers to the elements of a vector, which must outlive it.
 template <class Sequence, class Element>
 void lend(Sequence& sequence, std::vector<Element>& elements) {
   sequence._length = sequence._maximum = static_cast<std::uint32_t>(elements.size());
@@ -61,7 +61,7 @@ Graph::Graph(dds_entity_t participant, RosNode node)
       *(node_.graph == RosGraph::kHumble ? msg::Type<HumbleInfo>::descriptor
                                          : msg::Type<IronInfo>::descriptor);
   type.m_typename =
-      msg::Type<IronInfo>::descriptor->m_typename;  // Humble gives its layout the same name
+      msg::Type<IronInfo>::descriptor->m_typename;  // Humble uses the same name for its layout
   topic_ = Entity(dds_create_topic(participant, &type, "ros_discovery_info", nullptr, nullptr),
                   "cannot create the ROS graph topic");
   const qos::Qos qos =
@@ -96,7 +96,7 @@ void Graph::write_as() const {
   using Node = std::remove_pointer_t<decltype(Info::node_entities_info_seq._buffer)>;
   std::vector<Gid> readers = to_gids<Gid>(readers_), writers = to_gids<Gid>(writers_);
   std::vector<Node> nodes(1);
-  std::string name_space = node_.name_space, name = node_.name;  // DDS takes no const text
+  std::string name_space = node_.name_space, name = node_.name;  // DDS requires non-const text
   nodes[0].node_namespace = name_space.data();
   nodes[0].node_name = name.data();
   lend(nodes[0].reader_gid_seq, readers);
@@ -104,12 +104,13 @@ void Graph::write_as() const {
   Info info{};
   info.gid = to_gid<Gid>(participant_);
   lend(info.node_entities_info_seq, nodes);
-  dds_write(writer_.get(), &info);  // one that fails belongs to a participant that has gone
+  dds_write(writer_.get(), &info);  // a failed write belongs to a participant that has left
 }
 
 namespace {
 
-/// No longer than a participant of a lab has it. In a thread of DDS: allocates nothing.
+/// Size limit that exceeds every participant of a laboratory. Called in a thread of DDS: allocates
+/// nothing.
 template <class Info>
 bool fits(const void* sample) {
   constexpr std::uint32_t kMaxNodes = 16, kMaxEndpoints = 1024;
@@ -177,7 +178,7 @@ void Graph::take_names_as() {
     const Info& info = *static_cast<const Info*>(lent[0]);
     Guid participant{};
     std::copy_n(std::begin(info.gid.data), participant.size(), participant.begin());
-    // A participant names itself only.
+    // A participant may only name itself.
     if (of.valid_data &&
         participant_of_writer(names_.get(), of.publication_handle) == participant) {
       if (!named_.contains(participant) && named_.size() >= kMaxNames)

@@ -1,7 +1,7 @@
 #pragma once
-/// What ROS 2 tools show of a participant: its node's name, and which endpoints are the node's
-/// (`ros2 node list`, `ros2 node info`). Every participant that is a node writes it on
-/// `ros_discovery_info`, anew whenever an endpoint comes or goes.
+/// Presents a participant to ROS 2 tools (`ros2 node list`, `ros2 node info`): the name of its node
+/// and the node's endpoints. Each participant that is a node publishes this on `ros_discovery_info`
+/// whenever an endpoint is created or deleted.
 #include <array>
 #include <cstdint>
 #include <map>
@@ -19,8 +19,8 @@ namespace voxtouch::bus {
 /// DDS GUID of a participant or an endpoint, as bytes.
 using Guid = std::array<std::uint8_t, 16>;
 
-/// The two layouts of that message: a GID has 24 bytes in Humble, 16 in every later ROS 2. A domain
-/// holds one of them.
+/// The two layouts of that message: a GID has 24 bytes in Humble and 16 in later versions of ROS 2.
+/// A domain uses one of them.
 enum class RosGraph : std::uint8_t { kHumble, kIron };
 
 struct RosNode {
@@ -29,21 +29,22 @@ struct RosNode {
   RosGraph graph = RosGraph::kIron;
 };
 
-/// Of one participant, which must be there for as long as endpoints come. Not for the loop.
+/// The graph entry of one participant, which must outlive the last added endpoint. Not for the
+/// loop.
 class Graph {
  public:
   /// Throws Error.
   Graph(dds_entity_t participant, RosNode node);
-  /// Writers and readers of the node, as `ros_discovery_info` lists them. Any thread.
+  /// Adds or removes a writer or reader of the node in `ros_discovery_info`. Any thread.
   void add(const Guid& endpoint, qos::Endpoint kind);
   void remove(const Guid& endpoint, qos::Endpoint kind);
-  /// From now on names of other participants are read too. Throws Error. Not with DDS Security,
-  /// whose participants are all known.
+  /// Also reads the names of other participants from now on. Throws Error. Not used with DDS
+  /// Security, where all participants are identified.
   void read_names();
-  /// Takes what participants have written since the last call. Any thread.
+  /// Reads the names published since the last call. Any thread.
   void take_names();
-  /// The nodes of a participant as ROS 2 names them ("/talker", "/a and /b"); empty: unknown. Kept
-  /// after the participant has gone. Any thread.
+  /// The nodes of a participant as ROS 2 names them ("/talker", "/a and /b"); empty if unknown. The
+  /// name is kept after the participant leaves. Any thread.
   std::string name_of(const Guid& participant) const;
 
  private:
@@ -66,7 +67,7 @@ class Graph {
   std::uint64_t taken_ = 0;
 };
 
-/// An endpoint in the graph, for as long as this lives.
+/// Keeps an endpoint in the graph during its lifetime.
 class GraphEntry {
  public:
   GraphEntry() = default;

@@ -1,6 +1,6 @@
 #pragma once
-/// A reader of a latched control topic: it keeps the last value of each of several writers until it
-/// is known whose is needed.
+/// Reader of a latched control topic. It keeps the last value of several writers until one of them
+/// is selected.
 #include <algorithm>
 #include <memory>
 #include <vector>
@@ -11,19 +11,19 @@
 
 namespace voxtouch::bus {
 
-/// Values are kept as they came over the wire. Allocates, as DDS does for types with strings.
+/// Values are stored in wire form. Allocates, as DDS does for types with strings.
 template <class T>
 class LatchedReader {
  public:
   LatchedReader() = default;
   LatchedReader(const Participant& participant, const qos::Topic& row, std::string_view rig)
       : following_(std::make_unique<Following>(Following::WhileUnbound::kTakeAll)),
-        // As latched, but the history, which all writers share, has room for many.
+        // Latched QoS, but with a deep history, because all writers share it.
         reader_(participant, row, rig, qos::profile(qos::ProfileId::kStatus), following_.get()) {}
 
-  /// Calls f(const T&) where the writer that is followed has a value that f has not seen of it, the
-  /// newest if several have come. True if so. The same value written again is none. Looks at
-  /// kMaxTakes samples at most.
+  /// Calls f(const T&) if the followed writer has a value that f has not received; only the newest
+  /// is passed. Returns true if f was called. A repeated equal value is not new. Examines at most
+  /// kMaxTakes samples.
   template <class F>
   bool take(F&& f) {
     receive();
@@ -44,7 +44,7 @@ class LatchedReader {
     dds_sample_free(&value, msg::Type<T>::descriptor, DDS_FREE_CONTENTS);
     return whole;
   }
-  /// The writer that is followed has had its value taken: what runs is his.
+  /// Whether a value of the followed writer has been taken.
   bool current() const noexcept {
     return last_writer_ != 0 && last_writer_ == following_->writer() && !shown_.empty();
   }
@@ -56,7 +56,8 @@ class LatchedReader {
 
   static constexpr int kMaxTakes = 64;
   static constexpr std::size_t kMaxWriters = 16;
-  static constexpr std::size_t kMaxBytes = 1'000'000;  ///< of a value; a longer one is dropped
+  /// Size limit of a value; a longer one is dropped.
+  static constexpr std::size_t kMaxBytes = 1'000'000;
 
  private:
   struct Kept {
@@ -100,10 +101,10 @@ class LatchedReader {
     place->data = std::move(data);
   }
 
-  std::unique_ptr<Following> following_;  // outlives the reader, which asks it
+  std::unique_ptr<Following> following_;  // outlives the reader, which calls it
   Reader<T> reader_;
   std::vector<Kept> kept_;
-  std::vector<char> shown_;  ///< the value that f has seen last
+  std::vector<char> shown_;  ///< the last value passed to f
   dds_instance_handle_t last_writer_ = 0;
 };
 

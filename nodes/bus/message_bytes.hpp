@@ -1,6 +1,6 @@
 #pragma once
-/// Messages out of the bytes of a bag, without a participant: Cyclone DDS's own reader, which a
-/// type's description is enough for.
+/// Decodes messages from the bytes of a bag without a participant, by the CDR reader of Cyclone
+/// DDS. The type description is sufficient for it.
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_cdrstream.h>
 
@@ -14,8 +14,8 @@ namespace voxtouch::bus {
 
 constexpr std::size_t kCdrHeader = 4;
 
-/// The ring's streams are of fixed size and without padding: their CDR is the struct. False where
-/// the bytes are none.
+/// Streams of the ring have fixed size and no padding, so their CDR equals the struct. Returns
+/// false for an invalid message.
 template <class T>
 bool read_stream(std::span<const std::byte> bytes, T& message) {
   if (bytes.size() != sizeof message + kCdrHeader)
@@ -24,17 +24,18 @@ bool read_stream(std::span<const std::byte> bytes, T& message) {
   return true;
 }
 
-/// Calls f(const T&) for a message with texts; false, and no call, where the bytes are none.
-/// Allocates.
+/// Calls f(const T&) for a message with texts. Returns false, without a call, for an invalid
+/// message. Allocates.
 template <class T, class F>
 bool read_message(std::span<const std::byte> bytes, F&& f) {
   if (bytes.size() < kCdrHeader)
     return false;
   const auto encoding = std::to_integer<unsigned>(bytes[1]);
   if (bytes[0] != std::byte{0} || encoding > 1)
-    return false;  // plain CDR, big or little endian: what ROS 2 and Cyclone write
+    return false;  // plain CDR, big or little endian, as written by ROS 2 and Cyclone DDS
   const auto* ops = msg::Type<T>::descriptor->m_ops;
-  std::vector<char> body(bytes.size() - kCdrHeader + 8);  // DDS reads in words: room behind the end
+  std::vector<char> body(bytes.size() - kCdrHeader + 8);  // DDS reads whole words, so the buffer
+                                                          // has padding at its end
   std::memcpy(body.data(), bytes.data() + kCdrHeader, bytes.size() - kCdrHeader);
   std::uint32_t end = 0;
   const auto size = static_cast<std::uint32_t>(bytes.size() - kCdrHeader);

@@ -42,7 +42,7 @@ void fill(std::string& text, std::string_view slot, std::string_view value) {
   text.replace(text.find(slot), slot.size(), value);
 }
 
-/// Multicast is said to work: Linux does not say so of loopback, where it does.
+/// Multicast is declared as working: Linux does not report it for loopback, where it does work.
 std::string card_xml(std::string_view key, std::string_view value) {
   return fmt::format(R"(<NetworkInterface {}="{}" multicast="true"/>)", key, value);
 }
@@ -102,7 +102,7 @@ std::vector<Card> cards_of_this_host(const std::vector<Card>& cards) {
 
 namespace {
 
-/// Whether `holds` is true of the XML in this text, or of a file that it names.
+/// Whether `holds` is true for the XML in this text or for a file that it names.
 template <class Holds>
 bool any_part(std::string_view configuration, Holds holds) {
   constexpr std::string_view kFile = "file://";
@@ -123,7 +123,7 @@ bool any_part(std::string_view configuration, Holds holds) {
   return false;
 }
 
-/// Whether an element SharedMemory of this XML is switched on.
+/// Whether an element SharedMemory of this XML is enabled.
 bool enables_shared_memory(std::string_view xml) {
   for (std::size_t at = xml.find("<SharedMemory"); at != std::string_view::npos;
        at = xml.find("<SharedMemory", at + 1)) {
@@ -158,8 +158,8 @@ Network network_of(std::string_view interface_name, const std::vector<std::strin
   std::string xml(qos::kNetworkXml), peers_xml;
   for (const std::string& peer : peers)
     peers_xml += fmt::format(R"(<Peer address="{}"/>)", peer);
-  // Hosts that are asked are asked at every index up to the last. Without them a high one costs
-  // nothing; 119 are a domain's ports.
+  // Discovery contacts each peer at every participant index up to the last. Without peers a high
+  // index costs nothing; a domain has 119 ports.
   fill(xml, "@CARDS@", own_cards ? cards_xml(interface_name) : "");
   fill(xml, "@LAST_INDEX@", peers.empty() ? "119" : "32");
   fill(xml, "@PEERS@",
@@ -185,18 +185,18 @@ std::vector<int> udp_sockets() {
 
 namespace {
 
-/// Whether a socket of the kernel's list of UDP sockets (proc(5), net/udp) has one of these ports
-/// and is none of these inodes.
+/// Whether the kernel's list of UDP sockets (proc(5), net/udp) contains a socket with one of these
+/// ports that is not one of these inodes.
 bool has_port(std::istream& list, std::uint32_t first, std::uint32_t last,
               const std::vector<ino_t>& own) {
   std::string line;
-  std::getline(list, line);  // what the columns are
+  std::getline(list, line);  // skip the header line
   while (std::getline(list, line)) {
     unsigned port = 0;
     unsigned long long inode = 0;
     if (std::sscanf(line.c_str(), " %*u: %*[0-9A-F]:%x %*s %*s %*s %*s %*s %*u %*u %llu", &port,
                     &inode) != 2)
-      return true;  // no such list
+      return true;  // the list is not available
     if (port >= first && port <= last && std::ranges::find(own, inode) == own.end())
       return true;
   }
@@ -221,19 +221,20 @@ bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name,
       inodes.push_back(status.st_ino);
   const std::uint32_t first = kBase + kOfADomain * domain;
   std::ifstream ipv4("/proc/self/net/udp"),
-      ipv6("/proc/self/net/udp6");  // the latter takes datagrams of both; it may be switched off
+      ipv6("/proc/self/net/udp6");  // IPv6 sockets receive datagrams of both; IPv6 may be disabled
   return ipv4 && !has_port(ipv4, first, first + kOfADomain - 1, inodes) &&
          (!ipv6 || !has_port(ipv6, first, first + kOfADomain - 1, inodes));
 }
 
 void close_to_other_hosts(const std::vector<int>& sockets) {
-  std::vector<std::uint32_t> own;  // in this machine's byte order, as the kernel's filter compares
+  std::vector<std::uint32_t> own;  // in the byte order of this machine, as the kernel's filter
+                                   // compares
   const Addresses list = all_addresses();
   for (const ifaddrs* entry = list.get(); entry; entry = entry->ifa_next)
     if (const std::uint32_t address = ntohl(ipv4_of(*entry));
         address != 0 && address >> 24U != 127U)
       own.push_back(address);
-  constexpr std::size_t kMaxAddresses = 200;  // a jump of the filter goes 255 instructions far
+  constexpr std::size_t kMaxAddresses = 200;  // a jump of the filter spans at most 255 instructions
   own.resize(std::min(own.size(), kMaxAddresses));
 
   constexpr std::uint32_t kSource =

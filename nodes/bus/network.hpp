@@ -1,6 +1,6 @@
 #pragma once
-/// Where a DDS domain lives: on which network cards, which other hosts it asks, and which hosts can
-/// be received.
+/// Network of a DDS domain: its network cards, its discovery peers, and the hosts that it can
+/// receive.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -8,28 +8,27 @@
 
 namespace voxtouch::bus {
 
-/// Stands for an interface: this machine over loopback and its network cards, closed to other
-/// machines. ROS 2 tools, which listen on a card or on loopback, find the ring so, whatever their
-/// settings are.
+/// Interface name for this machine only: loopback and its network cards, closed to other machines.
+/// ROS 2 tools listen on a card or on loopback, so they find the ring with any setting.
 inline constexpr std::string_view kThisHost = "host";
 
-/// A network card with its first IPv4 address (in network order).
+/// A network card with its first IPv4 address (network byte order).
 struct Card {
   std::string name;
   std::uint32_t address = 0;
   bool is_loopback = false, is_multicast = false;
 };
 
-/// "10.0.0.1".
+/// For example "10.0.0.1".
 std::string to_text(std::uint32_t address);
 
-/// The cards that are up, in the system's order, which is that in which DDS looks for one.
+/// The active cards in the order of the system, which DDS also uses.
 std::vector<Card> network_cards();
-/// All IPv4 addresses of cards that are up.
+/// All IPv4 addresses of active cards.
 std::vector<std::uint32_t> own_addresses();
 
-/// Loopback and the first three cards that can do multicast: more DDS does not take, and one
-/// without would switch multicast off for all.
+/// Loopback and the first three cards with multicast. DDS accepts no more, and a card without
+/// multicast would disable it for all.
 std::vector<Card> cards_of_this_host(const std::vector<Card>& cards);
 
 struct Network {
@@ -37,30 +36,29 @@ struct Network {
   bool is_closed = false;     ///< to other machines
 };
 
-/// The built-in settings, and behind them what CYCLONEDDS_URI says (`added`), which overrides where
-/// both say something. Where that names network cards, those hold instead of `interface_name`.
-/// `peers` are other hosts to ask, also where multicast does not work. Throws Error where peers are
-/// to be asked from a network that is closed to them, and where `added` enables shared memory.
+/// The built-in settings followed by CYCLONEDDS_URI (`added`), which overrides them. If `added`
+/// names network cards, they replace `interface_name`. `peers` are hosts that discovery contacts
+/// directly, also without multicast. Throws Error if peers are given for a closed network, and if
+/// `added` enables shared memory.
 Network network_of(std::string_view interface_name, const std::vector<std::string>& peers,
                    std::string_view added);
 
-/// Whether this text (XML and names of files, as in CYCLONEDDS_URI) names network cards.
+/// Whether this text (XML and file names, as in CYCLONEDDS_URI) names network cards.
 bool names_cards(std::string_view configuration);
 
-/// UDP sockets of this process, also those that it inherited.
+/// UDP sockets of this process, including inherited ones.
 std::vector<int> udp_sockets();
 
-/// Whether no other participant of this machine is in the domain, and no host can be received: by
-/// the kernel's list of sockets, for each participant has a port of its domain from before it says
-/// anything until it has gone. `own` sockets do not count. False as well where the list does not
-/// state it: a network card or hosts to ask lead to other machines, CYCLONEDDS_URI
-/// (`added`) may have moved the ports, no list can be read.
+/// Whether this machine has no other participant in the domain and no other host can be received.
+/// Determined from the kernel's socket list, since a participant holds a port of its domain during
+/// its whole lifetime. `own` sockets are ignored. Returns false if the list is not conclusive: a
+/// network card or peers lead to other machines, CYCLONEDDS_URI (`added`) may change the ports, or
+/// no list is readable.
 bool is_alone_in_domain(std::uint32_t domain, std::string_view interface_name,
                         const std::vector<std::string>& peers, std::string_view added,
                         const std::vector<int>& own);
 
-/// From now on these sockets receive what comes from an address of this machine and nothing else.
-/// Throws Error.
+/// Restricts these sockets to datagrams from addresses of this machine. Throws Error.
 void close_to_other_hosts(const std::vector<int>& sockets);
 
 }  // namespace voxtouch::bus

@@ -28,8 +28,8 @@
 namespace voxtouch::bus {
 namespace {
 
-/// The lines of DDS while a domain or a participant starts: its return code alone does not give the
-/// cause.
+/// Collects the messages of DDS during the start of a domain or participant, because its return
+/// code alone does not give the cause.
 class StartLines {
  public:
   void clear() {
@@ -44,7 +44,7 @@ class StartLines {
     if (!line.empty() && lines_.size() < kMaxLines)
       lines_.emplace_back(line.substr(0, kMaxBytes));
   }
-  /// The lines so far, joined; what DDS returned where there are none.
+  /// The collected messages, joined; without messages, the text of the DDS return code.
   std::string text(dds_return_t code) const {
     const std::lock_guard lock(mutex_);
     std::string all;
@@ -63,10 +63,10 @@ StartLines& start_lines() {
   return lines;
 }
 
-/// What DDS has to say, with its time and thread in front: its own way to stderr would hold up the
-/// thread that receives. It has a line for every malformed datagram, so any sender of such could
-/// fill a disk with them. Our configuration sets up no tracing, for DDS writes what it traces by
-/// itself.
+/// Prints messages of DDS with time and thread, without blocking: the default output to stderr
+/// would stall the receiving thread. DDS prints a message for each malformed datagram, so the rate
+/// is limited; otherwise a sender could fill a disk. The configuration enables no tracing, which
+/// DDS writes by itself.
 void say(void*, const dds_log_data_t* data) {
   if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING | DDS_LC_CONFIG)) != 0)
     start_lines().add({data->message, data->size});
@@ -80,9 +80,9 @@ void say(void*, const dds_log_data_t* data) {
   console::log("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
 }
 
-/// DDS opens sockets, wait sets and files as it starts, and dies where it gets none; it waits by
-/// select, which takes no descriptor beyond FD_SETSIZE. The soft limit is only a default and is
-/// raised.
+/// DDS opens sockets, wait sets and files during start-up and aborts without descriptors. It uses
+/// select, which accepts no descriptor beyond FD_SETSIZE. The soft limit is only a default, so it
+/// is raised.
 void require_descriptors() {
   constexpr std::size_t kNeeded = 64;
   rlimit limit{};
@@ -131,7 +131,7 @@ void require_threads() {
                 ". Raise the process limit (`ulimit -u`) or pids.max of the container");
 }
 
-/// Which setting to change, by what DDS printed.
+/// The setting to change, chosen by the message of DDS.
 std::string start_remedy(std::string_view cause) {
   if (cause.contains("receive buffer"))
     return "allow larger socket buffers (`sysctl net.core.rmem_max`) or request less in "
@@ -148,7 +148,7 @@ std::string start_remedy(std::string_view cause) {
   return "`ip link` lists the interfaces, --interface selects one";
 }
 
-/// DDS says of each card that it cannot use the same.
+/// DDS prints the same message for every card that it cannot use.
 struct CardFault {
   std::string cause, remedy;
 };
@@ -176,7 +176,7 @@ std::string start_fault(const ParticipantOptions& options, const std::string& ca
          ". Remedy: " + (card ? card->remedy : start_remedy(cause));
 }
 
-/// A domain is configured once a process, before its first participant; nodes composed into one
+/// A domain is configured once per process, by its first participant. Nodes composed into one
 /// process share it.
 void configure_domain(const ParticipantOptions& options) {
   static std::mutex mutex;
@@ -189,8 +189,8 @@ void configure_domain(const ParticipantOptions& options) {
     return std::tie(o.network_interface, o.discovery_peers, o.security);
   };
   if (const auto known = configured.find(options.domain); known != configured.end()) {
-    // One with DDS Security together with one without crashes in Cyclone DDS 0.10.2, and of two
-    // certificates the second has the first one's rights.
+    // Mixing participants with and without DDS Security crashes Cyclone DDS 0.10.2. Of two
+    // certificates, the second would get the rights of the first.
     if (settings(known->second) != settings(options))
       throw Error(
           "domain " + std::to_string(options.domain) +

@@ -1,5 +1,5 @@
 #pragma once
-/// A reader that hands out messages in their wire form, of any type that is compiled in.
+/// A reader that returns messages in wire form, for any compiled-in type.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -13,15 +13,16 @@ namespace voxtouch::bus {
 
 class RawReader {
  public:
-  /// Matches writers of `type` by its name, with type information and without. Throws Error.
+  /// Matches writers of `type` by its name, with or without type information. Throws Error.
   RawReader(dds_entity_t participant, const std::string& topic, const dds_topic_descriptor_t& type,
             const dds_qos_t* qos);
 
-  /// Calls f(std::span<const std::byte>), or with the writer's instance handle behind it, for each
-  /// waiting message, oldest first: encapsulation header and CDR as the writer sent them, alive
-  /// until f returns. From a machine of the other byte order they come in this one's; what is none
-  /// of the type never comes. DDS keeps no time of arrival. Does not block; f must not throw.
-  /// Returns how many.
+  /// Calls f(std::span<const std::byte>), optionally with the writer's instance handle, for each
+  /// waiting message, oldest first.
+  /// The bytes are the encapsulation header and the CDR as sent; they are valid until f returns.
+  /// DDS converts messages of the other byte order and drops messages that do not match the type.
+  /// DDS keeps no time of arrival. Does not block; f must not throw. Returns the number of
+  /// messages.
   template <class F>
   std::size_t take(F&& f) {
     constexpr std::uint32_t kBatch = 64;
@@ -34,7 +35,7 @@ class RawReader {
       for (std::size_t i = 0; static_cast<dds_return_t>(i) < n; ++i) {
         const Serdata data(taken[i]);
         if (!info[i].valid_data)
-          continue;  // only a writer that came or went
+          continue;  // only a writer that appeared or left
         ddsrt_iovec_t bytes{};
         ddsi_serdata* const lent =
             ddsi_serdata_to_ser_ref(data.get(), 0, ddsi_serdata_size(data.get()), &bytes);

@@ -19,9 +19,8 @@ class Reader {
         unread_(dds_create_readcondition(entities_.endpoint.get(), DDS_ANY_STATE),
                 "cannot create a read condition") {}
 
-  /// Takes the oldest waiting sample, if there is one, into `sample`; `writer` (if given) gets the
-  /// handle of its writer. Only for fixed-size types. Real-time safe apart from what DDS itself
-  /// does.
+  /// Takes the oldest waiting sample, if any, into `sample`. `writer` (optional) receives the
+  /// handle of its writer. Only for fixed-size types. Real-time safe apart from the DDS call.
   bool take(T& sample, dds_instance_handle_t* writer = nullptr) noexcept {
     assert(msg::Type<T>::descriptor->m_flagset & DDS_TOPIC_FIXED_SIZE &&
            "strings and sequences would never be freed: take_each");
@@ -29,16 +28,16 @@ class Reader {
     dds_sample_info_t info;
     while (dds_take(entities_.endpoint.get(), slot, &info, 1, 1) == 1) {
       if (!info.valid_data)
-        continue;  // only a writer that came or went
+        continue;  // only a writer that appeared or left
       if (writer)
         *writer = info.publication_handle;
       return true;
     }
     return false;
   }
-  /// Calls f(const T&), f(const T&, handle of its writer), or f(const T&, const
-  /// dds_sample_info_t&), for each waiting sample, oldest first, for `most` at most; for types with
-  /// strings and sequences, which DDS lends. Returns how many.
+  /// Calls f(const T&), f(const T&, writer handle) or f(const T&, const dds_sample_info_t&) for
+  /// each waiting sample, oldest first. At most `most` samples are taken. For types with strings
+  /// and sequences, whose memory belongs to DDS. Returns the number of samples.
   template <class F>
   int take_each(F&& f, int most = std::numeric_limits<int>::max()) {
     int count = 0;
@@ -65,13 +64,13 @@ class Reader {
   std::vector<dds_instance_handle_t> writer_handles() const {
     return matched_writer_handles(entities_.endpoint.get());
   }
-  /// How many writers there are; real-time safe, as the next.
+  /// Number of matched writers; real-time safe.
   std::uint32_t matched_count() const noexcept {
     dds_subscription_matched_status_t status{};
     dds_get_subscription_matched_status(entities_.endpoint.get(), &status);
     return status.current_count;
   }
-  /// Since it was made.
+  /// Number of missed deadlines since creation; real-time safe.
   std::uint64_t deadlines_missed() const noexcept {
     dds_requested_deadline_missed_status_t status{};
     dds_get_requested_deadline_missed_status(entities_.endpoint.get(), &status);

@@ -13,7 +13,7 @@ std::string_view text_of(const dds_qos_t* qos, void** keeper) {
              : std::string_view();
 }
 
-/// Calls f(const T&, user data) for each that is announced on a built-in topic.
+/// Calls f(const T&, user data) for each entry of a built-in topic.
 template <class T, class F>
 void each_announced(dds_entity_t reader, F&& f) {
   void* lent[1] = {nullptr};

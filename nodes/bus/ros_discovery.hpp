@@ -1,5 +1,5 @@
 #pragma once
-/// Which ROS 2 takes part in the domain.
+/// Detects which version of ROS 2 participates in the domain.
 #include <set>
 #include <string>
 
@@ -7,20 +7,22 @@
 
 namespace voxtouch::bus {
 
-/// By the readers of `ros_discovery_info`: from Iron on they announce the hash of its type. Nodes
-/// of voxtouch do not count. One thread. Allocates.
+/// Uses the readers of `ros_discovery_info`: since Iron they announce the hash of its type. Nodes
+/// of voxtouch are ignored. One thread. Allocates.
 class RosDiscovery {
  public:
   /// Throws Error. `own` must outlive it.
   explicit RosDiscovery(const Participant& own);
-  /// Takes what was announced since the last call. Does not block.
+  /// Takes the announcements since the last call. Does not block.
   void poll();
 
-  std::size_t ros_participants() const noexcept { return ros_; }       ///< also of voxtouch
-  std::size_t other_participants() const noexcept { return others_; }  ///< neither of them
+  std::size_t ros_participants() const noexcept { return ros_; }  ///< includes voxtouch
+  /// Neither ROS 2 nor voxtouch.
+  std::size_t other_participants() const noexcept { return others_; }
   bool has_humble() const noexcept { return has_humble_; }
   bool has_later() const noexcept { return has_later_; }
-  /// A sentence if a ring that shows itself as `graph` is not seen by some of them; else empty.
+  /// A sentence if some participants cannot discover a ring that uses the layout `graph`; else
+  /// empty.
   std::string mismatch(RosGraph graph) const;
 
  private:

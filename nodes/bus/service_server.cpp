@@ -10,8 +10,8 @@ namespace {
 
 constexpr dds_duration_t kPatience = DDS_MSECS(100);
 
-/// The type's hash and, so that clients see that both endpoints are one server's, a name that no
-/// other has.
+/// Announces the hash of the type, and a unique name that both endpoints share. Clients identify
+/// the server by it.
 qos::Qos service_qos(qos::Endpoint endpoint, const std::string& server, const msg::AnyType& type) {
   qos::Qos qos = qos::make_qos(qos::profile(qos::ProfileId::kService), endpoint, 0.0);
   const std::string words = "serviceid=" + server + ";typehash=" + std::string(type.hash) + ";";
@@ -26,14 +26,14 @@ Entity make_topic(const Participant& participant, const std::string& name,
       "topic " + name + " cannot be created");
 }
 
-/// What a client reports of itself: its participant, and the name that its two endpoints share.
+/// Announced by a client: its participant, and the name that its two endpoints share.
 struct Client {
   Guid participant{};
   std::string id;
   bool operator==(const Client&) const = default;
 };
 
-/// None where the endpoint has gone.
+/// Returns nothing if the endpoint has left.
 std::optional<Client> client_of(dds_builtintopic_endpoint_t* endpoint) {
   if (!endpoint)
     return {};

@@ -1,6 +1,6 @@
 #pragma once
-/// A ROS 2 service in the wire form of rmw_cyclonedds: requests and replies are messages, each
-/// behind its client's number and its own.
+/// A ROS 2 service in the wire form of rmw_cyclonedds. Requests and replies are messages that begin
+/// with the numbers of client and request.
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -13,27 +13,27 @@
 
 namespace voxtouch::bus {
 
-/// Who asked, and which of its requests it was.
+/// Identifies a request: its client and its number.
 struct Caller {
-  std::uint64_t client = 0;  ///< as it calls itself
+  std::uint64_t client = 0;  ///< number chosen by the client
   std::int64_t request = 0;
-  dds_instance_handle_t writer = 0;  ///< of its requests
+  dds_instance_handle_t writer = 0;  ///< of the client's requests
 };
 
-/// The endpoints of one service, whatever its type. Not for the loop: allocates.
+/// The endpoints of one service of any type. Not for the loop: allocates.
 class ServiceEndpoints {
  public:
-  /// `fits` is asked about each request before DDS stores it, in a thread of DDS: one that does not
+  /// `fits` is the filter for received requests, called in a thread of DDS. A request that does not
   /// fit is never answered. Throws Error.
   ServiceEndpoints(const Participant& participant, const qos::Service& row, std::string_view rig,
                    std::string_view node, const msg::AnyType& request, const msg::AnyType& response,
                    bool (*fits)(const void*));
 
-  /// Sends by `send`, as soon as the client's reader of replies is known here: DDS may report it a
-  /// moment after the request. One that is not known within 100 ms gets none, and of more than
-  /// kMaxWaiting the oldest.
+  /// Calls `send` once the client's reply reader has been discovered, which may be shortly after
+  /// the request. A reader that is not discovered within 100 ms gets no reply. Beyond kMaxWaiting
+  /// replies the oldest is dropped.
   void reply(const Caller& caller, std::function<void(dds_entity_t writer)> send);
-  /// Sends what has waited; often, while `waits`.
+  /// Sends deferred replies; call it often while `waits`.
   void send_waiting();
   bool waits() const noexcept { return !waiting_.empty(); }
   /// Triggers while requests wait: for WaitSet.
@@ -54,14 +54,14 @@ class ServiceEndpoints {
   std::deque<Waiting> waiting_;
 };
 
-/// `Service` is one of voxtouch_msgs/services.hpp.
+/// Server of `Service`, one of voxtouch_msgs/services.hpp.
 template <class Service>
 class ServiceServer {
  public:
   using Request = typename Service::Request;
   using Response = typename Service::Response;
 
-  /// `kFits` says of a request whether its texts and lists are no longer than ours ever are.
+  /// `kFits` checks that texts and lists of a request are within the size limits.
   template <bool (*kFits)(const Request&)>
   static ServiceServer make(const Participant& participant, const qos::Service& row,
                             std::string_view rig, std::string_view node) {
@@ -72,8 +72,8 @@ class ServiceServer {
          [](const void* request) { return kFits(*static_cast<const Request*>(request)); }});
   }
 
-  /// Calls f(const Request&, const Caller&) for each waiting request, oldest first, for `most` at
-  /// most. Does not block.
+  /// Calls f(const Request&, const Caller&) for each waiting request, oldest first, at most `most`.
+  /// Does not block.
   template <class F>
   int take(F&& f, int most) {
     int count = 0;
@@ -92,8 +92,8 @@ class ServiceServer {
     }
     return count;
   }
-  /// `fill(Response&, send)` fills in what is answered and calls `send()` while what it has lent
-  /// lives, now or later.
+  /// `fill(Response&, send)` fills in the response and calls `send()` while the referenced memory
+  /// is valid, immediately or later.
   template <class Fill>
   void reply(const Caller& caller, Fill fill) {
     endpoints_.reply(caller, [caller, fill = std::move(fill)](dds_entity_t writer) {
@@ -103,7 +103,7 @@ class ServiceServer {
       fill(response, [&] { dds_write(writer, &response); });
     });
   }
-  /// Whose request it is; all zero where it has gone.
+  /// The participant that sent the request; all zero if it has left.
   Guid participant_of(const Caller& caller) const {
     return participant_of_writer(endpoints_.reader(), caller.writer);
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Waits until one of several readers has something.
+/// Waits until one of several readers has a sample.
 #include "nodes/bus/participant.hpp"
 
 namespace voxtouch::bus {
@@ -9,7 +9,8 @@ class WaitSet {
   explicit WaitSet(const Participant& participant);
   /// Attaches a reader's condition. Throws Error.
   void attach(dds_entity_t condition);
-  /// True as soon as a condition triggers, false after `timeout`. Allocates nothing of ours.
+  /// Returns true when a condition triggers, false after `timeout`. Makes no allocation outside
+  /// DDS.
   bool wait(dds_duration_t timeout) noexcept;
 
  private:

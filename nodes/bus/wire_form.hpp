@@ -1,6 +1,5 @@
 #pragma once
-/// The wire form of a type, as Cyclone DDS itself writes and reads it, without a network between:
-/// what bags hold.
+/// Serialises and deserialises a type with Cyclone DDS, without a network. Used for bags.
 #include <dds/dds.h>
 
 #include <stdexcept>
@@ -15,7 +14,8 @@ namespace voxtouch::bus {
 template <class T>
 class WireForm {
  public:
-  /// DDS hands a type's serialiser out only behind a message: one is written and taken.
+  /// DDS exposes the serialiser of a type only through a message, so one is written and taken.
+  /// Throws Error.
   explicit WireForm(dds_entity_t participant) {
     const std::string name = "wire_form/" + std::string(msg::Type<T>::ros_name);
     const dds_entity_t topic =
@@ -42,12 +42,12 @@ class WireForm {
     ddsi_serdata_to_ser(data.get(), 0, out.size(), out.data());
     return out;
   }
-  /// Calls f(const T&) where a reader of T would get `cdr` (header and body) as a message; false
-  /// where DDS drops it.
+  /// Decodes `cdr` (header and body) as a reader of T would, and calls f(const T&). Returns false
+  /// if DDS rejects it.
   template <class F>
   bool read(std::string_view cdr, F&& f) const {
     if (cdr.size() < 4)
-      return false;  // no header: asked before DDS is
+      return false;  // no header: DDS does not check it
     const ddsrt_iovec_t part{const_cast<char*>(cdr.data()), cdr.size()};
     const Serdata data(ddsi_serdata_from_ser_iov(sample_->type, SDK_DATA, 1, &part, cdr.size()));
     if (!data)

@@ -13,12 +13,12 @@ class Writer {
          const qos::Profile& profile)
       : entities_(make_writer(participant, row, rig, profile, msg::kAnyType<T>)) {}
 
-  /// False if DDS did not take the sample (a bounded history stayed full for 100 ms).
+  /// Returns false if DDS did not accept the sample (a bounded history stayed full for 100 ms).
   bool write(const T& sample) noexcept {
     return dds_write(entities_.endpoint.get(), &sample) == DDS_RETCODE_OK;
   }
-  /// For lockstep, where nothing may be lost: asks again while a reader keeps the history full,
-  /// until `give_up`, which is asked ten times a second.
+  /// For lockstep, where no sample may be lost: retries while a reader keeps the history full.
+  /// Calls `give_up` ten times a second and stops when it returns true.
   template <class GiveUp>
   bool write_until(const T& sample, GiveUp give_up) noexcept {
     for (;;) {
@@ -27,17 +27,18 @@ class Writer {
         return taken == DDS_RETCODE_OK;
     }
   }
-  /// Waits until every matched reliable reader has acknowledged everything; false on time-out.
+  /// Waits until every matched reliable reader has acknowledged all samples. Returns false on
+  /// time-out.
   bool wait_for_acknowledgments(dds_duration_t timeout) noexcept {
     return dds_wait_for_acks(entities_.endpoint.get(), timeout) == DDS_RETCODE_OK;
   }
   std::vector<Guid> matched() const { return matched_readers(entities_.endpoint.get()); }
-  /// How many readers there are; real-time safe, as the next.
+  /// Number of matched readers; real-time safe.
   std::uint32_t matched_count() const noexcept { return matches().current_count; }
-  /// How many readers have come since it was made, also those that have gone.
+  /// Number of readers matched since creation, including departed ones; real-time safe.
   std::uint32_t ever_matched() const noexcept { return matches().total_count; }
   explicit operator bool() const noexcept { return static_cast<bool>(entities_.endpoint); }
-  /// By which readers of this process distinguish its samples from others'.
+  /// Handle by which readers of this process identify its samples.
   dds_instance_handle_t handle() const noexcept {
     dds_instance_handle_t handle = 0;
     dds_get_instance_handle(entities_.endpoint.get(), &handle);

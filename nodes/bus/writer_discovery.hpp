@@ -1,5 +1,5 @@
 #pragma once
-/// Which writers are on the network.
+/// Discovers the writers of the domain.
 #include "nodes/bus/entity.hpp"
 
 namespace voxtouch::bus {
@@ -11,8 +11,8 @@ class WriterDiscovery {
       : reader_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
                 "cannot list the writers on the network") {}
 
-  /// Calls f(const dds_builtintopic_endpoint_t&) for each writer that has come or changed since the
-  /// last call, also those of this process; what it is given belongs to DDS. Does not block.
+  /// Calls f(const dds_builtintopic_endpoint_t&) for each writer that appeared or changed since the
+  /// last call, including writers of this process. The argument belongs to DDS. Does not block.
   template <class F>
   void take(F&& f) {
     void* lent[1] = {nullptr};

@@ -26,8 +26,8 @@ void ContactCoupling::adopt(const AdoptedCoupling& next) {
   }
 }
 
-/// Faster than this no hand moves a device: the pose has jumped (a clutch, a restart), and that is
-/// no velocity.
+/// No operator moves a device faster than this. A larger change is a jump of the pose (clutch,
+/// restart), not a velocity.
 coupling::ToolSpeedLimits ContactCoupling::speed_limits() const noexcept {
   coupling::ToolSpeedLimits limits;
   limits.linear_m_per_s *= mapping_.position_scale;
@@ -46,8 +46,8 @@ msg::ForceCommand ContactCoupling::answer(const msg::ContactState& contact) noex
   return force_command(contact, out, wrench_D, kValidPeriods * period_s_ + network_s_);
 }
 
-/// While the clutch is pressed the tool stays and the device moves free: the force fades out; after
-/// the release the contact fades in again.
+/// While the clutch is pressed, the tool stays in place and the device moves freely. The force
+/// fades out, and fades in again after the release.
 void ContactCoupling::follow_clutch(bool pressed, double dt_s) noexcept {
   if (clutch_.advance(pressed, dt_s))
     coupling_->reset(clutch_.scaled(last_));

@@ -1,5 +1,5 @@
 #pragma once
-/// From a contact to the command that answers it, in the node and in a replay.
+/// Computes the command that answers a contact, in the node and in a replay.
 #include <cstdint>
 #include <optional>
 
@@ -11,7 +11,7 @@
 
 namespace voxtouch::coupling_node {
 
-/// All that it takes to run a coupling again, but the period.
+/// Everything needed to run a coupling again, except the period.
 struct AdoptedCoupling {
   coupling::CouplingSpec spec;
   coupling::CouplingLimits limits;  ///< in W
@@ -21,22 +21,24 @@ AdoptedCoupling adopted(const device_fit::FittedCoupling& fitted,
                         const scene::WorkspaceMapping& mapping,
                         const coupling::design::DeviceModel& device);
 
-/// No DDS, thread or clock: the same contacts and couplings give bit-identical commands.
+/// Computes force commands from contacts. It uses no DDS, threads or clocks: equal contacts and
+/// couplings give bit-identical commands.
 class ContactCoupling {
  public:
   explicit ContactCoupling(const scene::WorkspaceMapping& device)
       : mapping_(device),
         wrench_to_device_(device) {}
 
-  /// Another device session: nothing runs before `adopt`.
+  /// Starts another device session. No coupling runs until `adopt`.
   void begin_session(const coupling::design::LoopTiming& timing) noexcept;
-  /// It goes on from the one that ran; one that must not run leaves none. May allocate. Throws
-  /// std::invalid_argument where none runs yet and validate refuses the specification.
+  /// Replaces the coupling and keeps its state. If `next` must not run, no coupling runs
+  /// afterwards. May allocate. Throws std::invalid_argument if no coupling runs yet and validate
+  /// refuses the specification.
   void adopt(const AdoptedCoupling& next);
   bool runs() const noexcept { return coupling_.has_value(); }
   double period_s() const noexcept { return period_s_; }
 
-  /// Only while one runs. Real-time safe.
+  /// Requires a running coupling. Real-time safe.
   msg::ForceCommand answer(const msg::ContactState& contact) noexcept;
   const coupling::CouplingCounters& counters() const noexcept { return coupling_->counters(); }
 
@@ -44,15 +46,15 @@ class ContactCoupling {
   coupling::ToolSpeedLimits speed_limits() const noexcept;
   void follow_clutch(bool pressed, double dt_s) noexcept;
 
-  /// Two periods for one pass of the ring, three that a device holds a command for.
+  /// Two periods for one pass of the ring, plus three for which a device holds a command.
   static constexpr double kValidPeriods = 5.0;
   scene::WorkspaceMapping mapping_;
   rendering::WrenchToDevice wrench_to_device_;
-  std::optional<coupling::RunningCoupling> coupling_;  ///< none: no force
+  std::optional<coupling::RunningCoupling> coupling_;  ///< empty: no force
   double period_s_ = 1e-3, network_s_ = 0.0;
   std::optional<std::int64_t> last_time_ns_;
   coupling::ClutchFade clutch_;
-  Wrench last_;  ///< of the coupling, in W
+  Wrench last_;  ///< last wrench of the coupling, in W
 };
 
 }  // namespace voxtouch::coupling_node

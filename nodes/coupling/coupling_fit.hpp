@@ -1,5 +1,5 @@
 #pragma once
-/// The fit of the coupling to device, scene and contact, when a session begins and when device or
+/// Fits the coupling to device, scene and contact, at the start of a session and when device or
 /// contact change.
 #include <cstdint>
 #include <future>
@@ -12,28 +12,29 @@
 
 namespace voxtouch::coupling_node {
 
-/// Collects what a fit needs from the latched messages, and makes it. One thread.
-/// The rendering fits too, see device_fit::DeviceCompatibility for why.
+/// Collects the inputs of a fit from the latched messages and computes it. One thread. The
+/// rendering also fits; see device_fit::DeviceCompatibility for the reason.
 class Fitting {
  public:
   explicit Fitting(const scene::Scene& scene) : scene_(scene) {}
 
   void set_device(const DeviceDescription& device, std::uint64_t session);
   void set_plan(const msg::ScenePlan& plan);
-  /// Of both messages, where they name the same.
+  /// Session of both messages, if they name the same.
   std::optional<std::uint64_t> session() const noexcept;
-  /// True once after either message came.
+  /// Returns true once after either message has arrived.
   bool changed() noexcept { return std::exchange(changed_, false); }
-  /// Device or contact are not those of the last fit.
+  /// Whether device or contact differ from those of the last fit.
   bool outdated() const noexcept { return outdated_; }
 
-  /// Some tenths of a second at most.
+  /// Fits in this thread; takes some tenths of a second at most.
   device_fit::FittedCoupling fit();
-  /// The same in another thread. A request during a fit is made after it.
+  /// Fits in another thread. A request during a fit is served after it.
   void begin();
-  /// The result of `begin`, once, judged for what has come since; never waits.
+  /// Returns the result of `begin` once, validated for the current device and contact. Never
+  /// blocks.
   std::optional<device_fit::FittedCoupling> poll();
-  /// Why `fitted` must not run on this device with these effects; empty: it may.
+  /// Returns why `fitted` must not run on this device with these effects, or an empty text.
   std::string judge(const device_fit::FittedCoupling& fitted) const;
   std::optional<device_fit::ForcePreview> preview(const device_fit::FittedCoupling& fitted) const {
     return device_fit::force_preview(fitted, scene_, device_, bounds_);
@@ -41,7 +42,7 @@ class Fitting {
 
   const coupling::design::DeviceModel& device() const noexcept { return device_; }
   double voxel_size_m() const noexcept { return voxel_size_m_; }  ///< of the plan
-  /// Name of the effect that no certificate covers; empty: there is none.
+  /// Name of the effect that no certificate covers; empty if there is none.
   const std::string& external() const noexcept { return demand_.external.name; }
 
  private:

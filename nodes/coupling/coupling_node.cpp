@@ -14,10 +14,11 @@ namespace {
 
 using runtime::StatusPriority;
 
-/// What bounds the loop in addition to NodeHost::run: descriptions and plans in a cycle, kMaxTakes
-/// of the bound participants, or of any while none is and no force can come of it. A fit, some
-/// tenths of a second, where a session begins and, in lockstep, where it changes; in real time a
-/// change is fitted in another thread.
+/// Node step of the coupling: answers each contact with a force command.
+/// Its cycle time is bounded by NodeHost::run and by kMaxTakes descriptions and plans. These come
+/// from the bound participants, or from any while none is bound and no force is possible. A fit
+/// takes some tenths of a second. It runs in the loop at the start of a session and, in lockstep,
+/// for a change; in real time a change is fitted in another thread.
 class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCommand> {
  public:
   CouplingNode(const Options& options, const scene::Scene& scene)
@@ -47,8 +48,8 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
     });
     plans_.take([this](const msg::ScenePlan& plan) { fitting_.set_plan(plan); });
     both_known_.store(device_.current() && plans_.current(), std::memory_order_release);
-    // A session is followed where the device's status and description and the rendering's plan,
-    // each of the participant that is bound, name the same.
+    // A session begins when three messages name it: the device's status, its description and the
+    // rendering's plan. Each must come from the bound participant.
     if (both_known_.load(std::memory_order_relaxed) &&
         fitting_.session() == device_.binding().session() && fitting_.changed())
       follow_change();
@@ -58,12 +59,12 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
       restart();
   }
 
-  /// A new session starts with its own fit. A change within one is fitted next to the loop, but for
-  /// lockstep, where the sample from which it holds must not depend on how fast the fit is.
-  /// Meanwhile the coupling that runs is judged by what has come: one that does not fit any more
-  /// commands nothing from here on.
+  /// A new session starts with its own fit. A change within a session is fitted in another thread.
+  /// In lockstep it is fitted in the loop, because its first sample must not depend on the duration
+  /// of the fit. Until the fit is done, the running coupling is validated for the new data; if it
+  /// is invalid, it commands no force.
   void follow_change() {
-    // A rendering that took another's place may run another scene: no force before the fit.
+    // A replacement rendering may run another scene: no force until the fit is done.
     if (fitting_.session() != host_.session_in_loop() ||
         rendering_.binding_epoch() != plan_binding_epoch_)
       return begin_session();
@@ -77,7 +78,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   void judge_running() {
     const device_fit::FittedCoupling& running = design_.fitted();
     std::string refusal = fitting_.judge(running);
-    // One that would fit again for another device or contact waits for its own fit.
+    // A coupling that is valid again for another device or contact waits for its own fit.
     if (refusal.empty() == running.refusal.empty() || (refusal.empty() && fitting_.outdated()))
       return;
     device_fit::FittedCoupling judged = running;
@@ -97,14 +98,14 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   }
 
   device_fit::FittedCoupling fit() {
-    // some tenths of a second on a machine that has time
+    // some tenths of a second on an idle machine
     constexpr std::int64_t kMaxFitNs = 30'000'000'000;
     const runtime::Heartbeat::Busy busy(host_.heartbeat(), kMaxFitNs);
     return fitting_.fit();
   }
 
-  /// From here on this coupling runs. One that must not run leaves the device without commands,
-  /// which fades its force. `anew`: it does not go on from the one before.
+  /// Runs this coupling from now on. If it must not run, the device receives no commands and fades
+  /// its force out. `anew`: start from rest, without the state of the previous coupling.
   void adopt(device_fit::FittedCoupling fitted, bool anew = false) {
     if (coupling_.runs() && !fitted.refusal.empty())
       watch_.keep("the new design or plan does not fit the device");
@@ -117,8 +118,8 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
                   fitting_.device().translation.max_stiffness, fitting_.external());
   }
 
-  /// After the lock, as at the begin of a session: no debt, and the force ramps in. Allocates,
-  /// while no force is commanded.
+  /// After a reset of the force lock, starts as in a new session: no energy debt, and the force
+  /// ramps in. Allocates, while no force is commanded.
   void restart() {
     coupling_.begin_session(fitting_.device().timing);
     coupling_.adopt(design_.use().coupling);
@@ -171,7 +172,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
     if (stopped)
       status.say(StatusPriority::kEnded, "stopped");
     watch_.report_to(registry, device_.binding(), !stopped, report, status);
-    // Without its rendering the session is over: the device ends it.
+    // If its rendering has left, the device ends the session.
     if (!stopped && rendering_.lost_session() != 0 &&
         rendering_.lost_session() == host_.session().id()) {
       report.session_id = 0, report.state = runtime::NodeState::kFailed;
@@ -192,9 +193,10 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   RunningDesign design_;
   CouplingWatch watch_;
   CouplingCounters counters_;
-  std::atomic<bool> both_known_{false};  ///< description and plan are there of those who are bound
+  /// Description and plan of the bound participants have arrived.
+  std::atomic<bool> both_known_{false};
   std::uint64_t plan_binding_epoch_ =
-      0;  ///< of the rendering whose plan the session was begun with
+      0;  ///< binding epoch of the rendering whose plan began the session
 };
 
 }  // namespace

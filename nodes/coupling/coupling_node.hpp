@@ -1,5 +1,5 @@
 #pragma once
-/// The coupling's process: contact in, force command out.
+/// The coupling process: receives contact states and publishes force commands.
 #include <atomic>
 
 #include "nodes/runtime/options.hpp"
@@ -7,11 +7,11 @@
 namespace voxtouch::coupling_node {
 
 struct Options : runtime::NodeOptions {
-  /// Folder for what was seen before a fault; empty: nothing is kept
+  /// Folder for records of faults; empty: no records.
   std::filesystem::path fault_records;
 };
 
-/// Answers every contact until `stop`. Throws while starting only.
+/// Answers every contact until `stop`. Throws only during start-up.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::coupling_node

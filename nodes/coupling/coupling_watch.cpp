@@ -63,12 +63,12 @@ bool CouplingWatch::opened() noexcept {
   return lock_.opened();
 }
 
-/// The energy is that of the whole port: a coupled contact moves energy between translation and
-/// rotation. A contact that the tool bounces off makes no cycle that the swing watch can follow;
-/// its energy shows it.
+/// Checks the energy of the whole port, because a coupled contact moves energy between translation
+/// and rotation. A bouncing tool makes no cycle that the swing watch could follow; its energy
+/// reveals it.
 void CouplingWatch::end_sample(const ContactSeen& seen, const coupling::CouplingCounters& now,
                                const EnergyBounds& bounds) noexcept {
-  constexpr double kUnstableRatio = 5.0;  // times what a sound contact may show
+  constexpr double kUnstableRatio = 5.0;  // multiple of the energy of a stable contact
   constexpr double kNoticeableJ = 0.01;   // a stylus of 50 g at 0.6 m/s
   records_.push(seen);
   if (now.faults != before_.faults)
@@ -87,7 +87,7 @@ void CouplingWatch::end_sample(const ContactSeen& seen, const coupling::Coupling
         "contact");
 }
 
-/// A device that hangs, or has gone without a last status, reports no fault.
+/// A device that hangs, or has left without a final status, reports no fault.
 bool CouplingWatch::device_has_failed(const runtime::NodeRegistry& registry,
                                       const runtime::RoleBinding& device) {
   bool failed = false;

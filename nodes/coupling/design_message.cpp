@@ -18,7 +18,7 @@ struct SpecNumber {
 };
 #define VOXTOUCH_NUMBER(name) \
   SpecNumber { #name, &coupling::CouplingSpec::name, &msg::CouplingDesign::name }
-/// All numbers of a specification but `velocity_window`, which is a count.
+/// All numbers of a specification except `velocity_window`, which is a count.
 constexpr SpecNumber kSpecNumbers[] = {VOXTOUCH_NUMBER(cutoff_hz),
                                        VOXTOUCH_NUMBER(damping_ratio),
                                        VOXTOUCH_NUMBER(gain),

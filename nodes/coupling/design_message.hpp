@@ -1,5 +1,5 @@
 #pragma once
-/// The coupling that runs and its certificate, as a latched message.
+/// Publishes the running coupling and its certificate as a latched message.
 #include <string>
 #include <vector>
 
@@ -9,26 +9,27 @@
 
 namespace voxtouch::coupling_node {
 
-/// "configured" for a coupling that is set by hand, else the designer's word.
+/// "configured" for a manual coupling, otherwise the status of the designer.
 std::string status_word(const device_fit::FittedCoupling& fitted);
 
-/// Where and how a coupling was taken up.
+/// Where and how a coupling was adopted.
 struct TakenUp {
   std::uint64_t session = 0;
-  std::uint64_t from_sample = 0;  ///< the first of the session that it may answer
-  bool anew = false;              ///< at rest, not going on from the one before
+  std::uint64_t from_sample = 0;  ///< the first sample of the session that it may answer
+  bool anew = false;              ///< starts from rest, without the state of the previous coupling
   AdoptedCoupling coupling;
   double sample_time_s = 0.0;
 };
 
-/// To the message, which lends the text `kind`, and back, bit-identical.
+/// Converts to the message, which refers to the text `kind`, and back, bit-identical.
 void write_coupling(const TakenUp& use, msg::CouplingDesign& message);
 TakenUp taken_up(const msg::CouplingDesign& message);
 
-/// Every number in which two couplings differ, "gain 1 recorded, 0.9 now"; limits too.
+/// Every number in which two couplings or their limits differ, for example "gain 1 recorded, 0.9
+/// now".
 std::vector<std::string> differences(const AdoptedCoupling& recorded, const AdoptedCoupling& made);
 
-/// `external`: name of the effect that no certificate covers; empty: there is none.
+/// `external`: name of the effect that no certificate covers; empty if there is none.
 void publish_design(bus::Writer<msg::CouplingDesign>& writer,
                     const device_fit::FittedCoupling& fitted, const TakenUp& use,
                     const std::string& external);

@@ -1,5 +1,6 @@
 #pragma once
-/// Between the ring's messages and the coupling, which checks the values. Real-time safe.
+/// Converts between messages of the ring and values of the coupling, which validates them.
+/// Real-time safe.
 #include <cmath>
 #include <cstdint>
 
@@ -9,7 +10,7 @@
 
 namespace voxtouch::coupling_node {
 
-/// The wrench is the hand's, W axes, about the tool's origin.
+/// The wrench acts on the operator, in W axes, about the origin of the tool.
 inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) noexcept {
   coupling::CouplingInput input;
   input.contact = runtime::from_msg(contact.wrench);
@@ -22,7 +23,7 @@ inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) 
   return input;
 }
 
-/// STATUS_* of ForceCommand.
+/// STATUS_* bits of ForceCommand.
 inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
   using namespace msg::force_command;
   return (out.ramping ? kStatusRamping : 0U) | (out.repeated_input ? kStatusLatchedInput : 0U) |
@@ -30,8 +31,8 @@ inline std::uint32_t status_bits(const coupling::CouplingOutput& out) noexcept {
          (out.growing ? kStatusGrowing : 0U) | (out.bounded ? kStatusBounded : 0U);
 }
 
-/// The answer to the sample of `contact`: `out`, whose force is `wrench_D` there, good for
-/// `valid_s`.
+/// The command for the sample of `contact`. `wrench_D` is the force of `out` in the device frame;
+/// it is valid for `valid_s` [s].
 inline msg::ForceCommand force_command(const msg::ContactState& contact,
                                        const coupling::CouplingOutput& out, const Wrench& wrench_D,
                                        double valid_s) noexcept {

@@ -22,7 +22,7 @@ void RunningDesign::report_to(double contact_n_per_m, runtime::NodeReport& repor
                               runtime::StatusText& status) {
   using runtime::StatusPriority;
   const std::lock_guard lock(mutex_);
-  // The device's limit is compared with the total stiffness of the contact, not with one point's.
+  // The device's limit applies to the total stiffness of the contact, not to that of one point.
   const double displayed_n_per_m =
       device_fit::stiffness_at_hand_n_per_m(fitted_.spec, mapping_, contact_n_per_m);
   report.figures["stiffness_at_hand_n_per_m"] = {displayed_n_per_m, "N/m"};

@@ -1,5 +1,5 @@
 #pragma once
-/// The coupling that runs, published as CouplingDesign and reported in the node's status.
+/// The running coupling, published as CouplingDesign and reported in the status of the node.
 #include <mutex>
 #include <optional>
 
@@ -9,7 +9,7 @@
 
 namespace voxtouch::coupling_node {
 
-/// `adopt`, `fitted` and `use`: the loop, which locks only in `adopt`. `report_to`: the monitor.
+/// The loop calls `adopt`, `fitted` and `use`; only `adopt` locks. The monitor calls `report_to`.
 class RunningDesign {
  public:
   RunningDesign(runtime::NodeHost& host, const scene::WorkspaceMapping& mapping)
@@ -17,7 +17,7 @@ class RunningDesign {
         mapping_(mapping) {}
   const bus::Writer<msg::CouplingDesign>& writer() const noexcept { return designs_; }
 
-  /// Publishes and keeps it. `preview`: what the hand is displayed under it; `external`: see
+  /// Publishes and stores the design. `preview`: force displayed under it. `external`: see
   /// publish_design.
   void adopt(device_fit::FittedCoupling fitted, TakenUp use,
              const std::optional<device_fit::ForcePreview>& preview, double device_max_n_per_m,
@@ -25,7 +25,7 @@ class RunningDesign {
   const device_fit::FittedCoupling& fitted() const noexcept { return fitted_; }
   const TakenUp& use() const noexcept { return use_; }
 
-  /// `contact_n_per_m`: largest stiffness of a contact so far, in W.
+  /// `contact_n_per_m`: largest contact stiffness so far, in W [N/m].
   void report_to(double contact_n_per_m, runtime::NodeReport& report, runtime::StatusText& status);
 
  private:
@@ -38,7 +38,7 @@ class RunningDesign {
   device_fit::FittedCoupling fitted_;
   std::optional<device_fit::ForcePreview> preview_;
   double device_max_n_per_m_ = 0.0;
-  std::uint64_t count_ = 0;  ///< of designs adopted
+  std::uint64_t count_ = 0;  ///< number of adopted designs
 };
 
 }  // namespace voxtouch::coupling_node

@@ -14,7 +14,7 @@
 namespace voxtouch::device_node {
 namespace {
 
-constexpr std::size_t kShown = 256;  ///< of a name that is none, in the message
+constexpr std::size_t kShown = 256;  ///< shown part of an unknown name, in messages
 
 }  // namespace
 

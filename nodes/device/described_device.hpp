@@ -1,6 +1,6 @@
 #pragma once
-/// Devices on a command line that a file describes: `sim:FILE`, or `sim:NAME` for a file that comes
-/// with voxtouch.
+/// Simulated devices on a command line, described by a file: `sim:FILE`, or `sim:NAME` for a
+/// shipped file.
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,15 +9,14 @@
 
 namespace voxtouch::device_node {
 
-/// Names of the device files that come with voxtouch, sorted; empty where their folder is missing.
+/// Names of the shipped device files, sorted; empty if their folder is missing.
 std::vector<std::string> shipped_devices();
 
-/// The file behind `sim:...`, read; nothing for a device by name. Throws scene::SceneError for a
-/// file that will not do, and std::runtime_error, which lists the shipped names, for one that is
-/// not there.
+/// Reads the file of `sim:...`; returns nothing for other devices. Throws scene::SceneError for an
+/// invalid file, and std::runtime_error, with the shipped names, for a missing one.
 std::optional<scene::DeviceFile> described_device(const std::string& device);
 
-/// Its description alone, for devices::DeviceOptions.
+/// Only its description, for devices::DeviceOptions.
 std::optional<DeviceDescription> description_of(const std::string& device);
 
 }  // namespace voxtouch::device_node

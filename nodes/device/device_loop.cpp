@@ -92,13 +92,15 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
   if (!sample) {
     next_period();
-    runtime::sleep_until(deadline_ns_);  // a device that fails at once must not make the loop spin
+    runtime::sleep_until(deadline_ns_);  // keeps the loop from spinning if the device fails
+                                         // immediately
     return on_device_error(sample.error());
   }
   if (!driver_.simulated()) {
     count_skipped(sample->time_ns);
-    deadline_ns_ = runtime::monotonic_ns() -
-                   period_ns_ / 4;  // its clock paces: the command is due before its next sample
+    deadline_ns_ =
+        runtime::monotonic_ns() - period_ns_ / 4;  // the device's clock sets the pace: the command
+                                                   // is due ahead of its next sample
   }
   if (!publish(*sample, stop))
     return stop.load(kRelaxed)                  ? End::kStopped
@@ -139,8 +141,8 @@ End DeviceLoop::give(const std::optional<devices::GuardInput>& command,
   return written ? End::kNone : on_device_error(written.error());
 }
 
-/// Only a device that has gone or needs a person ends the session. All else costs force: zero now,
-/// then ramped in.
+/// The session ends only if the device has disconnected or requires the operator. Any other error
+/// sets the force to zero and then ramps it in again.
 End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
   if (accepts_force_)
@@ -149,12 +151,12 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
     return End::kDeviceGone;
   if (error == devices::DeviceError::kFault)
     return End::kDeviceFault;
-  // The guard lets nothing through that the driver has to refuse: one of the two is wrong.
+  // The guard passes no command that a driver refuses, so one of the two is faulty.
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
     progress_.lock.engage("the driver refused a command that the force guard accepted");
   let_go();
   progress_.has_error.store(true, kRelaxed);
-  gaps_.restart();  // at zero force, a gap means nothing
+  gaps_.restart();  // at zero force a gap is harmless
   return End::kNone;
 }
 
@@ -177,7 +179,8 @@ void DeviceLoop::note_loss() noexcept {
   counters.note(DeviceCounter::kLongestLoss, static_cast<double>(loss_.longest_ns()) * 1e-9);
 }
 
-/// What a simulated device pushed with while this process was kept from its work must not go on.
+/// Whether this process was suspended. The last force of a simulated device must not continue after
+/// that.
 bool DeviceLoop::stood_still() noexcept {
   if (settings_.lockstep)
     return false;
@@ -208,7 +211,8 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample,
   seen_.state = state, seen_.answered = false;
   published_ns_[sequence_ % published_ns_.size()] = runtime::monotonic_ns();
   if (!settings_.lockstep)
-    return states_.write(state), true;  // best effort: a full socket is a lost sample, not an end
+    return states_.write(state), true;  // best effort: a full socket loses a sample and does not
+                                        // end the loop
   return states_.write_until(state, [&] {
     progress_.heartbeat.beat();
     return stop.load(kRelaxed) || requests_.peer_gone.load(kRelaxed);
@@ -220,8 +224,8 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
   for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
-    // The gate's own rule is the second line: it releases only a writer that is not followed any
-    // more.
+    // The gate has a rule of its own as a second safeguard: it releases a writer only if that
+    // writer is not followed any longer.
     if (gate_.writer() && *gate_.writer() != commands_.writer())
       gate_.release_writer();
     const devices::GateVerdict verdict =
@@ -265,7 +269,7 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   next_period();
   for (std::int64_t left; (left = deadline_ns_ - runtime::monotonic_ns()) > 0;) {
     if (gate_.last_sequence() == sequence_)
-      break;  // answered: nothing more to wait for
+      break;  // the sample is answered
     if (!wait_set_.wait(left))
       break;
     if (const auto command = take_commands())
@@ -276,11 +280,11 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   return newest;
 }
 
-/// The stamps of a device that paces itself show which samples were not fetched.
+/// Counts samples that were not fetched, by the stamps of a device with its own clock.
 void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
   const std::int64_t last = std::exchange(last_sample_ns_, sample_ns);
   if (sequence_ == 0 || !accepts_force_)
-    return;  // while it gets ready, or again ready, it may pause
+    return;  // a device that is getting ready may pause
   const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
   if (periods > 1)
     progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(periods - 1));
@@ -292,7 +296,8 @@ void DeviceLoop::next_period() noexcept {
   progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(next.skipped));
 }
 
-/// A fault is what the guard had to change; those of the device come with its error.
+/// Records a fault if the guard had to change the command. Errors of the device are recorded
+/// separately.
 void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before) noexcept {
   seen_.given = msg::ForceCommand{};
   seen_.given.session_id = settings_.session_id;
@@ -314,8 +319,9 @@ void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before)
     faults_.keep_too("a fault reported by the coupling");
 }
 
-/// One command above the limit is cut and counted. Where more than a tenth of a second's are, the
-/// hand is displayed the limit and no contact.
+/// A single command above the limit is clipped and counted. If more than a tenth of a second's
+/// commands are clipped, the operator receives the limit instead of the contact force, so the force
+/// is locked.
 void DeviceLoop::lock_where_cut(bool cut) noexcept {
   const double second = 1e9 / static_cast<double>(period_ns_);
   cut_samples_ += (cut ? 1.0 : 0.0) - cut_samples_ / second;

@@ -1,11 +1,14 @@
 #pragma once
-/// One cycle a sample: read, publish, wait for the command, guard, write. Real-time safe after
-/// construction. A simulated device is paced here, at absolute deadlines; a real one by its own
-/// clock, in `read`, and gets its command as soon as it is there.
-///
-/// What bounds each loop. `run`: each cycle checks `stop`. `read`: ten periods. `take_commands`:
-/// kMaxTakes commands, of which the history in real time holds one. `wait_in_real_time`: the
-/// sample's period. `wait_in_lockstep`: peer_timeout, in steps of 50 ms that check `stop`.
+/// The loop of the device node, one cycle per sample: read, publish, wait for the command, guard,
+/// write. Real-time safe after construction.
+/// A simulated device is paced here, at absolute deadlines. A real device is paced by its own
+/// clock, in `read`, and receives its command as soon as it arrives.
+/// Bound of each inner loop:
+///   `run`: each cycle checks `stop`.
+///   `read`: ten periods.
+///   `take_commands`: kMaxTakes commands; in real time the history holds one.
+///   `wait_in_real_time`: the sample's period.
+///   `wait_in_lockstep`: peer_timeout, in steps of 50 ms that check `stop`.
 #include <array>
 #include <atomic>
 
@@ -24,12 +27,12 @@
 
 namespace voxtouch::device_node {
 
-/// Why the loop ended.
+/// Reason for the end of the loop.
 enum class End : std::uint32_t {
   kNone,
   kStopped,
   kFinished,
-  kPeersLate,  ///< before the first sample
+  kPeersLate,  ///< at the start, without any sample
   kPeerSilent,
   kPeerGone,
   kDeviceGone,
@@ -70,10 +73,10 @@ inline constexpr auto kDeviceTable = [] {
       {kClamped, "clamped", "commands", kLast},
       {kSlewed, "slewed", "samples", kLast},
       {kFaded, "faded", "fades", kLast},
-      // Failures of a device that had taken force, however long each lasts; waiting until it is
-      // ready is none.
+      // Failures of a device that had accepted force, regardless of their duration. Waiting until
+      // it is ready does not count.
       {kInterruptions, "interruptions", "times"},
-      // Reads and writes that failed, of interruptions and of waiting: zero force each.
+      // Failed reads and writes, during interruptions and waiting. Each gives zero force.
       {kZeroForce, "zero_force_samples", "samples"},
       {kLatchedPoses, "latched_poses", "samples"},
       {kDeadlineMisses, "deadline_misses", "deadlines", kLast},  // at the end
@@ -81,22 +84,22 @@ inline constexpr auto kDeviceTable = [] {
       {kForce, "force_n", "N", kLast},
       {kRecentForce, "", "N", kMaximum},  // since the monitor last took it
       {kFirstAnswered, "first_answered", "sample number", kFirst},
-      {kLongestGap, "longest_gap_ms", "ms", kMaximum},  // of those that ended the force
+      {kLongestGap, "longest_gap_ms", "ms", kMaximum},  // gaps that ended the force
       {kForceLosses, "force_losses", "times", kLast},
       {kForceLost, "force_lost_s", "s", kLast},
       {kLongestLoss, "longest_force_loss_s", "s", kLast},
   });
 }();
 
-/// What other threads may read while the loop runs.
+/// State that other threads may read while the loop runs.
 struct Progress {
   runtime::Counters<kDeviceTable> counters;
   std::atomic<devices::DeviceError> last_error{
-      devices::DeviceError::kTimeout};  ///< of the last failure that kZeroForce counts
+      devices::DeviceError::kTimeout};  ///< of the last failure counted in kZeroForce
   std::atomic<bool> has_error{
-      false};  ///< the last read or write failed: the device is at zero force
+      false};  ///< the last read or write failed, so the device is at zero force
   runtime::Heartbeat heartbeat;
-  std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic
+  std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic clock
   std::atomic<End> end{End::kNone};
   runtime::LatencyHistogram latency;
   faults::ForceLock lock;
@@ -105,35 +108,35 @@ struct Progress {
 /// One sample, for the record of a fault.
 struct SampleSeen {
   msg::DeviceState state;
-  msg::ForceCommand command;  ///< the one that came for it, if `answered`
-  msg::ForceCommand given;    ///< to the device
+  msg::ForceCommand command;  ///< the command received for it, if `answered`
+  msg::ForceCommand given;    ///< written to the device
   bool answered = false;
 };
 using Faults = faults::FaultRecorder<SampleSeen>;
-/// Writes to `folder` (empty: nothing) the ring's topics and `device/given`.
+/// Writes the topics of the ring and `device/given` to `folder`; writes nothing if it is empty.
 std::unique_ptr<Faults> make_faults(const std::filesystem::path& folder, const std::string& rig,
                                     double rate_hz);
 
-/// From other threads.
+/// Requests of other threads.
 struct Requests {
-  std::atomic<bool> peer_gone{false};    ///< a node that the session needs has gone
+  std::atomic<bool> peer_gone{false};    ///< a node that the session needs has left
   std::atomic<bool> rig_claimed{false};  ///< another device keeps this rig
   std::atomic<bool> coupling_fault{
-      false};  ///< the coupling has recorded a fault: so does this node
+      false};  ///< the coupling has recorded a fault, so this node records too
 };
 
-/// Finds when this process was kept from its work for longer than `limit_ns`. By our clock: that of
-/// a simulated device stands still with the process. Real-time safe.
+/// Detects that this process was suspended for longer than `limit_ns`. Uses the clock of the host:
+/// that of a simulated device stops with the process. Real-time safe.
 class GapWatch {
  public:
   explicit GapWatch(std::int64_t limit_ns) noexcept : limit_ns_(limit_ns) {}
-  /// Since the last call [ns]; 0 where that is within the limit.
+  /// Time since the last call [ns]; 0 within the limit.
   std::int64_t gap_ns(std::int64_t now_ns) noexcept {
     const std::int64_t gap_ns = last_ns_ ? now_ns - last_ns_ : 0;
     last_ns_ = now_ns;
     return gap_ns > limit_ns_ ? gap_ns : 0;
   }
-  /// The next call has no gap before it.
+  /// The next call measures no gap.
   void restart() noexcept { last_ns_ = 0; }
 
  private:
@@ -145,8 +148,8 @@ class DeviceLoop {
   struct Settings {
     std::uint64_t session_id = 0;
     bool lockstep = false;
-    std::int64_t epoch_ns =
-        0;  ///< added to the driver's clock: stamps are absolute in real time, from 0 in lockstep
+    std::int64_t epoch_ns = 0;  ///< Added to the driver's clock: stamps are absolute in real time
+                                ///< and start at 0 in lockstep.
     std::uint64_t max_samples = 0;  ///< 0: no end
     std::int64_t peer_timeout_ns = 5'000'000'000;
   };
@@ -155,13 +158,13 @@ class DeviceLoop {
              bus::FollowedReader<msg::ForceCommand>& commands, bus::WaitSet& wait_set,
              Progress& progress, Requests& requests, Faults& faults);
 
-  /// Runs to the end; leaves the driver stopped.
+  /// Runs until the loop ends; leaves the driver stopped.
   End run(const std::atomic<bool>& stop) noexcept;
 
  private:
   End asked_to_end(const std::atomic<bool>& stop) const noexcept;
   End cycle(const std::atomic<bool>& stop) noexcept;
-  /// Through the guard to the device, at the device's time `sample_ns`.
+  /// Writes the command through the guard to the device, at the device's time `sample_ns`.
   End give(const std::optional<devices::GuardInput>& command, std::int64_t sample_ns) noexcept;
   End on_device_error(devices::DeviceError error) noexcept;
   void let_go() noexcept;
@@ -192,12 +195,13 @@ class DeviceLoop {
   ForceLoss loss_;
   std::int64_t period_ns_, deadline_ns_ = 0;
   std::uint64_t sequence_ = 0;
-  std::int64_t last_sample_ns_ = 0;  // the device's clock
+  std::int64_t last_sample_ns_ = 0;  // by the device's clock
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
   bool accepts_force_ = false;  // the last write was accepted
-  double cut_samples_ = 0.0;    // of about the last second, in which the guard cut a command
-  GapWatch gaps_;               // longer than a command is held and faded
+  double cut_samples_ = 0.0;  // decaying count, over about one second, of samples whose command the
+                              // guard clipped
+  GapWatch gaps_;             // longer than a command is held and faded
 };
 
 }  // namespace voxtouch::device_node

@@ -19,7 +19,7 @@ void LateCommands::look(const Progress& progress, double rate_hz) {
   const bool late = 2.0 * (refused - late_) > samples - samples_;
   samples_ = samples, late_ = refused;
   const double met_ms = 1e-3 * progress.latency.quantile_us(0.5);
-  // a sentence that stands for a while
+  // keep the sentence unless the delay changes by a fifth
   if (designed_ms_ > 0.0 && !lockstep_ && std::abs(met_ms - met_ms_) > 0.2 * met_ms_) {
     met_ms_ = met_ms;
     network_ = fmt::format(
@@ -88,7 +88,7 @@ void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry
   if (coupling && coupling_faults_.see(*coupling))
     requests_.coupling_fault.store(true);
   keeper_.listen(session, progress_.lock);
-  // In a ring that was started by hand a lost role ends the session.
+  // In a ring that was started by hand, the loss of a role ends the session.
   if (coupling_.lost_session() == session)
     peers_.lose("the coupling of this session has left");
   if (coupling && coupling->state == NodeState::kFailed && coupling->session_id == 0)
@@ -100,8 +100,8 @@ void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry
     requests_.rig_claimed.store(true);
 }
 
-/// Lockstep: the node that has not answered the sample that is out. One that stands still holds up
-/// those before it.
+/// Lockstep: the node that has not answered the current sample. A stalled node also delays the
+/// nodes ahead of it.
 std::string DeviceMonitor::find_late_peer(const runtime::NodeRegistry& registry) const {
   const double samples = progress_.counters[DeviceCounter::kSamples];
   std::string behind;
@@ -121,8 +121,7 @@ std::string DeviceMonitor::find_late_peer(const runtime::NodeRegistry& registry)
   return behind.empty() ? "" : fmt::format("{} has not answered sample {:.0f}", behind, samples);
 }
 
-/// The driver's last error, or else its kind; or how long the process was kept
-/// from running.
+/// Reports the driver's last error, or else its kind, or how long the process was suspended.
 void DeviceMonitor::note_error(End end) {
   if (end == End::kNone && progress_.has_error.load()) {
     const std::string text = driver_.last_error();
@@ -172,7 +171,7 @@ void DeviceMonitor::fill(runtime::NodeReport& report) {
   report.values["device"] = driver_.description().model;
   report.values["last_error"] = diagnostic_;
   report.values["foreign_writers"] = coupling_.refused_writers();
-  // lockstep runs must not differ by what a clock says
+  // lockstep runs must not depend on a clock
   const bool timed = !host_.options().lockstep;
   const std::int64_t started = progress_.started_ns.load(), ended = progress_.ended_ns.load();
   const std::int64_t until = ended ? ended : runtime::monotonic_ns();

@@ -1,5 +1,5 @@
 #pragma once
-/// The device as its status shows it, and what the loop has to know of the other nodes.
+/// Status of the device node, and the state of other nodes that its loop needs.
 #include "nodes/device/device_loop.hpp"
 #include "nodes/device/last_second.hpp"
 #include "nodes/device/lockstep_peers.hpp"
@@ -8,7 +8,7 @@
 
 namespace voxtouch::device_node {
 
-/// Which fraction of the last second's commands came too late.
+/// Ratio of late commands during the last second.
 class LateCommands {
  public:
   /// `designed_ms`: network delay that the coupling is designed for.
@@ -16,20 +16,20 @@ class LateCommands {
       : designed_ms_(designed_ms),
         lockstep_(lockstep) {}
   void look(const Progress& progress, double rate_hz);
-  /// Why no force is displayed where more than half of a second's commands were late; else empty.
+  /// Why no force is displayed, if more than half of a second's commands were late; else empty.
   const std::string& reason() const noexcept { return reason_; }
-  /// The delay that is met, where one was designed for; begins with "; ".
+  /// The measured delay, if the coupling is designed for one; begins with "; ".
   const std::string& network() const noexcept { return network_; }
 
  private:
   const double designed_ms_;
   const bool lockstep_;
-  double samples_ = 0.0, late_ = 0.0;  ///< at the last look
-  double met_ms_ = 0.0;                ///< that `network_` states
+  double samples_ = 0.0, late_ = 0.0;  ///< at the last poll
+  double met_ms_ = 0.0;                ///< value in `network_`
   std::string reason_, network_;
 };
 
-/// Of the monitor's thread but for `peers().ready`.
+/// Used by the monitor thread, except `peers().ready`.
 class DeviceMonitor {
  public:
   DeviceMonitor(runtime::NodeHost& host, const devices::Driver& driver,
@@ -39,7 +39,7 @@ class DeviceMonitor {
 
   void report_to(std::uint64_t session, runtime::NodeRegistry& registry,
                  runtime::NodeReport& report, runtime::StatusText& status);
-  /// Why the loop ended, for people.
+  /// Why the loop ended, as a sentence.
   std::string sentence(End end) const;
 
  private:
@@ -61,8 +61,8 @@ class DeviceMonitor {
   RigClaim rig_;
   LateCommands late_;
   LastSecond last_second_;
-  std::string late_peer_;   ///< lockstep: which node the device waits for, and why
-  std::string diagnostic_;  ///< what last kept the device from giving force
+  std::string late_peer_;   ///< lockstep: the node that the device waits for, and why
+  std::string diagnostic_;  ///< last reason why the device displayed no force
   double reported_gap_ms_ = 0.0;
 };
 

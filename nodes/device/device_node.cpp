@@ -25,14 +25,14 @@
 namespace voxtouch::device_node {
 namespace {
 
-/// New at each start. In lockstep the same for the same run, since recordings must not differ by a
-/// bit, but for a device that is started anew among nodes that keep running: `sessions` is how many
-/// these have seen.
+/// Returns a new session id at each start. In lockstep it is a function of the run, because
+/// recordings must be bit-identical. It then includes `sessions`, the number of sessions that the
+/// other nodes have observed. A device that is restarted among running nodes thus gets a new id.
 std::uint64_t make_session_id(const Options& options, const scene::Scene& scene,
                               std::uint64_t sessions) {
   if (!options.lockstep) {
     std::random_device
-        random;  // no clock: two hosts' need not agree, and one host's may be set back
+        random;  // not from a clock: clocks of two hosts may differ, and a clock may be set back
     std::uint64_t id = 0;
     while (id == 0)
       id = (static_cast<std::uint64_t>(random()) << 32U) | random();
@@ -47,9 +47,9 @@ std::uint64_t make_session_id(const Options& options, const scene::Scene& scene,
   return hash.value();
 }
 
-/// Refuses to be the second device of a rig: two would fight over the same namespace. Looks for 400
-/// ms, or once if whoever started it has looked. Returns how many sessions the other nodes have
-/// seen; nothing where it is to stop.
+/// Refuses to become the second device of a rig, since both would use the same topics. Listens for
+/// 400 ms, or polls once if the starting program has checked the rig. Returns the number of
+/// sessions that the other nodes have observed; nothing if a stop was requested.
 std::optional<std::uint64_t> require_free_rig(const bus::Participant& participant,
                                               const Options& options,
                                               const std::atomic<bool>& stop) {
@@ -59,7 +59,7 @@ std::optional<std::uint64_t> require_free_rig(const bus::Participant& participan
     if (stop.load())
       return std::nullopt;
     const bool looked = runtime::monotonic_ns() >= until;
-    registry.update();  // after the clock: what is seen is not older
+    registry.update();  // read the clock first, so that no report appears older
     for (const runtime::NodeReport& other : registry.reports())
       if (other.node == "device" && !other.final())
         throw std::runtime_error(
@@ -71,7 +71,7 @@ std::optional<std::uint64_t> require_free_rig(const bus::Participant& participan
   }
 }
 
-/// A driver for these options. Throws where the device does not open.
+/// Opens a driver for these options. Throws if the device does not open.
 std::unique_ptr<devices::Driver> open_driver(const Options& options, const scene::Scene& scene,
                                              const std::atomic<bool>& stop) {
   check_hand_from(options.device, options.hand, options.lockstep);
@@ -81,7 +81,7 @@ std::unique_ptr<devices::Driver> open_driver(const Options& options, const scene
                                    scene.device.pose_PT, scene.device.position_scale);
   device.is_led = options.hand.from_page;
   if (device.is_led)
-    device.motion->press.clear();  // no button is held down meanwhile
+    device.motion->press.clear();  // no button is pressed meanwhile
   device.described = description_of(options.device);
   device.lockstep = options.lockstep;
   device.settings = devices::parse_settings(options.settings);
@@ -97,7 +97,7 @@ std::unique_ptr<devices::Driver> open_driver(const Options& options, const scene
   return driver;
 }
 
-/// The joints of an arm are published too.
+/// Also publishes the joints of an arm.
 std::unique_ptr<devices::Driver> with_joints(std::unique_ptr<devices::Driver> driver,
                                              const runtime::NodeHost& host) {
   const arm::ArmDescription* const arm = driver->arm_description();
@@ -109,7 +109,7 @@ std::unique_ptr<devices::Driver> with_joints(std::unique_ptr<devices::Driver> dr
 
 class DeviceNode {
  public:
-  /// `sessions`: how many the other nodes of the rig have seen.
+  /// `sessions`: number of sessions that the other nodes of the rig have observed.
   DeviceNode(const Options& options, const scene::Scene& scene, bus::Participant participant,
              std::uint64_t sessions, const std::atomic<bool>& stop)
       : options_(options),
@@ -159,7 +159,7 @@ class DeviceNode {
   }
 
  private:
-  /// A page leads the hand, if that was chosen.
+  /// Lets a page lead the simulated operator, if selected.
   std::unique_ptr<devices::Driver> with_page(std::unique_ptr<devices::Driver> driver) {
     if (!options_.hand.from_page)
       return driver;
@@ -192,13 +192,15 @@ class DeviceNode {
     s.lockstep = options_.lockstep;
     s.epoch_ns = options_.lockstep ? 0 : runtime::realtime_ns();
     s.max_samples = static_cast<std::uint64_t>(
-        std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));  // 0 only for 0
+        std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));  // gives 0 only
+                                                                                  // for a duration
+                                                                                  // of 0
     return s;
   }
 
-  /// Lockstep: sample 0 waits until everybody who takes part has answered ready for this session.
-  /// In real time that of a simulated device waits until they have matched, so that it is recorded,
-  /// and not for ever: who is late costs samples in the bag and no force.
+  /// In lockstep, sample 0 waits until every participating node is ready for this session. In real
+  /// time, a simulated device waits for a limited time until they have matched, so that sample 0 is
+  /// recorded. A late node then misses samples in the bag; no force is affected.
   End wait_for_peers(const std::atomic<bool>& stop) {
     const std::int64_t begin = runtime::monotonic_ns(), give_up = begin + 60'000'000'000;
     while (!monitor_->peers().ready()) {
@@ -221,9 +223,9 @@ class DeviceNode {
   const scene::Scene& scene_;
   const std::uint64_t session_;
   runtime::NodeHost host_;
-  /// Before the driver, which closes first: a disk that hangs must not keep it open
+  /// Declared first, so that the driver closes first: a blocked disk must not keep it open.
   std::unique_ptr<Faults> faults_;
-  LedDriver* led_ = nullptr;  ///< the driver, if a page leads its hand
+  LedDriver* led_ = nullptr;  ///< the driver, if a page leads the simulated operator
   std::unique_ptr<devices::Driver> driver_;
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;
@@ -233,8 +235,8 @@ class DeviceNode {
   std::optional<DeviceMonitor> monitor_;
 };
 
-/// What is wrong with a duration as typed [s]; empty if nothing: 0 to 1e8 (three years), for
-/// samples are counted in whole numbers.
+/// Checks a duration as typed [s]: 0 to 1e8 (three years), because samples are counted as integers.
+/// Returns the fault, or an empty text.
 std::string check_duration(const std::string& text) {
   const double seconds = parse_finite(text).value_or(-1.0);
   if (seconds == 0.0 || (seconds >= 1e-6 && seconds <= 1e8))

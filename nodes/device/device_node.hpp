@@ -1,5 +1,5 @@
 #pragma once
-/// The device's process: samples out, commands in, the force guard between them and the hardware.
+/// The device process: publishes samples, receives commands, and guards the force to the hardware.
 #include <atomic>
 #include <string>
 #include <vector>
@@ -16,24 +16,25 @@ namespace voxtouch::device_node {
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
-  std::string motion;       ///< of the scene; empty: the hand rests where the first motion starts
-  double duration_s = 0.0;  ///< of the device's time; 0: until stopped
-  HandChoice hand;          ///< of a simulated device
-  std::vector<std::string> settings;  ///< KEY=VALUE, as the device knows them
-  double network_delay_ms = 0.0;      ///< that the coupling is designed for, there and back
-  std::filesystem::path
-      fault_records;  ///< folder for what was seen before a fault; empty: nothing is kept
+  /// Name of a motion in the scene; empty: rest at the start of the first motion.
+  std::string motion;
+  double duration_s = 0.0;              ///< in device time [s]; 0: until stopped
+  HandChoice hand;                      ///< operator of a simulated device
+  std::vector<std::string> settings;    ///< KEY=VALUE, as defined by the device
+  double network_delay_ms = 0.0;        ///< round-trip delay that the coupling is designed for
+  std::filesystem::path fault_records;  ///< folder for records of faults; empty: no records
 };
 
-/// --device, --device-option, --motion, --duration [s] and how a simulated hand holds the device.
+/// Adds --device, --device-option, --motion, --duration [s] and the options of the simulated
+/// operator.
 void add_device_options(CLI::App& app, Options& options);
 
-/// The hand's motion, in W, as the scene gives it; rest at the first way point where `name` is
-/// empty. Throws where the scene has no such motion, naming those it has.
+/// The operator's motion, in W, as the scene defines it. An empty `name` gives rest at the first
+/// way point. Throws for an unknown motion, with the names of the scene's motions.
 Motion choose_motion(const scene::Scene& scene, const std::string& name);
 
-/// Runs until `stop`, the duration's end or a fault; the device is at zero force when this returns.
-/// 0 if all went well. Throws while starting only.
+/// Runs until `stop`, the end of the duration or a fault. The device is at zero force on return.
+/// Returns 0 on success. Throws only during start-up.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::device_node

@@ -1,16 +1,17 @@
 #pragma once
-/// Force that was given and then lost: its commands stopped coming, or the process stood still.
-/// Pure; real-time safe.
+/// Measures how long force was lost: its commands stopped or the process was suspended. A pure
+/// function of its inputs; real-time safe.
 #include <algorithm>
 #include <cstdint>
 
 namespace voxtouch::device_node {
 
-/// A loss lasts from the last cycle with whole force until the guard passes commands whole again.
+/// A loss lasts from the last cycle with full force until the guard again passes commands
+/// unreduced.
 class ForceLoss {
  public:
-  /// Once a cycle. `whole`: the guard passes commands unreduced; `force_n`: the force that the
-  /// device gives.
+  /// Call once per cycle. `whole`: the guard passes commands unreduced. `force_n`: force of the
+  /// device [N].
   void note(std::int64_t now_ns, bool whole, double force_n) noexcept {
     if (whole) {
       if (lost_)

@@ -29,7 +29,7 @@ void add_hand_options(CLI::App& app, HandChoice& choice) {
   app.add_option("--grip-factor", choice.grip_factor,
                  "Ratio of the new grip stiffness to the first")
       ->capture_default_str()
-      ->check(runtime::require_positive)  // which refuses nan
+      ->check(runtime::require_positive)  // also refuses nan
       ->check(CLI::Range(1e-3, 1e3));
 }
 

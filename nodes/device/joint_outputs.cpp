@@ -42,7 +42,7 @@ void JointOutputs::run() {
   constexpr std::int64_t kPeriodNs = runtime::HundredASecond::kPeriodNs, kBehindNs = 1'500'000;
   std::int64_t at_ns = runtime::monotonic_ns() / kPeriodNs * kPeriodNs + kBehindNs;
   for (bool is_described = false; !stop_.load(std::memory_order_acquire);) {
-    if (!is_described && description_.matched_count() > 0) {  // DDS keeps it for who comes later
+    if (!is_described && description_.matched_count() > 0) {  // DDS keeps it for late readers
       is_described = description_.write({runtime::lend(urdf_)});
     }
     for (; const Moment* next = due_.front(); due_.pop())

@@ -1,5 +1,6 @@
 #pragma once
-/// /joint_states and /robot_description of an arm, for ROS tools. Written only while they are read.
+/// Publishes /joint_states and /robot_description of an arm for ROS tools, while they have a
+/// reader.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -24,7 +25,8 @@ class JointOutputs {
   JointOutputs(const JointOutputs&) = delete;
   JointOutputs& operator=(const JointOutputs&) = delete;
 
-  /// From the loop: angles [rad] of the sample at `sample_ns`, the device's clock. Real-time safe.
+  /// Called by the loop: joint angles [rad] of the sample at `sample_ns`, by the device's clock.
+  /// Real-time safe.
   void show(std::span<const double> joints, std::int64_t sample_ns) noexcept;
 
  private:
@@ -48,7 +50,7 @@ class JointOutputs {
   std::thread thread_;
 };
 
-/// A driver whose joints are published; all else is the driver's own.
+/// A driver whose joints are published. All other calls are forwarded.
 class ShownDriver final : public devices::Driver {
  public:
   ShownDriver(std::unique_ptr<devices::Driver> driver, const bus::Participant& participant,
@@ -76,7 +78,7 @@ class ShownDriver final : public devices::Driver {
 
  private:
   JointOutputs outputs_;
-  std::unique_ptr<devices::Driver> driver_;  ///< closes first
+  std::unique_ptr<devices::Driver> driver_;  ///< destroyed first
 };
 
 }  // namespace voxtouch::device_node

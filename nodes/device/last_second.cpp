@@ -21,7 +21,7 @@ double LastSecond::largest_force_n() const {
 double LastSecond::answered_ratio() const {
   if (looks_.empty() || looks_.back().samples == looks_.front().samples)
     return 1.0;
-  // An answer may come after the second that its sample was in.
+  // A sample may be answered after the second that it belongs to.
   return std::min(1.0, static_cast<double>(looks_.back().answered - looks_.front().answered) /
                            static_cast<double>(looks_.back().samples - looks_.front().samples));
 }

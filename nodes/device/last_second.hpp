@@ -1,19 +1,19 @@
 #pragma once
-/// Force and answers of the last second.
+/// Largest force and ratio of answered samples in the last second.
 #include <cstdint>
 #include <deque>
 
 namespace voxtouch::device_node {
 
-/// Fed by the monitor about every 20 ms. Allocates.
+/// Updated by the monitor about every 20 ms. Allocates.
 class LastSecond {
  public:
-  /// `samples` and `answered` count since the start; `largest_n`: of the forces since the last
-  /// look.
+  /// `samples` and `answered` count from the start. `largest_n`: largest force since the last call
+  /// [N].
   void look(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered, double largest_n);
-  /// Of the last second [N].
+  /// Largest force of the last second [N].
   double largest_force_n() const;
-  /// Of the samples of the last second; 1 where there were none.
+  /// Ratio of answered samples in the last second; 1 without samples.
   double answered_ratio() const;
 
  private:
@@ -22,7 +22,8 @@ class LastSecond {
     std::uint64_t samples, answered;
     double largest_n;
   };
-  std::deque<Look> looks_;  ///< the first is where the second begins: of it only the counts matter
+  /// The first entry marks the start of the second; only its counts are used.
+  std::deque<Look> looks_;
 };
 
 }  // namespace voxtouch::device_node

@@ -1,6 +1,6 @@
 #pragma once
-/// A simulated device whose hand a page leads: the page's targets go to the hand before each
-/// sample.
+/// A simulated device whose operator is led by a page. Each sample first applies the newest target
+/// of the page.
 #include <atomic>
 #include <cstdint>
 #include <memory>
@@ -13,16 +13,16 @@
 
 namespace voxtouch::device_node {
 
-/// Takes the targets of the one participant that has the role `page`; those of all others are
-/// refused, counted and named. All else is the driver's own.
+/// Accepts the targets of the one participant with the role `page`. Targets of others are refused,
+/// counted and reported by name. All other calls are forwarded to the driver.
 class LedDriver final : public devices::Driver {
  public:
-  /// `driver` has been opened with DeviceOptions::is_led. Throws bus::Error.
+  /// `driver` must have been opened with DeviceOptions::is_led. Throws bus::Error.
   LedDriver(std::unique_ptr<devices::Driver> driver, const runtime::NodeHost& host,
             std::uint64_t session);
 
   const DeviceDescription& description() const noexcept override { return driver_->description(); }
-  /// The newest target that has come since the last call leads the hand from this sample on.
+  /// The newest target since the last call leads the operator from this sample on.
   devices::DeviceResult<devices::DeviceSample> read(
       std::chrono::microseconds timeout) noexcept override;
   devices::DeviceResult<void> write(const Wrench& command) noexcept override {
@@ -31,7 +31,7 @@ class LedDriver final : public devices::Driver {
   void stop() noexcept override { driver_->stop(); }
   bool simulated() const noexcept override { return driver_->simulated(); }
 
-  /// Of the monitor's thread: binds the page, reports who it is and whose targets are refused.
+  /// Called by the monitor: binds the page, and reports its participant and refused targets.
   void report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report,
                  runtime::StatusText& status);
 

@@ -7,14 +7,14 @@
 namespace voxtouch::device_node {
 namespace {
 
-/// Why the run cannot go on without this partner; empty: it can.
+/// Why the run cannot continue without this peer; empty if it can.
 std::string loss_of(const bus::Guid& partner, const runtime::NodeRegistry& registry,
                     const std::vector<runtime::Hung>& all_hung) {
-  // kept by the monitor, also of one that has gone
+  // the monitor also keeps the report of a departed peer
   const runtime::NodeReport* report = registry.report_of(partner);
   const std::string node = report ? report->node : "a node";
   const auto hung = std::ranges::find(all_hung, partner, &runtime::Hung::participant);
-  // DDS takes one that stands still for gone after some seconds.
+  // After some seconds DDS reports a stalled participant as departed.
   const bool gone = !registry.is_here(partner), silent = hung != all_hung.end();
   if (report && report->state == runtime::NodeState::kFailed)
     return node + " has failed";

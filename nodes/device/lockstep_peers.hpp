@@ -1,6 +1,5 @@
 #pragma once
-/// The nodes that a device waits for before its first sample, and that in lockstep must not be
-/// lost.
+/// The nodes that a device waits for at its start, and that must not be lost in lockstep.
 #include <atomic>
 #include <string>
 
@@ -8,21 +7,21 @@
 
 namespace voxtouch::device_node {
 
-/// The monitor updates; `ready`: any thread.
+/// Updated by the monitor; `ready` may be called by any thread.
 class LockstepPeers {
  public:
   /// `with_coupling`: a coupling is bound.
   void update(const runtime::NodeHost& host, runtime::NodeRegistry& registry, std::uint64_t session,
               bool with_coupling);
   bool ready() const noexcept { return ready_.load(std::memory_order_acquire); }
-  /// What is not ready yet; empty: nothing.
+  /// The nodes that are not ready; empty if all are.
   const std::string& missing() const noexcept { return missing_; }
-  /// The session cannot go on; the first reason counts.
+  /// Ends the session; the first reason is kept.
   void lose(std::string why) {
     if (lost_.empty())
       lost_ = std::move(why);
   }
-  /// Which peer was lost first, and how.
+  /// The first lost peer and the reason.
   const std::string& lost() const noexcept { return lost_; }
   const std::set<bus::Guid>& participants() const noexcept { return partners_.participants(); }
 

@@ -19,7 +19,7 @@ bool RigClaim::update(const runtime::NodeRegistry& registry, const bus::Guid& ow
       claim_ = answered;
     const auto theirs = other.figures.find(kClaim);
     if (theirs == other.figures.end())
-      continue;  // it has not seen this one yet
+      continue;  // it has not seen this node yet
     const std::uint64_t count = runtime::as_count(theirs->second.value);
     lost |= count != *claim_ ? count > *claim_ : other.participant < own;
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// Which of two devices keeps the rig.
+/// Decides which of two devices keeps the rig.
 #include <optional>
 #include <string>
 
@@ -7,16 +7,18 @@
 
 namespace voxtouch::device_node {
 
-/// Two devices of one rig: after a network split, or after a start at the same time, when neither
-/// sees the other. Each publishes, once, how many of its samples had been answered when it first
-/// saw the other. The one with more, whose ring is with it, stays; of equal ones that with the
-/// smaller GUID. Neither number changes any more, so both decide alike, without a clock.
+/// Resolves a conflict of two devices in one rig.
+/// It occurs after a network split, or if both start at the same time without seeing each other.
+/// Each device publishes, once, how many of its samples had been answered when it first detected
+/// the other. The device with the larger number keeps the rig; for equal numbers it is the one with
+/// the smaller GUID. Neither number changes afterwards, so both devices decide alike without a
+/// clock.
 class RigClaim {
  public:
-  /// `own`: this node's participant; `answered`: its samples so far. True where another device
-  /// keeps the rig.
+  /// `own`: participant of this node. `answered`: its answered samples so far. Returns true if
+  /// another device keeps the rig.
   bool update(const runtime::NodeRegistry& registry, const bus::Guid& own, std::uint64_t answered);
-  /// Name of the other device; empty: there is none.
+  /// Name of the other device; empty if there is none.
   const std::string& conflicting() const noexcept { return conflicting_; }
   void report_to(runtime::NodeReport& report) const;
 

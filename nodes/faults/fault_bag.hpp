@@ -1,5 +1,6 @@
 #pragma once
-/// A fault's rows as a rosbag2 folder, so that whatever opens the bag of a run opens them.
+/// Writes the recorded rows of a fault as a rosbag2 folder, which the tools for the bag of a run
+/// can open.
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -27,8 +28,8 @@ struct FaultMessage {
   std::vector<std::byte> bytes;
 };
 
-/// The ring's streams are of fixed size and without padding: their CDR is the struct behind four
-/// bytes that say "little endian".
+/// Streams of the ring have fixed size and no padding. Their CDR is the struct after a four-byte
+/// header for little endian.
 template <class T>
 FaultMessage message_of(std::size_t topic, std::int64_t time_ns, const T& message) {
   constexpr std::array kLittleEndian{std::byte{0}, std::byte{1}, std::byte{0}, std::byte{0}};
@@ -42,14 +43,14 @@ struct FaultContext {
   std::string node, rig, reason;
 };
 
-/// Makes FOLDER/NODE_N, the next N that is not there, with the messages and fault.json, and says
-/// where. Throws a sentence where the disk refuses. Blocks for the disk.
+/// Creates FOLDER/NODE_N, with the smallest free N, containing the messages and fault.json. Returns
+/// its path. Throws, with a sentence, on a disk error. Blocks on the disk.
 std::filesystem::path write_fault_bag(const std::filesystem::path& folder,
                                       const FaultContext& context,
                                       const std::vector<FaultTopic>& topics,
                                       const std::vector<FaultMessage>& messages);
 
-/// A sentence for each record in FOLDER, by name; nothing where it is not there.
+/// A sentence for each record in FOLDER, by name; empty if the folder does not exist.
 std::vector<std::string> fault_records_in(const std::filesystem::path& folder);
 
 }  // namespace voxtouch::faults

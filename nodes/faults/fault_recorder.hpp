@@ -1,5 +1,5 @@
 #pragma once
-/// Keeps what a loop saw in the last two seconds, and writes it where something went wrong.
+/// Keeps the last two seconds of a loop in memory, and writes them to disk after a fault.
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -22,18 +22,16 @@ class App;
 namespace voxtouch::faults {
 
 inline constexpr double kRecordedS = 2.0;
-/// A ring that fails over and over must not fill the disk: more faults than this are counted, and
-/// not written.
+/// Further faults are counted and not written, so that a repeating fault cannot fill the disk.
 inline constexpr std::uint64_t kMaxRecords = 8;
 
-/// --fault-records DIR.
+/// Adds --fault-records DIR.
 void add_option(CLI::App& app, std::filesystem::path& folder);
 
-/// Whether another node has recorded a fault since the last look.
+/// Detects faults that another node has recorded since the last poll.
 class OthersFaults {
  public:
-  /// True where the report counts more faults than the last one did; before the first one, than
-  /// none.
+  /// Returns true if the report counts more faults than the last one. The count starts at 0.
   bool see(const runtime::NodeReport& report) {
     const auto figure = report.figures.find(kFigure);
     const double now = figure == report.figures.end() ? 0.0 : figure->second.value;
@@ -45,12 +43,12 @@ class OthersFaults {
   double last_ = 0.0;
 };
 
-/// The loop pushes and keeps; a thread of ordinary priority writes. Without a folder it does
-/// nothing and takes no memory.
+/// The loop pushes and keeps rows; a thread of ordinary priority writes them. Without a folder it
+/// does nothing and allocates nothing.
 template <class Row>
 class FaultRecorder {
  public:
-  /// How the rows become messages; called by the thread that writes.
+  /// Converts rows to messages; called by the writing thread.
   using Messages = std::function<std::vector<FaultMessage>(const std::vector<Row>&)>;
 
   FaultRecorder(std::filesystem::path folder, FaultContext context, std::vector<FaultTopic> topics,
@@ -63,25 +61,25 @@ class FaultRecorder {
       thread_ = std::jthread([this](const std::stop_token& stop) { write_as_they_come(stop); });
   }
 
-  /// Memory for the rows of kRecordedS; not for the loop.
+  /// Allocates the rows of kRecordedS. Not for the loop.
   void reserve(double rate_hz) {
     if (!folder_.empty())
       rows_.reserve(static_cast<std::size_t>(std::ceil(kRecordedS * rate_hz)));
   }
-  /// Real-time safe. `reason`: a text that lives as long as the program, for "before ...".
+  /// Real-time safe. `reason` must have static lifetime; it completes the phrase "before ...".
   void push(const Row& row) noexcept { rows_.push(row); }
   void keep(const char* reason) noexcept {
     if (rows_.keep(reason))
       faults_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// For a fault that another node has reported: likewise, and not passed on. Not where this node
-  /// has just kept its own.
+  /// The same for a fault that another node has reported. It is not passed on, and is skipped
+  /// shortly after a fault of this node.
   void keep_too(const char* reason) noexcept {
     if (rows_.share_new() > 0.25)
       rows_.keep(reason);
   }
 
-  /// Any thread but the loop's: how many faults there were, and where the last one is.
+  /// Reports the number of faults and the folder of the last one. Any thread except the loop's.
   void report_to(runtime::NodeReport& report) const {
     report.figures[OthersFaults::kFigure] = {faults_.load(std::memory_order_relaxed), "records"};
     const std::lock_guard lock(mutex_);
@@ -95,7 +93,7 @@ class FaultRecorder {
   void write_as_they_come(const std::stop_token& stop) {
     runtime::ordinary_priority();
     for (bool last = false; !last;) {
-      last = stop.stop_requested();  // what the loop kept as it ended is written too
+      last = stop.stop_requested();  // also writes rows that the loop kept at its end
       rows_.take([this](const char* reason, const std::vector<Row>& rows) { write(reason, rows); });
       if (!last)
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -126,10 +124,10 @@ class FaultRecorder {
   Messages messages_;
   RecentRows<Row> rows_;
   std::atomic<std::uint64_t> faults_{0};
-  std::uint64_t written_ = 0;  ///< of the thread
+  std::uint64_t written_ = 0;  ///< owned by the thread
   mutable std::mutex mutex_;
   std::string last_, diagnostic_;
-  std::jthread thread_;  ///< last: it uses all of the above
+  std::jthread thread_;  ///< last member: it uses all others
 };
 
 }  // namespace voxtouch::faults

@@ -11,7 +11,7 @@ namespace {
 
 constexpr auto kRelaxed = std::memory_order_relaxed;
 
-/// splitmix64 (Steele, Lea and Flood 2014): each number once in 2^64.
+/// splitmix64 (Steele, Lea and Flood 2014): each number occurs once in 2^64.
 std::uint64_t next(std::uint64_t& state) noexcept {
   std::uint64_t z = (state += 0x9e3779b97f4a7c15ULL);
   z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;

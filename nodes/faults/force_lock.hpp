@@ -1,5 +1,5 @@
 #pragma once
-/// After some faults no force returns before a person has said so.
+/// After some faults the force stays at zero until the operator resets the lock.
 #include <atomic>
 #include <cstdint>
 #include <string>
@@ -9,39 +9,40 @@
 
 namespace voxtouch::faults {
 
-/// The loop engages it and asks whether it is open again; the monitor reports it and passes on the
-/// reset. Each time that it is engaged it has another number, so that a word for one lock opens no
-/// other, and one that was recorded opens none.
+/// Latches a fault at zero force until a reset.
+/// The loop engages the lock and checks for its reset; the monitor reports it and passes the reset
+/// on. Each engagement has a new number, so a reset applies to one engagement only. A recorded
+/// reset has no effect.
 class ForceLock {
  public:
   ForceLock();
 
-  /// The loop's thread; real-time safe. `reason`: a sentence without its end, that lives as long as
-  /// the program.
+  /// Called by the loop; real-time safe. `reason`: a sentence without its full stop, with static
+  /// lifetime.
   void engage(const char* reason) noexcept;
   bool engaged() const noexcept { return number_.load(std::memory_order_acquire) != 0; }
-  /// True once, where a person has opened the lock that is engaged.
+  /// Returns true once after the engaged lock has been reset.
   bool opened() noexcept;
 
-  /// Another thread. A number that is not the engaged lock's changes nothing.
+  /// Called by another thread. A number other than that of the engaged lock has no effect.
   void open(std::uint64_t number) noexcept { asked_.store(number, std::memory_order_release); }
-  /// What a status says of it. While the node runs, the sentence that a person has to read is its
-  /// message, whatever else there was to say.
+  /// Adds the lock to a status. While the node runs, the request for a reset replaces any other
+  /// message.
   void report_to(runtime::NodeReport& report, bool runs = true) const;
 
   static constexpr char kNumber[] = "lock", kReason[] = "locked_because", kCount[] = "locks";
 
  private:
-  std::uint64_t state_;  ///< of the numbers, the loop's own
+  std::uint64_t state_;  ///< state of the number generator, loop only
   std::atomic<std::uint64_t> number_{0}, asked_{0}, count_{0};
   std::atomic<const char*> reason_{nullptr};
 };
 
-/// Takes what people say to the nodes of a rig. Of the housekeeping's thread.
+/// Receives resets for the nodes of a rig. Used by the monitor thread.
 class LockKeeper {
  public:
   LockKeeper(const bus::Participant& participant, const std::string& rig);
-  /// Opens `lock` where its number was said in this session.
+  /// Resets `lock` if its number was received in this session.
   void listen(std::uint64_t session, ForceLock& lock);
 
  private:

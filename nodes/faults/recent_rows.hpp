@@ -1,5 +1,5 @@
 #pragma once
-/// The newest rows of a loop, in memory taken beforehand, and a way to hand them to another thread.
+/// The newest rows of a loop in preallocated memory, and their transfer to another thread.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -9,15 +9,16 @@
 
 namespace voxtouch::faults {
 
-/// Two halves: the loop writes one over and over; when it keeps it, it goes on with the other until
-/// the kept one has been taken. One thread calls `reserve`, `push` and `keep`, another one `take`.
+/// A double buffer of rows. The loop writes one half as a ring. When it keeps that half, it
+/// continues with the other until the kept one has been taken. One thread calls `reserve`, `push`
+/// and `keep`, another `take`.
 template <class Row>
 class RecentRows {
   static_assert(std::is_trivially_copyable_v<Row>);
 
  public:
-  /// Memory for so many rows, twice, and nothing in it; false, and nothing done, while rows wait to
-  /// be taken. Not for the loop: allocates.
+  /// Allocates two buffers of `rows` rows, both empty. Returns false, without effect, while kept
+  /// rows wait to be taken. Not for the loop: allocates.
   bool reserve(std::size_t rows) {
     if (kept_.load(std::memory_order_acquire))
       return false;
@@ -33,9 +34,9 @@ class RecentRows {
       half.rows[half.pushed++ % half.rows.size()] = row;
   }
 
-  /// Keeps what is there, for this reason: a text that lives as long as the program. False where
-  /// there is nothing, where what was kept before has not been taken yet, or where the last reason
-  /// holds on: it keeps anew once all rows are new. Real-time safe.
+  /// Keeps the current rows with this reason, which must have static lifetime. Returns false
+  /// without rows, and while kept rows have not been taken. Also returns false if the reason equals
+  /// the last one and some rows are older than it. Real-time safe.
   bool keep(const char* reason) noexcept {
     const Half& half = halves_[writing_];
     if (half.pushed == 0 || kept_.load(std::memory_order_acquire))
@@ -49,8 +50,8 @@ class RecentRows {
     return true;
   }
 
-  /// How much of the memory holds rows that came since the last were kept, [0, 1]. Of the loop's
-  /// thread; real-time safe.
+  /// Ratio of the memory filled with rows since the last keep, [0, 1]. Called by the loop;
+  /// real-time safe.
   double share_new() const noexcept {
     const Half& half = halves_[writing_];
     return half.rows.empty() ? 0.0
@@ -58,13 +59,14 @@ class RecentRows {
                                                  static_cast<double>(half.rows.size()));
   }
 
-  /// Calls f(reason, rows), oldest first, where something is kept; afterwards the next may be kept.
+  /// Calls f(reason, rows), oldest row first, if rows are kept. Afterwards new rows may be kept.
   /// Allocates.
   template <class F>
   bool take(F&& f) {
     if (!kept_.load(std::memory_order_acquire))
       return false;
-    const Half& half = halves_[writing_ ^ 1U];  // the loop does not change over while this is kept
+    const Half& half = halves_[writing_ ^ 1U];  // the loop does not switch halves while this one is
+                                                // kept
     const std::size_t count = std::min(half.pushed, half.rows.size());
     std::vector<Row> rows;
     rows.reserve(count);
@@ -82,7 +84,7 @@ class RecentRows {
   };
   std::array<Half, 2> halves_;
   std::size_t writing_ = 0;
-  const char* reason_ = nullptr;  ///< of what was kept last
+  const char* reason_ = nullptr;  ///< reason of the last keep
   std::atomic<bool> kept_{false};
 };
 

@@ -86,17 +86,18 @@ class LoggerNode {
     }
     record_pending();
     topics_.end();
-    constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // as long as `up` waits for it
+    constexpr std::int64_t kMaxCloseNs = 20'000'000'000;  // the time that `up` waits for it
     const runtime::Heartbeat::Busy busy(host_.heartbeat(), kMaxCloseNs),
         closing(closing_, kMaxCloseNs);
     final_ = recorder_.stop();
-    host_.session().stop();  // what is final is in place
+    host_.session().stop();  // the final values are set
   }
 
-  /// Whatever the others wrote before they stopped has been acknowledged by our readers: it is
-  /// here, or on its way (best effort). Not for ever: others may go on writing, a ring that this
-  /// logger only listens to or a robot whose topics are listed. Quiet is counted in waits and not
-  /// by the clock: a machine that lets this process wait lets DDS's threads in it wait as well.
+  /// Records the messages that other nodes wrote until they stopped. Reliable ones have been
+  /// acknowledged by our readers; best-effort ones may still be in transit.
+  /// The time is limited, because other writers may continue: a ring that this logger only records,
+  /// or a robot whose topics are listed. Silence is counted in waits and not by the clock. A
+  /// machine that suspends this process suspends its DDS threads too.
   void record_pending() {
     const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
     for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end;
@@ -132,8 +133,8 @@ class LoggerNode {
     host_.report_session(registry, report, "a device", true);
   }
 
-  /// The participants that play device, rendering and coupling; only their messages are for the
-  /// recording.
+  /// Reports the participants in the roles device, rendering and coupling; only their messages are
+  /// recorded.
   void report_roles(const runtime::NodeRegistry& registry, runtime::NodeReport& report,
                     runtime::StatusText& status) {
     constexpr std::string_view kRoles[] = {"device", "rendering", "coupling"};
@@ -173,8 +174,7 @@ class LoggerNode {
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   bag::BagRecorder recorder_;
   RecordedTopics topics_;
-  std::array<runtime::RoleBinding, 3>
-      roles_;  ///< device, whose session this is; rendering; coupling
+  std::array<runtime::RoleBinding, 3> roles_;  ///< device of this session, rendering, coupling
   runtime::ParticipantCounts refused_from_;
   bag::RecordingReport final_;
   std::atomic<std::uint64_t> session_in_bag_{0};

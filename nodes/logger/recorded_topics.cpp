@@ -12,10 +12,10 @@
 namespace voxtouch::logger {
 namespace {
 
-/// The ring's messages begin with session, sequence, sample time: eight bytes each after the 4-byte
-/// encapsulation.
+/// Messages of the ring begin with session, sequence number and sample time, eight bytes each,
+/// after the 4-byte encapsulation header.
 constexpr std::size_t kSessionOffset = 4, kSampleTimeOffset = 4 + 16;
-constexpr std::string_view kRosPrefix = "rt";  ///< of every topic of ROS 2 on DDS, before the slash
+constexpr std::string_view kRosPrefix = "rt";  ///< prefix of every ROS 2 topic on DDS
 
 constexpr const msg::AnyType* type_of(const qos::Topic& row) {
   return std::ranges::find(msg::kAllTypes, row.type, &msg::AnyType::ros_name);
@@ -24,8 +24,8 @@ static_assert(std::ranges::none_of(qos::kTopics, [](const qos::Topic& row) {
   return type_of(row) == std::end(msg::kAllTypes);
 }));
 
-/// What the ring takes from the participant alone that plays the role. `binds`: only who has a
-/// writer on it plays the role here.
+/// Topics that the ring accepts only from the participant in a role. `binds`: a participant must
+/// write this topic to hold the role.
 struct RoleTopic {
   std::string_view path, role;
   bool followed, binds;
@@ -61,12 +61,11 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant,
     const qos::Profile& profile = qos::profile_in(row, options.mode());
     const qos::Qos offered =
         qos::make_qos(profile, qos::Endpoint::kWriter, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
-    // In lockstep nothing may be lost: a full reader holds the writer up.
+    // In lockstep no message may be lost: a full reader blocks the writer.
     const qos::Qos asked = profile.id == qos::ProfileId::kLockstep
                                ? qos::make_qos(profile, qos::Endpoint::kReader, 0.0)
                                : recording_qos(offered.get());
-    const bool from_outside =
-        row.path == qos::kEffectChange.path;  // whoever asks knows no sample's time
+    const bool from_outside = row.path == qos::kEffectChange.path;  // its sender has no sample time
     const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream ||
                                          row.profile == qos::ProfileId::kEvent);
     const std::lock_guard lock(numbers_mutex_);
@@ -148,7 +147,8 @@ std::vector<std::string> RecordedTopics::discover() {
 
 std::int64_t RecordedTopics::time_of(const Entry& entry, std::span<const std::byte> bytes) {
   if (!options_.lockstep)
-    return runtime::realtime_ns();  // of the take, as ros2 bag: DDS keeps none of the arrival
+    return runtime::realtime_ns();  // time of the take, as in ros2 bag: DDS keeps no time of
+                                    // arrival
   if (entry.stamp == Stamp::kSampleTime && bytes.size() >= kSampleTimeOffset + 8) {
     std::int64_t time_ns = 0;
     std::memcpy(&time_ns, bytes.data() + kSampleTimeOffset, sizeof time_ns);
@@ -183,12 +183,12 @@ void RecordedTopics::push(const RoleRecords::Record& record) {
 }
 
 void RecordedTopics::push(Entry& entry, std::int64_t time_ns, std::span<const std::byte> bytes) {
-  // Messages that waited until their writer's role was known must not go back in time: readers of a
-  // file without an index refuse that. Times of lockstep are those of the samples.
+  // Messages that waited until their writer's role was determined must not go back in time: readers
+  // of a file without an index refuse that. In lockstep, times are those of the samples.
   if (!options_.lockstep)
     pushed_ns_ = time_ns = std::max(time_ns, pushed_ns_);
   if (entry.latched && std::ranges::equal(entry.newest, bytes))
-    return;  // written again for who came later
+    return;  // repeated for late readers
   if (entry.latched)
     entry.newest.assign(bytes.begin(), bytes.end());
   const auto pushed = recorder_.push(entry.id, time_ns, bytes);
@@ -196,7 +196,7 @@ void RecordedTopics::push(Entry& entry, std::int64_t time_ns, std::span<const st
     note(entry, bytes);
 }
 
-/// Who writes one record and goes is asked for in vain afterwards.
+/// A writer that leaves after one record cannot be queried afterwards.
 void RecordedTopics::look_for_writers(Entry& entry) {
   const std::vector<dds_instance_handle_t> matched =
       bus::matched_writer_handles(entry.reader.get());

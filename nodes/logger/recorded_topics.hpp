@@ -1,5 +1,6 @@
 #pragma once
-/// The readers of a recording: those of the ring from the start, others as their writers appear.
+/// The readers of a recording. Those of the ring exist from the start, others are created when
+/// their writers appear.
 #include <deque>
 #include <map>
 #include <memory>
@@ -25,53 +26,53 @@ namespace voxtouch::logger {
 
 class RecordedTopics {
  public:
-  /// Makes readers for every row of the table that is recorded. Throws bus::Error.
+  /// Creates readers for every row of the topic table that is recorded. Throws bus::Error.
   RecordedTopics(const bus::Participant& participant, const runtime::NodeOptions& options,
                  std::vector<std::string> requested, bag::BagRecorder& recorder,
                  bus::WaitSet& wait_set);
 
-  /// Makes readers for selected topics whose writers have appeared since. Returns sentences about
-  /// what cannot be recorded: a topic whose type is not compiled in is one.
+  /// Creates readers for selected topics whose writers have appeared. Returns sentences about
+  /// topics that cannot be recorded, for example because their type is not compiled in.
   std::vector<std::string> discover();
-  /// Takes all that is there into the recorder; how many samples that was.
+  /// Takes all waiting samples into the recorder; returns their number.
   std::size_t drain();
-  /// The last call: what is kept for an absent participant is refused.
+  /// The last call: records kept for an absent participant are refused.
   void end();
-  /// Readers of what who plays the role writes. Their addresses stay.
+  /// Readers of the topics of a role. Their addresses do not change.
   std::vector<bus::Following*> readers_of(std::string_view role) const;
-  /// What those who play the roles alone may write: the streams, and the records that a replay
-  /// follows.
+  /// Topics that only the participant in a role may write: the streams, and the records that a
+  /// replay uses.
   struct OfRole {
     std::string_view role;
     std::unique_ptr<RoleRecords> records;
-    bool followed;  ///< by a replay
+    bool followed;  ///< used by a replay
   };
   std::span<const OfRole> of_roles() const noexcept { return of_roles_; }
-  /// Who must have matched what before a lockstep run.
+  /// The matches required for the start of a lockstep run.
   std::vector<runtime::Link> links() const;
-  /// Which samples of `session` were taken to be written, for each stream of the ring. Any thread.
+  /// Reports which samples of `session` were recorded, for each stream of the ring. Any thread.
   void publish_figures(std::uint64_t session, runtime::Figures& figures) const;
 
  private:
-  /// How a message's time in the bag is found in lockstep, where no clock may be asked.
+  /// Source of a message's time stamp in lockstep, where clocks are not used.
   enum class Stamp { kSampleTime, kZero, kNewest };
   struct Entry {
     std::string name;
     std::unique_ptr<bus::Following>
-        following;  ///< who has matched the reader, which it outlives; where a role asks for it
+        following;  ///< filter of the reader, which it outlives; only for topics of a role
     bus::RawReader reader;
-    bus::GraphEntry shown;  ///< to ROS 2 tools
+    bus::GraphEntry shown;  ///< entry for ROS 2 tools
     bag::TopicId id;
     Stamp stamp;
-    std::string stream{};     ///< "device_state"; empty where samples bear no number
-    SequenceCount numbers{};  ///< under `numbers_mutex_`
-    bool latched = false;     ///< a value that is the newest one again is not recorded again
-    std::vector<std::byte> newest{};  ///< of a latched one
-    std::string_view role{};          ///< who plays it writes the topic; empty: any node
+    std::string stream{};             ///< "device_state"; empty if samples have no number
+    SequenceCount numbers{};          ///< guarded by `numbers_mutex_`
+    bool latched = false;             ///< an unchanged value is not recorded again
+    std::vector<std::byte> newest{};  ///< the newest value of a latched topic
+    std::string_view role{};          ///< the role that writes the topic; empty: any node
     RoleRecords* records =
-        nullptr;  ///< only what who plays the role writes is for the bag; null: all is
+        nullptr;  ///< filter for the messages of the role; null: all are recorded
     std::map<dds_instance_handle_t, bus::Guid>
-        writers{};  ///< those that have been seen, where it has `records`
+        writers{};  ///< discovered writers, if `records` is set
   };
   Entry& add(const std::string& name, const msg::AnyType& type, const qos::Qos& qos,
              const dds_qos_t* offered, Stamp stamp);
@@ -89,7 +90,7 @@ class RecordedTopics {
   bag::BagRecorder& recorder_;
   bus::WaitSet& wait_set_;
   bus::WriterDiscovery discovery_;
-  std::deque<Entry> entries_;  // addresses stay
+  std::deque<Entry> entries_;  // addresses do not change
   std::set<std::string> known_;
   std::vector<OfRole> of_roles_;
   std::int64_t newest_ns_ = 0;

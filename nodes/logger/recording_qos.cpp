@@ -5,13 +5,13 @@
 namespace voxtouch::logger {
 namespace {
 
-// For ever is the largest int64 in ns, which rmw splits in the same way.
+// An infinite duration is the largest int64 in ns, which rmw splits in the same way.
 std::string duration(dds_duration_t ns) {
   return fmt::format("\n    sec: {}\n    nsec: {}", ns / 1'000'000'000, ns % 1'000'000'000);
 }
 
-/// What decides whether a reader matches. A policy that the writer did not announce keeps DDS's
-/// default.
+/// The policies that determine whether a reader matches. A policy that the writer did not announce
+/// has the default of DDS.
 struct Match {
   dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
   dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
@@ -21,8 +21,8 @@ struct Match {
     dds_qget_durability(qos, &durability);
   }
   bool reliable() const { return reliability == DDS_RELIABILITY_RELIABLE; }
-  /// Also transient and persistent, for which rmw has no number: to a late reader they look the
-  /// same.
+  /// Includes transient and persistent, for which rmw has no number; for a late reader they are
+  /// equivalent.
   bool latched() const { return durability != DDS_DURABILITY_VOLATILE; }
 };
 

@@ -6,9 +6,9 @@ namespace voxtouch::logger {
 namespace {
 
 constexpr std::size_t kMaxAuthorised =
-    64;  ///< the newest; a ring does not change its rendering so often
+    64;  ///< the newest ones; a ring rarely changes its rendering
 constexpr std::size_t kMaxNamed = 16;
-/// The first may have begun before the record came.
+/// The first poll may have begun when the record had not arrived.
 constexpr std::uint64_t kLooks = 2;
 
 }  // namespace

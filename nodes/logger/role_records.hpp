@@ -1,6 +1,6 @@
 #pragma once
-/// Records that a replay follows: what the participant wrote that plays the role is for the bag,
-/// and what others wrote is not.
+/// Filters the records that a replay uses: only those of the participant in the role are written to
+/// the bag.
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -12,46 +12,46 @@
 
 namespace voxtouch::logger {
 
-/// A record may come before it is known who plays the role: it is kept until then. One whose writer
-/// is not authorised is kept for two looks at the statuses, as a rendering that was started again
-/// may be received before it is bound. What is refused then is counted. `entitle` and `looked`: the
-/// housekeeping. `take`, `settle` and `end`: the thread that reads. Allocates; not for the loop of
-/// a ring.
+/// Keeps records until the participant in the role is determined.
+/// A record of an unauthorised writer is kept for two polls of the statuses, because messages of a
+/// restarted rendering may arrive while it is unbound. Records refused after that are counted. The
+/// monitor thread calls `entitle` and `looked`; the reading thread calls `take`, `settle` and
+/// `end`. Allocates; not for the loop of a ring.
 class RoleRecords {
  public:
   struct Record {
     bag::TopicId topic = 0;
-    std::int64_t time_ns = 0;  ///< the bag's, of when it was taken
+    std::int64_t time_ns = 0;  ///< time of the take, for the bag
     std::vector<std::byte> bytes{};
   };
 
-  /// Of one writer and of all that are kept [bytes]; what is beyond is refused. A change takes
-  /// about 200, a value of the outside wrench 80.
+  /// Limits for one writer and for all kept records [bytes]; records beyond them are refused. A
+  /// change takes about 200 bytes, a value of the external wrench 80.
   static constexpr std::size_t kMaxOfOne = 1'000'000, kMaxOfAll = 16'000'000;
 
-  /// While the role was not bound, and at the end if it never was.
+  /// Handling of records received while the role was unbound, also at the end if it never was
+  /// bound.
   enum class Unknown : bool {
-    kRefuse,  ///< what a replay follows
-    kRecord,  ///< streams: beyond the limits above, what is kept is recorded
+    kRefuse,  ///< records that a replay uses
+    kRecord,  ///< streams: beyond the limits above, the kept records are written
   };
   explicit RoleRecords(Unknown unknown = Unknown::kRefuse) noexcept : unknown_(unknown) {}
 
-  /// This participant plays the role. What it wrote counts, also after it has gone.
+  /// Authorises this participant. Its records are written, even after it has left.
   void entitle(const bus::Guid& participant);
-  /// All that one check of the statuses gives has been reported. `bound`: the role is bound.
+  /// Marks the end of one poll of the statuses. `bound`: the role is bound.
   void looked(bool bound);
 
-  /// `writer`: the participant that wrote it; all zero where it has gone before it was known.
+  /// `writer`: participant that wrote the record; all zero if it left without being identified.
   void take(const bus::Guid& writer, Record record);
-  /// Calls push(const Record&) for each that is now known to be the role's, in the order that they
-  /// came.
+  /// Calls push(const Record&) for each record now attributed to the role, in order of arrival.
   template <class Push>
   void settle(Push&& push) {
     for (const Record& record : decided())
       push(record);
   }
-  /// No participant comes any more that might be authorised: what is still kept is refused, or
-  /// recorded if none ever was and kRecord holds.
+  /// No further participant will be authorised. Kept records are refused; with kRecord they are
+  /// written if none ever was authorised.
   template <class Push>
   void end(Push&& push) {
     release_unknown();
@@ -59,18 +59,17 @@ class RoleRecords {
     refuse_kept();
   }
 
-  /// Any thread: how many were for the bag, and how many were not.
+  /// Any thread: number of written and of refused records.
   std::uint64_t settled() const;
   std::uint64_t refused() const;
-  /// How many of each writer were not; the first sixteen writers.
+  /// Number of refused records of each writer, for the first sixteen writers.
   std::map<bus::Guid, std::uint64_t> refused_writers() const;
 
  private:
   struct Kept {
     bus::Guid writer;
     Record record;
-    std::uint64_t
-        decided_at;  ///< the look after which it is known whether the writer is authorised
+    std::uint64_t decided_at;  ///< the poll that decides whether the writer is authorised
   };
   std::vector<Record> decided();
   void release_unknown();
@@ -79,7 +78,7 @@ class RoleRecords {
 
   const Unknown unknown_;
   mutable std::mutex mutex_;
-  bool released_ = false;  ///< all that is kept is recorded
+  bool released_ = false;  ///< all kept records are written
   std::deque<bus::Guid> authorised_;
   std::deque<Kept> kept_;
   std::map<bus::Guid, std::size_t> kept_bytes_;  ///< of each writer

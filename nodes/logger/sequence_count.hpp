@@ -1,6 +1,6 @@
 #pragma once
-/// Which samples of a stream a recording holds, by their own numbers: what never came is missed
-/// too.
+/// Counts the samples of a stream in a recording by their sequence numbers, so that samples that
+/// never arrived count as missing.
 #include <cstdint>
 #include <map>
 
@@ -10,11 +10,11 @@ class SequenceCount {
  public:
   struct Count {
     std::uint64_t first = 0, next = 0, samples = 0;
-    /// Numbers left out between the first and the last.
+    /// Missing numbers between the first and the last.
     std::uint64_t gaps() const noexcept { return next - first - samples; }
   };
 
-  /// One that is to be written. Of what comes twice or late only the first counts.
+  /// Adds a recorded sample. Of repeated or late samples only the first counts.
   void add(std::uint64_t session, std::uint64_t sequence) {
     const auto [found, made] = sessions_.size() < kMaxSessions
                                    ? sessions_.try_emplace(session)
@@ -29,7 +29,7 @@ class SequenceCount {
     count.next = sequence + 1;
     ++count.samples;
   }
-  /// Zeros for a session that was not seen.
+  /// Zeros for an unknown session.
   Count of(std::uint64_t session) const {
     const auto found = sessions_.find(session);
     return found == sessions_.end() ? Count{} : found->second;
@@ -37,7 +37,7 @@ class SequenceCount {
 
  private:
   static constexpr std::size_t kMaxSessions =
-      64;  ///< any participant may send any number: later ones are not counted
+      64;  ///< any participant may send any number; later sessions are not counted
   std::map<std::uint64_t, Count> sessions_;
 };
 

@@ -8,7 +8,7 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// Of a change that came by a service: as good as never that of another.
+/// Random number of a change requested by a service; a collision with another one is negligible.
 std::uint64_t request_number() {
   static thread_local std::random_device random;
   return (std::uint64_t{random()} << 32U | random()) | 1U;
@@ -52,7 +52,7 @@ void ChangeInbox::serve(std::uint64_t session,
   services_.serve();
 }
 
-/// A request by a service goes on as if it had come as a message.
+/// Queues a service request like a message.
 void ChangeInbox::ask_for(std::span<const msg::EffectChange> asked, bool together,
                           const bus::Guid& by, const ChangeReply& reply) {
   count(by, asked.size());
@@ -110,8 +110,7 @@ void ChangeInbox::refuse(const ChangeRequest& request, const std::string& senten
   answer(request, msg::effect_changed::kResultRefused, 0, sentence);
 }
 
-/// The request may have come from a participant that a recorder did not know yet; this writer it
-/// knows.
+/// A recorder may not have discovered the requesting participant. It has discovered this writer.
 void ChangeInbox::record(const ChangeRequest& request, std::uint64_t session,
                          std::uint64_t sample) {
   msg::EffectChange made = request.change.made(session, sample);

@@ -1,5 +1,5 @@
 #pragma once
-/// Requests for changes while the ring runs, by message or by service, and their answers.
+/// Receives run-time change requests, by message or by service, and replies to them.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -20,38 +20,39 @@
 
 namespace voxtouch::rendering_node {
 
-/// One thread. A sender whose answer was lost asks again: a number that has been answered gets the
-/// same answer.
+/// A sender that lost its reply repeats the request. A repeated request number receives the same
+/// reply. One thread.
 class ChangeInbox {
  public:
-  /// `together`: all in one sample, or none; else there is one.
+  /// `together`: all changes apply in one sample, or none does. Otherwise `changes` holds one
+  /// change.
   using Receive = std::function<void(std::span<const msg::EffectChange> changes, bool together,
                                      std::vector<ChangeRequest> requests)>;
 
   ChangeInbox(const bus::Participant& participant, const runtime::NodeOptions& options,
               Receive receive, std::function<std::vector<RosParameter>()> parameters);
 
-  /// Waits for a request, `timeout_ns` at most.
+  /// Waits for a request, at most `timeout_ns`.
   void wait(std::int64_t timeout_ns) noexcept {
     wait_set_.wait(services_.waits() ? std::min(timeout_ns, kSoonNs) : timeout_ns);
   }
-  /// Hands on each request that has come, but those with the number of one that was answered or is
-  /// `pending`.
+  /// Forwards each received request, except a repetition of one that is answered or `pending`.
   void serve(std::uint64_t session, const std::function<bool(std::uint64_t id)>& pending);
   void answer(const ChangeRequest& request, std::uint32_t result, std::uint64_t sample,
               const std::string& sentence);
   void refuse(const ChangeRequest& request, const std::string& sentence);
-  /// The change was made: recorded for a replay, whoever asked for it.
+  /// Records an applied change for a replay, including one requested by a service.
   void record(const ChangeRequest& request, std::uint64_t session, std::uint64_t sample);
   void parameters_changed() { services_.parameters_changed(); }
 
   // Any thread.
   std::uint64_t refused_changes() const noexcept { return refused_.load(); }
   std::uint64_t refused_requests() const noexcept { return services_.refused(); }
-  /// How many changes each participant has requested; of one that has gone all zero.
+  /// Number of changes that each participant has requested. Counts of departed participants are
+  /// summed under the zero GUID.
   std::map<bus::Guid, std::uint64_t> requests() const;
 
-  static constexpr std::int64_t kSoonNs = 1'000'000;  ///< while a reply waits
+  static constexpr std::int64_t kSoonNs = 1'000'000;  ///< while a reply is waiting
 
  private:
   struct Answered {
@@ -70,7 +71,7 @@ class ChangeInbox {
   Receive receive_;
   EffectServices services_;
   bus::WaitSet wait_set_;
-  std::deque<Answered> answered_;  ///< the last ones
+  std::deque<Answered> answered_;  ///< the most recent ones
   std::uint64_t session_ = 0;
   std::atomic<std::uint64_t> refused_{0};
   mutable std::mutex mutex_;

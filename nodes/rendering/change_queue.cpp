@@ -8,7 +8,7 @@ void ChangeQueue::report(ChangeReport::What what, const Change& change,
 }
 
 void ChangeQueue::retire(rendering::LiveScene& live) noexcept {
-  // Without room the scene is retired later, so that none is lost.
+  // Without room for a report the scene is retired in a later cycle, so no report is lost.
   if (reports_.room() == 0)
     return;
   if (rendering::BuiltScene* scene = live.retired())
@@ -22,8 +22,8 @@ void ChangeQueue::rest(rendering::LiveScene& live) noexcept {
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr, session_});
 }
 
-/// None: it waits. A change that is not made ends the epoch, for those behind it were judged as if
-/// it had been.
+/// Returns nothing while the change must wait. A change that is not applied ends the epoch, because
+/// the changes queued behind it were validated as if it had been applied.
 std::optional<ChangeReport::What> ChangeQueue::fate_of(const Change& change,
                                                        const rendering::LiveScene& live,
                                                        std::uint64_t next,

@@ -1,5 +1,5 @@
 #pragma once
-/// Changes for the loop and its reports: plain numbers through queues without locks.
+/// Lock-free queues for validated changes to the loop and for its reports.
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -14,40 +14,42 @@ namespace voxtouch::rendering_node {
 /// One validated change.
 struct Change {
   std::uint64_t ticket = 0;       ///< counts from 1
-  std::uint64_t session = 0;      ///< 0: whichever runs
-  std::uint64_t from_sample = 0;  ///< 0: at once
-  std::uint64_t epoch = 0;        ///< as last reported; an older one is dropped
-  std::uint32_t following = 0;    ///< so many behind it are made in the same sample, or none
+  std::uint64_t session = 0;      ///< 0: any session
+  std::uint64_t from_sample = 0;  ///< 0: as soon as possible
+  std::uint64_t epoch = 0;        ///< as last reported; changes of older epochs are dropped
+  std::uint32_t following = 0;    ///< number of queued changes that are applied in the same sample
   effects::EffectCommand effect;
-  rendering::BuiltScene* scene = nullptr;  ///< replaces the one that runs; then `effect` is unused
+  /// Replaces the running scene; `effect` is then unused.
+  rendering::BuiltScene* scene = nullptr;
 };
 
 struct ChangeReport {
   enum class What : std::uint8_t {
-    kApplied,  ///< holds from `sample` on
+    kApplied,  ///< in effect from `sample` on
     kLate,     ///< its sample had passed: not applied
-    kDropped,  ///< a change before it was not applied, or another session has begun
-    kRetired,  ///< `scene` is not rendered any more
-    kAtRest,   ///< all ramps of the effects have ended
+    kDropped,  ///< an earlier change was not applied, or another session has begun
+    kRetired,  ///< `scene` is not rendered any longer
+    kAtRest,   ///< the ramps of all effects have ended
   } what = What::kApplied;
   std::uint64_t ticket = 0, sample = 0;
-  std::uint64_t epoch = 0;  ///< from now on
+  std::uint64_t epoch = 0;  ///< epoch from this report on
   rendering::BuiltScene* scene = nullptr;
-  std::uint64_t session = 0;  ///< of `sample`; 0: before any
+  std::uint64_t session = 0;  ///< of `sample`; 0: no session has begun
 };
 
-/// From the update server, which validates, to the loop, which applies. Changes are made in order,
-/// and one that waits for its sample delays those behind it: so each meets the values that it was
-/// validated with. In a session none is made before the update server has judged, for its device,
-/// what was requested before.
+/// Carries changes from the update server, which validates them, to the loop, which applies them.
+/// Changes are applied in order. A change that waits for its sample delays those behind it, so each
+/// one meets the values that it was validated with. In a session, the loop applies a change only
+/// after the update server has validated all pending changes for the session's device.
+/// Each method belongs to one thread: the update server or the loop.
 class ChangeQueue {
  public:
   static constexpr std::size_t kCapacity = 64;
 
-  // Of the update server.
+  // Called by the update server.
   bool ask(const Change& change) noexcept { return changes_.push(change); }
   bool ask(std::span<const Change> changes) noexcept { return changes_.push(changes); }
-  /// The oldest report; false: there is none.
+  /// Takes the oldest report. Returns false if there is none.
   bool next_report(ChangeReport& report) noexcept {
     const ChangeReport* oldest = reports_.front();
     if (!oldest)
@@ -57,32 +59,32 @@ class ChangeQueue {
     return true;
   }
   void settle(std::uint64_t ticket) noexcept { settled_.store(ticket, std::memory_order_release); }
-  /// All pending changes hold on the device of this session.
+  /// Confirms that all pending changes are valid for the device of this session.
   void approve(std::uint64_t session) noexcept {
     approved_session_.store(session, std::memory_order_release);
   }
-  /// Pending changes up to this ticket are dropped.
+  /// Drops the pending changes up to and including this ticket.
   void cancel(std::uint64_t ticket) noexcept {
     cancelled_.store(ticket, std::memory_order_release);
   }
-  /// Lockstep: the loop answers no sample from this one on before `resume`.
+  /// Lockstep: makes the loop wait at this sample until `resume`.
   void pause_before(std::uint64_t sample) noexcept {
     pause_.store(sample, std::memory_order_seq_cst);
   }
   void resume() noexcept { pause_.store(kNoPause, std::memory_order_seq_cst); }
-  /// The sample that is answered, or was last.
+  /// The sample that the loop is answering or has answered last.
   std::uint64_t answering() const noexcept { return answering_.load(std::memory_order_seq_cst); }
 
-  // Of the loop. All real-time safe.
-  /// Between two samples. `at_sample`: the sample `next` is there, so that what waits for one may
-  /// be taken.
+  // Called by the loop. All real-time safe.
+  /// Applies due changes between two samples. `at_sample`: sample `next` has arrived, so changes
+  /// that wait for a sample may apply.
   void apply_due(rendering::LiveScene& live, std::uint64_t next, bool at_sample) noexcept;
-  /// Changes that wait for a sample of the last session are dropped; those from before any session
-  /// stay.
+  /// Drops changes that wait for a sample of the previous session. Changes queued while no session
+  /// had begun remain.
   void begin_session(std::uint64_t session) noexcept;
-  /// Ticket of the last applied change; 0: none.
+  /// Ticket of the last applied change; 0 if there is none.
   std::uint64_t applied() const noexcept { return applied_; }
-  /// Whether the update server is done with this ticket and all before it.
+  /// Whether the update server has acknowledged all tickets up to this one.
   bool settled(std::uint64_t ticket) const noexcept {
     return settled_.load(std::memory_order_acquire) >= ticket;
   }
@@ -105,7 +107,7 @@ class ChangeQueue {
   std::atomic<std::uint64_t> settled_{0}, pause_{kNoPause}, answering_{0}, approved_session_{0},
       cancelled_{0};
   std::uint64_t applied_ = 0, epoch_ = 0, session_ = 0;
-  bool moving_ = false;  ///< effects ramp
+  bool moving_ = false;  ///< an effect is ramping
 };
 
 }  // namespace voxtouch::rendering_node

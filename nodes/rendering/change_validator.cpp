@@ -16,8 +16,8 @@ namespace {
 using namespace msg::effect_change;
 
 constexpr std::size_t kMaxNameBytes = 64;
-/// What waits for a sample holds up all that is asked for later: no longer than a person would
-/// wait.
+/// A change that waits for its sample delays all later requests. The limit keeps that delay
+/// acceptable for an operator.
 constexpr double kMaxWaitS = 10.0;
 
 bool too_long(const char* text) {

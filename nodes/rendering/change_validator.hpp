@@ -1,5 +1,5 @@
 #pragma once
-/// What runs and whether a requested change may follow it: no DDS, thread or clock.
+/// Validates requested changes against the running scene. It uses no DDS, threads or clocks.
 #include <expected>
 #include <optional>
 #include <span>
@@ -11,52 +11,52 @@
 
 namespace voxtouch::rendering_node {
 
-/// Judges by its own copy of what the effects are set to, and by the device that was described.
+/// Validates changes against its own copy of the effect settings and the described device.
 class ChangeValidator {
  public:
   ChangeValidator(const scene::Scene& scene, const rendering::BuiltScene& built);
 
-  /// As read from the file that runs
+  /// As read from the file of the running scene.
   const scene::Scene& scene() const noexcept { return scene_; }
-  /// As the loop has applied them
+  /// As the loop has applied them.
   const std::vector<effects::EffectSpec>& effects() const noexcept { return effects_; }
-  /// With the bounds of the effects as they are now.
+  /// With the current bounds of the effects.
   const rendering::Plan& plan() const noexcept { return plan_; }
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
-  /// Of all that is rendered now, at most
+  /// Upper bound over everything that is rendered now.
   const device_fit::SceneRequirements& demand() const noexcept { return demand_; }
   const device_fit::DeviceCompatibility& on_device() const noexcept { return on_device_; }
 
-  /// Why a request cannot be made whatever it asks for; empty: it can. `sample`: the one that is
-  /// answered.
+  /// Returns why an effect request is invalid regardless of its values, or an empty text. `sample`
+  /// is the one being answered.
   std::string check(const msg::EffectChange& m, std::uint64_t session, std::uint64_t sample,
                     const PendingChanges& pending) const;
-  /// The same of what only a reload asks for.
+  /// The same check for a reload request.
   static std::string check_reload(const msg::EffectChange& m, const PendingChanges& pending);
-  /// The changes for the loop, all in one sample, or why not.
+  /// Returns the changes for the loop, all applied in one sample, or the reason for refusal.
   std::expected<std::vector<PendingChange>, std::string> judge(
       std::span<const msg::EffectChange> changes, std::vector<ChangeRequest> requests,
       const PendingChanges& pending);
-  /// Why what is pending must not be made on the device that is known now.
+  /// Returns why the pending changes are invalid for the current device, or an empty text.
   std::string judge(const PendingChanges& pending);
-  /// What the effects of a scene read anew begin with, or why it must not follow. Nothing is
-  /// pending.
+  /// Returns the initial effect settings of a reloaded scene, or the reason for refusal. Requires
+  /// that no change is pending.
   std::expected<std::vector<effects::EffectSpec>, std::string> judge(const scene::Scene& next,
                                                                      const rendering::Plan& plan);
 
   void set_device(const coupling::design::DeviceModel& device) { on_device_.device_is(device); }
-  /// The coupling is fitted anew where bounds have changed; takes as long as a fit.
+  /// Refits the coupling if bounds have changed. Takes as long as a fit.
   void judge_running();
-  // The loop has reported.
+  // Called when the loop has reported.
   void apply(PendingChange& done);
   void end_fade() { fading_.reset(); }
   void come_to_rest() { reach_ = effects::at_rest(effects_); }
-  /// Sums up what the effects show as they are set now. True where that is another thing than
-  /// before.
+  /// Recomputes the bounds of the effects from their current settings. Returns true if a bound has
+  /// changed.
   bool sum_up();
 
  private:
-  /// What will run when all that is pending has been done.
+  /// State after all pending changes have been applied.
   struct Next {
     const scene::Scene& scene;
     rendering::StiffnessBounds contact_alone;
@@ -72,9 +72,10 @@ class ChangeValidator {
 
   scene::Scene scene_;
   std::vector<effects::EffectSpec> effects_;
-  /// Where the effects may be, until they are at rest
+  /// Values that the effects may take until their ramps have ended.
   std::vector<effects::EffectReach> reach_;
-  std::optional<device_fit::SceneRequirements> fading_;  ///< of the scene that fades out, at most
+  /// Of the scene that fades out, upper bound.
+  std::optional<device_fit::SceneRequirements> fading_;
   device_fit::SceneRequirements demand_;
   device_fit::DeviceCompatibility on_device_;
   rendering::Plan plan_;

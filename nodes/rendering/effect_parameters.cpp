@@ -18,7 +18,7 @@ using effects::ParameterShape;
 
 enum : std::uint8_t { kBool = 1, kInteger = 2, kDouble = 3, kIntegerArray = 7, kDoubleArray = 8 };
 
-/// ROS has no range without an end.
+/// A ROS range requires finite ends.
 double finite_end(double high) {
   return std::isinf(high) ? std::numeric_limits<double>::max() : high;
 }
@@ -80,7 +80,7 @@ void add_effect(std::vector<RosParameter>& all, const effects::EffectSpec& effec
     all.push_back(parameter_of(effect, effect.kind->parameters[n], effect.values.at(n)));
 }
 
-/// The numbers of a value that is one or three; empty: it is none.
+/// The numbers of a value with one or three of them; empty for any other value.
 std::vector<double> numbers_of(const msg::rcl_interfaces_ParameterValue& value) {
   switch (value.type) {
     case kInteger:
@@ -160,7 +160,7 @@ std::expected<ParameterChange, std::string> change_of(std::span<const RosParamet
     return change;
   }
   if (known && known->read_only)
-    return change;  // judged, and refused, by whoever makes changes
+    return change;  // the change validator checks it and may refuse it
   const std::vector<double> numbers = numbers_of(asked.value);
   const std::size_t count =
       known && std::holds_alternative<std::vector<double>>(known->value) ? 3 : 1;

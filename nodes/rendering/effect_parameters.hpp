@@ -1,6 +1,6 @@
 #pragma once
-/// The scene's effects as parameters of a ROS node, and what setting one asks for. No DDS, nothing
-/// that waits.
+/// Presents the scene's effects as parameters of a ROS node and translates parameter requests. Uses
+/// no DDS and does not block.
 #include <cstdint>
 #include <expected>
 #include <span>
@@ -16,22 +16,21 @@ namespace voxtouch::rendering_node {
 using runtime::find_parameter, runtime::list_parameters, runtime::ListedParameters,
     runtime::ParameterMessages, runtime::ParameterValue, runtime::RosParameter, runtime::type_of;
 
-/// All parameters of a rendering of `scene` whose effects are set as `effects` says, sorted by
-/// name.
+/// All parameters of a rendering of `scene` with the effect settings `effects`, sorted by name.
 std::vector<RosParameter> parameters_of(const scene::Scene& scene,
                                         std::span<const effects::EffectSpec> effects);
-/// A change that setting a parameter asks for, in the words of EffectChange. Keeps the texts that
-/// `message` lends.
+/// A change requested by setting a parameter, in the fields of EffectChange. Owns the texts that
+/// `message` refers to.
 struct ParameterChange {
   std::uint32_t action = 0;
   std::string effect, parameter;
   double value[3] = {};
-  /// Lends its texts from this change, which outlives it.
+  /// The texts of the message refer to this object, which must outlive it.
   msg::EffectChange message() const;
 };
-/// What `asked` means, or a sentence where its type or number of values is none that the parameter
-/// takes. Whether the change can be made is judged by whoever makes it, who also has the sentence
-/// for a name that there is not.
+/// Translates `asked`, or returns a sentence if the parameter does not accept its type or number of
+/// values. The change validator checks whether the change can be applied; it also reports unknown
+/// names.
 std::expected<ParameterChange, std::string> change_of(std::span<const RosParameter> all,
                                                       const msg::rcl_interfaces_Parameter& asked);
 

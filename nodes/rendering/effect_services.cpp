@@ -12,10 +12,10 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// Requests at one look.
+/// Requests per poll.
 constexpr int kMaxPerLook = 64;
 
-/// A sequence over the elements of a vector, which keeps them.
+/// A sequence that refers to the elements of a vector, which must outlive it.
 template <class Sequence, class Element>
 void lend(Sequence& sequence, std::vector<Element>& elements) {
   sequence._buffer = elements.data();

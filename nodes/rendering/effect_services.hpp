@@ -1,6 +1,6 @@
 #pragma once
-/// Services of the rendering: parameters in the form that ROS tools know, and EffectChange. They
-/// judge nothing: what is asked for goes the way of every change.
+/// ROS services of the rendering: parameters, in the form that ROS tools expect, and EffectChange.
+/// All requests go through the change validator.
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -17,24 +17,23 @@
 
 namespace voxtouch::rendering_node {
 
-/// What became of one of several changes: `which` is its place among them.
+/// Result of one of several changes; `which` is its index.
 using ChangeReply = std::function<void(std::size_t which, bool done, std::uint64_t from_sample,
                                        const std::string& sentence)>;
 
-/// The way of every change, as the services need it. Both are called from the thread that calls
-/// `serve`.
+/// Callbacks into the change queue. Both are called from the thread that calls `serve`.
 struct ChangeHandler {
-  /// Each by itself, or `together` all in one sample or none, on request of the participant `by`.
-  /// `reply` is called once for each, at once or later.
+  /// Requests changes for the participant `by`, one at a time, or `together` all in one sample or
+  /// none. `reply` is called once for each change, immediately or later.
   std::function<void(std::span<const msg::EffectChange> changes, bool together, const bus::Guid& by,
                      ChangeReply reply)>
       ask;
-  std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now
+  std::function<std::vector<RosParameter>()> parameters;  ///< current settings
 };
 
-/// All in one thread of ordinary priority. What clients may send is bounded: kMaxPerSecond
-/// requests, of which each change asked for counts as one, each as request_limits.hpp allows. What
-/// is beyond is not answered and counted.
+/// Serves ROS clients from one thread of ordinary priority.
+/// The rate is bounded: kMaxPerSecond requests, each change counted as one, each within
+/// request_limits.hpp. Requests beyond the limit are counted and not answered.
 class EffectServices {
  public:
   static constexpr int kMaxPerSecond = 200;
@@ -42,13 +41,14 @@ class EffectServices {
   EffectServices(const bus::Participant& participant, const std::string& rig, bool lockstep,
                  ChangeHandler handler);
   void attach_to(bus::WaitSet& wait_set);
-  /// Answers what has come, and what waited for its client. Does not block.
+  /// Answers received requests and sends deferred replies. Does not block.
   void serve();
-  /// Replies wait for their client's reader: `serve` soon.
+  /// Whether replies are waiting for their client's reader. If so, call `serve` again soon.
   bool waits() const noexcept;
-  /// Parameters may have changed, by whatever way: reports on `/parameter_events` what did.
+  /// Publishes changed parameters on `/parameter_events`. Call it whenever parameters may have
+  /// changed.
   void parameters_changed();
-  /// Requests that were beyond what a second takes. Any thread.
+  /// Number of requests beyond the rate limit. Any thread.
   std::uint64_t refused() const noexcept { return limit_.refused(); }
 
  private:
@@ -62,7 +62,7 @@ class EffectServices {
   bus::ServiceServer<msg::ChangeEffect> change_;
   runtime::ParameterServices parameters_;
   bus::Writer<msg::rcl_interfaces_ParameterEvent> events_;
-  std::vector<RosParameter> published_;  ///< as the events' readers know them
+  std::vector<RosParameter> published_;  ///< as last published on `/parameter_events`
 };
 
 }  // namespace voxtouch::rendering_node

@@ -15,14 +15,14 @@ namespace voxtouch::rendering_node {
 namespace {
 
 constexpr std::size_t kMaxOthers = 16;
-/// Between two looks at the topic, so that a flood costs no more than these looks.
+/// Minimum time between two polls of the topic. It bounds the cost of a flood of messages.
 constexpr std::int64_t kBetweenTurnsNs = 500'000;
 
 const effects::EffectSpec& effect_of(const scene::Scene& scene) {
   return *effects::external_of(scene.effects);
 }
 
-/// As ROS names it.
+/// Full topic name in ROS form.
 std::string topic_of(const std::string& text, const std::string& rig) {
   return qos::dds_name(qos::external_topic(text), rig).substr(std::strlen("rt"));
 }
@@ -84,14 +84,14 @@ void ExternalSource::run() {
     reader_.take_each(
         [this](const msg::geometry_msgs_WrenchStamped& message, dds_instance_handle_t writer) {
           if (following_->admits(writer))
-            receive(message);  // else it was stored before another writer was followed
+            receive(message);  // otherwise it was stored while another writer was followed
         },
         kMaxTakes);
     runtime::sleep_until(runtime::monotonic_ns() + kBetweenTurnsNs);
   }
 }
 
-/// The writer's stamp is of an unknown clock and does not count.
+/// The writer's stamp refers to an unknown clock and is ignored.
 void ExternalSource::receive(const msg::geometry_msgs_WrenchStamped& message) {
   const std::string_view frame = message.header.frame_id ? message.header.frame_id : "";
   const bool of_device = frame == device_frame_;

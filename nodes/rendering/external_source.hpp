@@ -1,5 +1,6 @@
 #pragma once
-/// The wrench of the effect `external`: from one writer outside the ring, read next to the loop.
+/// Wrench of the effect `external`. It comes from one writer outside the ring and is read next to
+/// the loop.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -40,40 +41,42 @@ inline constexpr auto kExternalTable = [] {
   });
 }();
 
-/// Once a session has begun, the only participant with a writer on the topic is followed until its
-/// writer has gone or another session begins. Of several none is. The samples of others are
-/// refused, counted and named. Without DDS Security a participant may be forged; the effect's
-/// bounds hold all the same.
+/// Follows one participant outside the ring that publishes the external wrench.
+/// Once a session has begun, the only participant with a writer on the topic is followed until that
+/// writer leaves or another session begins. If several participants have writers, none is followed.
+/// Samples of other participants are refused, counted and reported by name. Without DDS Security a
+/// participant may be forged; the bounds of the effect still hold.
 class ExternalSource {
  public:
-  /// The scene has the effect. Throws bus::Error where its topic is one of the ring's own, or the
-  /// keys give no right to it.
+  /// Requires a scene with the effect. Throws bus::Error if its topic belongs to the ring or if the
+  /// keys grant no right to it.
   ExternalSource(const bus::Participant& participant, const runtime::NodeOptions& options,
                  const scene::Scene& scene);
   ~ExternalSource();
   ExternalSource(const ExternalSource&) = delete;
   ExternalSource& operator=(const ExternalSource&) = delete;
 
-  // Of the loop. Real-time safe.
+  // Called by the loop. Real-time safe.
   void begin_session(std::uint64_t session) noexcept {
     session_.store(session, std::memory_order_release);
   }
-  /// The newest value of the session that has not been taken yet, W, recorded as of the sample
-  /// `next`. One that waited for longer than kMaxWaitNs is skipped.
+  /// Takes the newest unread wrench of the session, in W, and records it for the sample `next`. A
+  /// value that waited longer than kMaxWaitNs is skipped.
   std::optional<Wrench> take(const msg::DeviceState& next) noexcept;
-  /// Energy that the effect gave to the hand in one sample, in W [J]; below 0: taken.
+  /// Adds the energy that the effect gave to the operator in one sample, in W [J]. Negative: energy
+  /// taken.
   void count_energy(double joules) noexcept {
     counters_.note(ExternalCounter::kEnergyGeneratedJ, joules);
   }
   static constexpr std::int64_t kMaxWaitNs = 100'000'000;
 
-  // The monitor.
+  // Called by the monitor.
   void report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report,
                  runtime::StatusText& status);
 
  private:
   struct Arrived {
-    Wrench wrench;  ///< W
+    Wrench wrench;  ///< in W
     std::uint64_t session = 0;
     std::int64_t at_ns = 0;
   };
@@ -82,26 +85,26 @@ class ExternalSource {
   void run();
   void receive(const msg::geometry_msgs_WrenchStamped& message);
   void look();
-  /// Which writers or which frame is refused; empty: none.
+  /// Describes refused writers or a refused frame; empty if there are none.
   std::string diagnostic(const runtime::NodeRegistry& registry) const;
   void look_for_writer(const std::set<bus::Guid>& matched);
 
   const std::string topic_, device_frame_;
   const Quat device_in_world_;
   const std::string about_;
-  std::unique_ptr<bus::Following> following_;  ///< outlives the reader, which asks it
+  std::unique_ptr<bus::Following> following_;  ///< outlives the reader, which polls it
   bus::Reader<msg::geometry_msgs_WrenchStamped> reader_;
-  bus::Writer<msg::ExternalSample> records_;  ///< which sample saw which value, for a replay
+  bus::Writer<msg::ExternalSample> records_;  ///< which sample used which value, for a replay
   bus::WaitSet wait_set_;
   LatestValue<Arrived> newest_;
   LatestValue<FrameText> bad_frame_;
   std::atomic<std::uint64_t> session_{0};
   runtime::Counters<kExternalTable> counters_;
-  // Of the monitor.
+  // Owned by the monitor.
   std::optional<bus::Guid> bound_;
-  std::uint64_t bound_for_ = 0;  ///< session
+  std::uint64_t bound_for_ = 0;  ///< session of the binding
   std::set<bus::Guid> conflicting_, others_;
-  std::string frame_;  ///< refused first
+  std::string frame_;  ///< the first refused frame
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

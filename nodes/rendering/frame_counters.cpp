@@ -7,7 +7,7 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-// below this a sum of forces that cancel is rounding, not force
+// a smaller sum of cancelling forces is rounding error
 constexpr double kForceEpsilonN = 1e-9;
 
 bool touches(const contact::ContactResult& c) noexcept {

@@ -1,5 +1,5 @@
 #pragma once
-/// What the rendering counts of its frames, and what it shows of one to tools that draw points.
+/// Counters of rendered frames, and extracts of a frame for the ROS outputs.
 #include "core/rendering/live_scene.hpp"
 #include "nodes/rendering/ros_outputs.hpp"
 #include "nodes/runtime/counters.hpp"
@@ -22,7 +22,7 @@ enum class FrameCounter : std::uint8_t {
   kNotInitialised,
   kMostQueries,
   kResidual,
-  kPenetration  // of a virtual tool
+  kPenetration  // with a virtual tool
 };
 inline constexpr auto kFrameTable = [] {
   using enum FrameCounter;
@@ -52,11 +52,11 @@ using FrameCounters = runtime::Counters<kFrameTable>;
 void count(FrameCounters& counters, const rendering::SceneFrame& frame,
            const msg::ContactState& message) noexcept;
 
-/// For the ROS outputs; `hand`: where the hand holds T, in W. Real-time safe.
+/// Extract for the ROS outputs. `hand`: pose of T requested by the operator, in W. Real-time safe.
 Shown shown_of(const rendering::SceneFrame& frame, const msg::ContactState& message,
                const Pose& hand) noexcept;
-/// All points of the last query in contact, or every n-th of them; of a virtual tool the deepest
-/// alone. Real-time safe.
+/// All contact points of the last query, or every n-th of them. With a virtual tool only the
+/// deepest point. Real-time safe.
 ShownPoints points_of(const rendering::SceneFrame& frame, rendering::LiveScene& live,
                       bool virtual_tool) noexcept;
 

@@ -1,5 +1,5 @@
 #pragma once
-/// An EffectChange with texts of its own, kept until it is made.
+/// An EffectChange that owns its texts until it is applied.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -26,7 +26,7 @@ class KeptChange {
     std::ranges::copy(m.value, value_.begin());
   }
 
-  /// The record of the change that was made. Its texts are lent.
+  /// Record of the applied change. Its texts refer to this object.
   msg::EffectChange made(std::uint64_t session, std::uint64_t from_sample) const {
     msg::EffectChange m{};
     m.request = request_, m.session_id = session, m.from_sample = from_sample, m.action = action_,
@@ -46,7 +46,7 @@ class KeptChange {
   double voxel_size_m_ = 0.0;
 };
 
-/// For people: "'viscosity' off".
+/// Text for messages, for example "'viscosity' off".
 inline std::string in_words(const msg::EffectChange& m) {
   using namespace msg::effect_change;
   const std::string effect = effects::quotable(m.effect ? m.effect : "");

@@ -14,14 +14,14 @@ MarkerOutputs::MarkerOutputs(const bus::Participant& participant, const std::str
       rig_(rig),
       markers_(participant, qos::kMarkers, rig, qos::profile(qos::kMarkers.profile)) {}
 
-/// Without a reader there are neither meshes nor the reader of commands.
+/// Without a reader, neither meshes nor the command reader exist.
 void MarkerOutputs::write_due(const scene::Scene& scene, const Shown& shown, bool fresh) {
   if (markers_.matched_count() == 0)
     return commands_.reset(), returned_.reset();
   if (!is_read_) {
     is_read_ = true;
     reading_ = std::async(std::launch::async, [this, scene] {
-      setpriority(PRIO_PROCESS, 0, 19);  // this thread alone
+      setpriority(PRIO_PROCESS, 0, 19);  // this thread only
       return scene_markers(scene, rig_, stop_);
     });
   }
@@ -53,7 +53,7 @@ void MarkerOutputs::write_due(const scene::Scene& scene, const Shown& shown, boo
   write(markers.all);
 }
 
-/// The newest command of the session since the last look, in W axes.
+/// The newest command of the session since the last poll, in W axes.
 void MarkerOutputs::read_commands(const scene::Scene& scene, std::uint64_t session) {
   if (!commands_)
     commands_.emplace(participant_, qos::kForceCommand, rig_, qos::profile(qos::ProfileId::kTap));

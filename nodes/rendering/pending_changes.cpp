@@ -23,7 +23,8 @@ bool PendingChanges::hand_over(std::vector<PendingChange> asked, ChangeQueue& li
     return false;
   ticket_ += changes.size();
   for (PendingChange& one : asked) {
-    // One that goes at once goes after what waits; its report then names the same sample.
+    // A change without a sample is applied after the waiting ones. Its report then names the same
+    // sample.
     if (one.change.from_sample == 0)
       one.change.from_sample = last_sample();
     all_.push_back(std::move(one));

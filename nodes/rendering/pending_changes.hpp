@@ -1,5 +1,5 @@
 #pragma once
-/// Changes that the loop has been given and has not reported yet.
+/// Changes that the loop has received and not reported yet.
 #include <deque>
 #include <functional>
 #include <optional>
@@ -12,11 +12,11 @@
 
 namespace voxtouch::rendering_node {
 
-/// What of a request is needed later.
+/// The parts of a request that are needed later.
 struct ChangeRequest {
   std::uint64_t id = 0, session = 0, from_sample = 0;
-  std::string what{};  ///< for the answer: "'viscosity' off"
-  /// Gives a service's client the final answer.
+  std::string what{};  ///< for the reply: "'viscosity' off"
+  /// Sends the final reply to a service client.
   std::function<void(bool done, std::uint64_t from_sample, const std::string& sentence)> reply{};
   KeptChange change{};  ///< for the record
 };
@@ -24,24 +24,24 @@ struct ChangeRequest {
 struct PendingChange {
   ChangeRequest request;
   Change change{};
-  std::optional<scene::Scene> scene{};         ///< of a reload ...
-  std::vector<effects::EffectSpec> effects{};  ///< ... and what its effects begin with
-  std::string refusal{};                       ///< found after the loop had been given it
+  std::optional<scene::Scene> scene{};         ///< of a reload
+  std::vector<effects::EffectSpec> effects{};  ///< of a reload: initial effect settings
+  std::string refusal{};                       ///< found after the loop had received the change
 };
 
 class PendingChanges {
  public:
   const std::deque<PendingChange>& all() const noexcept { return all_; }
   bool contains(std::uint64_t id) const;
-  /// The sample that the last one waits for; 0: none waits for one.
+  /// The sample that the last change waits for; 0 if no change waits for one.
   std::uint64_t last_sample() const noexcept {
     return all_.empty() ? 0 : all_.back().change.from_sample;
   }
-  /// All of them in the same sample. False where the loop's queue has no room.
+  /// Queues all of them for the same sample. Returns false if the queue has no room.
   bool hand_over(std::vector<PendingChange> changes, ChangeQueue& line);
-  /// The loop drops all of them.
+  /// Makes the loop drop all of them.
   void cancel(const std::string& refusal, ChangeQueue& line);
-  /// The oldest, which the loop has reported.
+  /// Removes the oldest change, which the loop has reported.
   PendingChange take();
   void set_epoch(std::uint64_t epoch) noexcept { epoch_ = epoch; }
 

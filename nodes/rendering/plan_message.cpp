@@ -6,7 +6,7 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// The parts as lists side by side; outlives the write.
+/// The parts as parallel lists. Must outlive the write.
 class Columns {
  public:
   explicit Columns(const std::vector<rendering::PlanPart>& parts) {

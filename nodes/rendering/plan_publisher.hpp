@@ -1,5 +1,5 @@
 #pragma once
-/// What runs, published: the plan for the ring, and the springs for the loop.
+/// Publishes the running plan for the ring and the virtual tool's springs for the loop.
 #include <atomic>
 #include <mutex>
 #include <string>
@@ -21,13 +21,12 @@ class PlanPublisher {
 
   std::uint64_t session() const noexcept { return session_; }  ///< 0: no device has begun one
   void set_session(std::uint64_t session) noexcept { session_ = session; }
-  /// What runs has held from this sample on. Where a ramp or a fade is over it is the sample of the
-  /// change that began it.
+  /// Sets the first sample that the running plan is valid for. After a ramp or fade it is the
+  /// sample of the change that began it.
   void set_sample(std::uint64_t from_sample) noexcept { from_sample_ = from_sample; }
   std::uint64_t sample() const noexcept { return from_sample_; }
-  /// Not before a session has begun, whose first plan is published then. `acknowledged`: in
-  /// lockstep it waits for the readers, for they must have the plan before the first sample that it
-  /// holds for.
+  /// Publishes the plan; does nothing until a session has begun. `acknowledged`: in lockstep, waits
+  /// for the readers, which need the plan by the first sample that it is valid for.
   void publish(const ChangeValidator& runs, bool acknowledged = true) {
     if (session_ == 0)
       return;
@@ -36,8 +35,8 @@ class PlanPublisher {
     if (lockstep_ && acknowledged)
       plans_.wait_for_acknowledgments(DDS_SECS(2));
   }
-  /// After `runs` has been judged on its device. `complete`: of this session all that was asked for
-  /// has been.
+  /// Called after `runs` has been validated for its device. `complete`: all changes requested in
+  /// this session have been processed.
   void set_judged(const device_fit::DeviceCompatibility& judged) {
     spring_n_per_m_.store(judged.spring_n_per_m(), std::memory_order_release);
     series_m_per_n_.store(judged.series_spring().translation, std::memory_order_release);
@@ -48,7 +47,7 @@ class PlanPublisher {
   }
   void set_complete() noexcept { judged_.store(session_, std::memory_order_release); }
 
-  // Any thread; all but `refusal` real-time safe.
+  // Any thread; all except `refusal` are real-time safe.
   bool is_judged(std::uint64_t session) const noexcept {
     return judged_.load(std::memory_order_acquire) == session;
   }
@@ -69,7 +68,7 @@ class PlanPublisher {
   std::uint64_t session_ = 0, from_sample_ = 0;
   std::atomic<double> spring_n_per_m_{0.0}, series_m_per_n_{0.0}, series_rad_per_nm_{0.0};
   std::atomic<double> effects_m_per_n_{0.0};
-  std::atomic<std::uint64_t> judged_{0};  ///< session
+  std::atomic<std::uint64_t> judged_{0};  ///< session of the last validation
   mutable std::mutex refusal_mutex_;
   std::string refusal_;
 };

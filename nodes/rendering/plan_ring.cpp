@@ -8,7 +8,7 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// Who writes a topic, for people.
+/// Names the writer of a topic, for messages.
 std::string writer_of(const qos::Topic& topic) {
   if (topic.writers == qos::kEveryNode)
     return "every node";

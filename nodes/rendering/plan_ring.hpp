@@ -6,8 +6,8 @@
 
 namespace voxtouch::rendering_node {
 
-/// One part for each topic of qos::kTopics and each node, and why it is there. None has an expected
-/// time: a message's cost is the latency that `voxtouch up` shows.
+/// One part for each topic of qos::kTopics and each node, with its reason. No part has an expected
+/// time: the cost of a message is the latency that `voxtouch up` reports.
 std::vector<rendering::PlanPart> ring_parts(const scene::Scene& scene);
 
 }  // namespace voxtouch::rendering_node

@@ -1,5 +1,5 @@
 #pragma once
-/// The warnings of the scene as it is built, in the rendering's status: known before a session
+/// Warnings of the built scene in the status of the rendering. They are available when a session
 /// begins.
 #include <cstddef>
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace voxtouch::rendering_node {
 
-/// Name of a report's figure: how many there are. Present once the scene is built.
+/// Name of the figure that counts the warnings. Present once the scene is built.
 inline constexpr char kPlanWarnings[] = "warnings";
-/// As many are in the status in full.
+/// Number of warnings that the status contains in full.
 inline constexpr std::size_t kMaxPlanWarnings = 16;
 
 inline std::string plan_warning_key(std::size_t n) {

@@ -19,8 +19,9 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// What bounds the loop in addition to NodeHost::run: the changes that the queue holds, a frame's
-/// own counts, and in lockstep waits for the update server that check for the stop.
+/// Node step of the rendering: answers each device sample with a contact state.
+/// Its cycle time is bounded by NodeHost::run, the changes in the queue and the counters of a
+/// frame. In lockstep it also waits for the update server; these waits end on a stop.
 class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactState> {
  public:
   RenderingNode(const Options& options, const scene::Scene& scene,
@@ -41,7 +42,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
     host_.link_reader(qos::kDeviceState, states_);
     host_.link_writer(qos::kContactState, contacts_);
     host_.link_writer(qos::kScenePlan, updates_.published().writer());
-    // Not in lockstep: a value arrives in wall time, and no two runs would be bit-identical.
+    // Not in lockstep: a value arrives in wall time, so two runs would not be bit-identical.
     if (!options.lockstep && effects::external_of(scene.effects))
       external_.emplace(host_.participant(), options, scene);
   }
@@ -49,7 +50,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   int run(const std::atomic<bool>& stop) { return host_.run(*this, states_, contacts_, stop); }
 
  private:
-  /// Within a session the scene stays, but another device may not be fit for it.
+  /// The scene remains within a session. Another device may be incompatible with it.
   void listen() override {
     device_.take([this](const DeviceDescription& device, std::uint64_t session) {
       described_ = DescribedDevice{session, coupling::design::model_of(device)};
@@ -62,7 +63,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
     described_.reset();
   }
 
-  /// The update server reports it as ready, when readers have the plan.
+  /// The update server reports the session as ready once readers have the plan.
   void begin_session(std::uint64_t session) {
     renderer_.begin_session();
     line_.begin_session(session);
@@ -71,7 +72,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       external_->begin_session(session);
   }
 
-  /// Before that the device's spring is not known, nor is any coupling: no force is missed.
+  /// Until the scene is validated, neither the device's spring nor the coupling exists, so no force
+  /// is lost.
   bool ready() const noexcept override {
     return updates_.published().is_judged(host_.session_in_loop());
   }
@@ -100,15 +102,16 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       external_->count_energy(frame.effects.energy_generated_j);
   }
 
-  /// After half a second without samples a fade ends: no force is displayed.
+  /// Ends a fade after half a second without samples; no force is displayed then.
   void idle(std::int64_t since_ns) noexcept override {
     apply_changes(host_.next_sample(), false);
     if (!host_.options().lockstep && renderer_.live().fading() && since_ns > 500'000'000)
       renderer_.live().finish();
   }
 
-  /// Between two samples. In lockstep it waits for what the sample `next` must be answered with:
-  /// the plan of a change, which readers must have before it, or a scene that is still being built.
+  /// Applies due changes between two samples.
+  /// In lockstep it waits for what the answer to sample `next` needs. That is the plan of a change,
+  /// which readers must receive first, or a scene that is being built.
   void apply_changes(std::uint64_t next, bool at_sample) noexcept {
     const bool lockstep = host_.options().lockstep;
     if (lockstep && at_sample)
@@ -155,18 +158,18 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
 
   runtime::NodeHost host_;
   const scene::Scene& scene_;
-  const std::vector<std::string> plan_warnings_;  ///< of the scene that it began with
+  const std::vector<std::string> plan_warnings_;  ///< of the initial scene
   const double tool_reach_m_;
   SampleRenderer renderer_;
   ChangeQueue line_;
   bus::FollowedReader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   runtime::DeviceInput device_;
-  std::optional<ExternalSource> external_;  ///< of the effect `external`, in real time
+  std::optional<ExternalSource> external_;  ///< effect `external`, in real time only
   RosOutputs ros_;
   SceneUpdateServer updates_;
   runtime::ParticipantCounts change_requests_;
-  std::optional<DescribedDevice> described_;  ///< until the session that it names is followed
+  std::optional<DescribedDevice> described_;  ///< kept until the session that it names begins
   FrameCounters counters_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// The rendering's process: device samples in, contact out.
+/// The rendering process: receives device samples and publishes contact states.
 #include <atomic>
 
 #include "nodes/runtime/options.hpp"
@@ -8,7 +8,7 @@ namespace voxtouch::rendering_node {
 
 struct Options : runtime::NodeOptions {};
 
-/// Builds the scene, then answers every device sample until `stop`. Throws while starting only.
+/// Builds the scene, then answers every device sample until `stop`. Throws only during start-up.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::rendering_node

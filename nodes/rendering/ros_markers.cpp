@@ -16,14 +16,14 @@ namespace kind = msg::visualization_msgs_Marker_constants;
 const std::string kNothing;
 const std::string kReturned = "force_returned", kContact = "force_of_contact",
                   kPoints = "contact_points";
-// After Okabe and Ito, as the page of voxtouch view has them.
+// Colours of Okabe and Ito, as on the page of voxtouch view.
 constexpr msg::std_msgs_ColorRGBA kSceneColor{0.62F, 0.68F, 0.74F, 1.0F},
     kObjectColor{0.55F, 0.60F, 0.52F, 1.0F}, kToolColor{0.85F, 0.54F, 0.0F, 1.0F},
     kHandColor{0.49F, 0.54F, 0.59F, 0.35F}, kReturnedColor{0.84F, 0.37F, 0.0F, 1.0F},
     kContactColor{0.0F, 0.45F, 0.70F, 1.0F}, kPointColor{0.0F, 0.0F, 0.0F, 1.0F},
     kTextColor{0.6F, 0.35F, 0.0F, 1.0F};
-constexpr std::size_t kTrianglesOfOne = 2000;  ///< 144 kB: what a socket holds at once
-constexpr double kMinForceN = 1e-3;            ///< an arrow without a length has no direction
+constexpr std::size_t kTrianglesOfOne = 2000;  ///< 144 kB: capacity of a socket buffer
+constexpr double kMinForceN = 1e-3;            ///< an arrow of length zero has no direction
 constexpr std::int64_t kSoonNs = 1'000'000'000, kSeldomNs = 10'000'000'000;
 
 msg::visualization_msgs_Marker marker(std::int64_t stamp_ns, const std::string& frame,
@@ -58,7 +58,7 @@ void lend_points(Points& points, msg::visualization_msgs_Marker& m) {
   m.points._length = m.points._maximum = static_cast<std::uint32_t>(std::size(points));
 }
 
-/// The corners of triangles `from` to `to` (excluded), one after the other.
+/// Corners of the triangles from `from` up to, excluding, `to`.
 std::vector<msg::geometry_msgs_Point> corners_of(const mesh_import::DisplayMesh& mesh,
                                                  std::size_t from, std::size_t to) {
   std::vector<msg::geometry_msgs_Point> corners;
@@ -70,7 +70,7 @@ std::vector<msg::geometry_msgs_Point> corners_of(const mesh_import::DisplayMesh&
   return corners;
 }
 
-/// Gathers markers; ids count within a name space.
+/// Collects markers; ids are counted within a name space.
 class Gathered {
  public:
   void add(const mesh_import::DisplayMesh& mesh, const std::string& name_space,
@@ -88,7 +88,7 @@ class Gathered {
   std::vector<LastingMarker> all;
 };
 
-/// Above everything that lies in W, as high as a tenth of it.
+/// Placed above all markers in W, at a tenth of their height.
 LastingMarker text_above(const std::vector<LastingMarker>& all, std::string text) {
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
   for (const LastingMarker& m : all)
@@ -159,7 +159,7 @@ void MarkerRounds::replace(std::vector<LastingMarker> markers) {
 
 std::vector<msg::visualization_msgs_Marker> MarkerRounds::markers(std::int64_t stamp_ns) const {
   std::vector<msg::visualization_msgs_Marker> out;
-  if (next_ == 0) {  // of a ring that was there before, and of a scene that was
+  if (next_ == 0) {  // removes markers of an earlier ring or scene
     if (first_)
       out.push_back(deletion(stamp_ns, kNothing, 0, kind::kDeleteall));
     for (const auto& [name_space, id] : gone_)
@@ -179,7 +179,7 @@ std::vector<msg::visualization_msgs_Marker> MarkerRounds::markers(std::int64_t s
     m.scale.z = lasting.text_height_m;
   } else {
     m.points._buffer =
-        const_cast<msg::geometry_msgs_Point*>(lasting.corners.data());  // DDS reads them
+        const_cast<msg::geometry_msgs_Point*>(lasting.corners.data());  // DDS only reads them
     m.points._length = m.points._maximum = static_cast<std::uint32_t>(lasting.corners.size());
   }
   out.push_back(m);
@@ -208,13 +208,13 @@ MomentMarkers::MomentMarkers(const Moment& moment) {
                          auto& ends, const Vec3& from, const Vec3& force) {
     ends[0] = runtime::to_point(from),
     ends[1] = runtime::to_point(from + kArrowMetresPerNewton * force);
-    const double size_n = force.norm();  // of a command that any participant may have sent
+    const double size_n = force.norm();  // any participant may have sent the command
     add(name_space, kind::kArrow, color, ends, size_n >= kMinForceN && std::isfinite(size_n));
     all.back().scale = {0.002, 0.004, 0.0};  // shaft and head [m]
   };
   arrow(kReturned, kReturnedColor, arrows[0], moment.hand, moment.returned.value_or(Vec3::Zero()));
   arrow(kContact, kContactColor, arrows[1], moment.object, moment.contact);
-  // DDS reads the points, whose owner outlives the message.
+  // DDS only reads the points; their owner outlives the message.
   auto& points = const_cast<std::vector<msg::geometry_msgs_Point>&>(moment.points);
   add(kPoints, kind::kSphereList, kPointColor, points, !points.empty());
   all.back().scale = {0.001, 0.001, 0.001};

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::int64_t kPeriodNs = runtime::HundredASecond::kPeriodNs;
 constexpr std::int64_t kBehindNs =
-    1'500'000;  ///< a period's first sample is there by then, at 1 kHz
+    1'500'000;  ///< at 1 kHz the first sample of a period has arrived by then
 constexpr std::uint64_t kMarkersEvery = 10;
 
 msg::geometry_msgs_TransformStamped transform(std::int64_t stamp_ns, const std::string& child,
@@ -53,8 +53,8 @@ void RosOutputs::scene_is(const scene::Scene& scene) {
   next_scene_ = scene;
 }
 
-/// At absolute deadlines, just behind the sample that is due. A pass that comes too late writes
-/// what has waited.
+/// Runs at absolute deadlines, shortly after the sample that is due. A late pass writes the waiting
+/// samples.
 void RosOutputs::run() {
   std::int64_t at_ns = runtime::monotonic_ns() / kPeriodNs * kPeriodNs + kBehindNs;
   std::uint64_t tenth = 0;
@@ -62,7 +62,7 @@ void RosOutputs::run() {
     try {
       write_due(count / kMarkersEvery != tenth);
     } catch (const std::exception&) {
-      // What people look at must not end what they feel: this picture is left out.
+      // A failure in the visualisation must not stop the haptic loop: this picture is skipped.
     }
     tenth = count / kMarkersEvery;
     const runtime::Deadline next =
@@ -76,7 +76,7 @@ void RosOutputs::run() {
 void RosOutputs::write_due(bool tenth) {
   follow_scene();
   if (tf_static_.matched_count() && made(RosOutput::kTfStatic) == 0)
-    write_tf_static();  // DDS keeps it for who comes later
+    write_tf_static();  // DDS keeps it for late readers
   bool fresh = false;
   for (; const Shown* next = due_.front(); due_.pop(), fresh = true)
     shown_ = *next, write_moving();
@@ -111,7 +111,8 @@ void RosOutputs::write_pose() {
 
 void RosOutputs::write_wrench() {
   count(RosOutput::kWrench);
-  // ROS shows a wrench in the frame that its header names: T here, so the arrow starts at the tool.
+  // ROS displays a wrench in the frame of its header. That frame is T here, so the arrow starts at
+  // the tool.
   const Quat back = shown_.object.orientation.conjugate();
   wrench_.write({ros_header(shown_.stamp_ns, rig_ + "/tool"),
                  runtime::to_msg(Wrench{back * shown_.wrench.force, back * shown_.wrench.torque})});
@@ -120,7 +121,7 @@ void RosOutputs::write_wrench() {
 void RosOutputs::write_tf() {
   count(RosOutput::kTf);
   const std::string tool = rig_ + "/tool", hand = rig_ + "/hand";
-  std::vector<std::string> names;  // keeps the text of the frames
+  std::vector<std::string> names;  // owns the texts of the frames
   names.reserve(scene_.objects.size());
   std::vector<msg::geometry_msgs_TransformStamped> all{
       transform(shown_.stamp_ns, tool, shown_.object)};

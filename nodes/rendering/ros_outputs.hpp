@@ -1,7 +1,7 @@
 #pragma once
-/// What RViz, Foxglove, rqt and rosbag users look at: frames, pose, wrench, markers, and in
-/// lockstep the clock. Written only while they have a reader, by reliable writers that keep the
-/// last ten messages and never wait.
+/// Publishes frames, pose, wrench and markers for RViz, Foxglove, rqt and rosbag, and the clock in
+/// lockstep. Reliable writers with a history of ten messages are used while they have a reader.
+/// They never block.
 #include <array>
 #include <atomic>
 #include <cstdint>
@@ -21,9 +21,9 @@ namespace voxtouch::rendering_node {
 
 enum class RosOutput : std::uint8_t { kTf, kTfStatic, kClock, kPose, kWrench, kMarkers };
 
-/// Frames: `world` = W, `<rig>/device` = D (does not move), `<rig>/tool` = T where its contact was
-/// found, `<rig>/hand` = T where the hand is (with a virtual tool), `<rig>/object/<name>` of each
-/// object that moves.
+/// Frames: `world` = W. `<rig>/device` = D (fixed). `<rig>/tool` = T where contact was computed.
+/// `<rig>/hand` = T as requested by the operator (with a virtual tool). `<rig>/object/<name>` for
+/// each moving object.
 class RosOutputs {
  public:
   RosOutputs(const bus::Participant& participant, const std::string& rig, const scene::Scene& scene,
@@ -32,8 +32,8 @@ class RosOutputs {
   RosOutputs(const RosOutputs&) = delete;
   RosOutputs& operator=(const RosOutputs&) = delete;
 
-  /// From the loop; real-time safe. A sample that is due waits here until it is written, however
-  /// late that is; where 64 wait, the next is left out.
+  /// Called by the loop; real-time safe. A sample that is due is queued until it is written. If 64
+  /// are queued, the next is skipped.
   void show(Shown shown) noexcept {
     if (!regular_.is_due(mode_ == qos::TimeMode::kRealTime ? runtime::monotonic_ns()
                                                            : shown.stamp_ns))
@@ -42,13 +42,13 @@ class RosOutputs {
       shown.stamp_ns = runtime::realtime_ns();
     due_.push(shown);
   }
-  /// The same: ten times a second, while they have a reader.
+  /// The same for contact points: ten times a second, while they have a reader.
   bool requests_points() const noexcept { return markers_.requests_points(); }
   void show_points(const ShownPoints& points) noexcept { markers_.show_points(points); }
-  /// Another scene from now on. From any thread but the loop's: locks.
+  /// Sets another scene. Any thread except the loop's: locks.
   void scene_is(const scene::Scene& scene);
 
-  /// Messages so far: none of a kind that is not read.
+  /// Number of messages written. Outputs without a reader write none.
   std::uint64_t made(RosOutput kind) const noexcept {
     return kind == RosOutput::kMarkers ? markers_.made()
                                        : made_[static_cast<std::size_t>(kind)].load();
@@ -74,11 +74,11 @@ class RosOutputs {
   bus::Writer<msg::geometry_msgs_PoseStamped> pose_;
   bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
   MarkerOutputs markers_;
-  runtime::HundredASecond regular_;  ///< of the loop alone
+  runtime::HundredASecond regular_;  ///< loop only
   runtime::SpscQueue<Shown, 64> due_;
   std::array<std::atomic<std::uint64_t>, 5> made_{};
   std::atomic<bool> stop_{false};
-  // Of the thread alone.
+  // Output thread only.
   scene::Scene scene_;
   Shown shown_;
   bool fresh_ = false;  ///< `shown_` is newer than the last markers

@@ -10,7 +10,7 @@ namespace voxtouch::rendering_node {
 void SampleRenderer::begin_session(std::optional<std::int64_t> begin_ns) noexcept {
   live_.reset();
   mapping_.reset();
-  frame_ = {};  // what is held for a refused sample must not come from another session
+  frame_ = {};  // a contact repeated for a refused sample must not come from another session
   refused_in_a_row_ = 0;
   session_begin_ns_ = begin_ns;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// From a device sample to the contact that answers it, in the node and in a replay.
+/// Computes the contact that answers a device sample, in the node and in a replay.
 #include <cstdint>
 #include <optional>
 
@@ -9,22 +9,23 @@
 
 namespace voxtouch::rendering_node {
 
-/// No DDS, thread or clock: the same samples and changes give bit-identical answers. Real-time
-/// safe. Between two samples the scene and its effects may be changed through `live`.
+/// Answers device samples with contact states.
+/// It uses no DDS, threads or clocks: equal samples and changes give bit-identical answers.
+/// Real-time safe. Between two samples the scene and its effects may be changed through `live`.
 class SampleRenderer {
  public:
   SampleRenderer(const scene::WorkspaceMapping& device, rendering::BuiltScene& first) noexcept
       : live_(first),
         mapping_(device) {}
 
-  /// Forgets all samples. A session begins with its first good sample, or began at `begin_ns` on
-  /// the device's clock.
+  /// Discards all samples. The session starts with its first valid sample, or at `begin_ns` on the
+  /// device's clock.
   void begin_session(std::optional<std::int64_t> begin_ns = {}) noexcept;
-  /// From outside the ring, in W, from the sample `next` on. Ignored before a session's first good
-  /// sample.
+  /// Sets the external wrench, in W, from the sample `next` on. Ignored until the session has a
+  /// valid sample.
   void take_external(const Wrench& wrench, const msg::DeviceState& next) noexcept;
-  /// The contact of one sample, without `time_spent_ns`. An unusable sample is answered with the
-  /// last good pose's contact for kMaxRepeats samples, as long as a device holds a command.
+  /// The contact of one sample, without `time_spent_ns`. For up to kMaxRepeats unusable samples it
+  /// repeats the contact of the last valid pose; a device holds a command equally long.
   msg::ContactState answer(const msg::DeviceState& state) noexcept;
 
   rendering::LiveScene& live() noexcept { return live_; }
@@ -41,7 +42,7 @@ class SampleRenderer {
   rendering::DeviceMapping mapping_;
   rendering::SceneFrame frame_;
   std::optional<std::int64_t>
-      session_begin_ns_;  ///< device clock of the first good sample answered
+      session_begin_ns_;  ///< device clock of the first valid sample that was answered
   int refused_in_a_row_ = 0;
 };
 

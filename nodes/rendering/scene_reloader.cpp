@@ -47,7 +47,7 @@ SceneReloader::Result SceneReloader::build(const scene::Scene& running, double v
       if (stop_.load())
         throw std::runtime_error("the ring has stopped");
     };
-    // On one thread: the ring runs meanwhile.
+    // One thread only, because the ring keeps running.
     out.built = scene_build::build_here(
         out.scene,
         {.who = "rendering", .loop = serial_for(), .go_on = go_on, .reports_progress = false});

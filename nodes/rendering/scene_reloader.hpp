@@ -1,5 +1,5 @@
 #pragma once
-/// Builds the scene anew next to the loop, and owns all scenes that are built.
+/// Builds a scene next to the loop, and owns all built scenes.
 #include <atomic>
 #include <filesystem>
 #include <future>
@@ -18,7 +18,7 @@ class SceneReloader {
   struct Result {
     scene::Scene scene;
     std::unique_ptr<rendering::BuiltScene> built;
-    std::string refusal;  ///< empty: it is built
+    std::string refusal;  ///< empty: the scene is built
   };
 
   SceneReloader(std::filesystem::path file, std::unique_ptr<rendering::BuiltScene> first)
@@ -29,11 +29,11 @@ class SceneReloader {
   SceneReloader(const SceneReloader&) = delete;
   SceneReloader& operator=(const SceneReloader&) = delete;
 
-  /// In a thread of ordinary priority. `running` does not change before the result is taken.
-  /// `voxel_size_m` 0 and `model` empty: as the file has them.
+  /// Starts a build in a thread of ordinary priority. `running` must not change until the result is
+  /// taken. `voxel_size_m` 0 and `model` empty select the values of the file.
   void start(ChangeRequest request, const scene::Scene& running, double voxel_size_m,
              std::string model);
-  /// Whose scene is being built, or waits for the loop.
+  /// The request whose scene is being built or waits for the loop.
   const std::optional<ChangeRequest>& request() const noexcept { return request_; }
   bool has_result() const;
   Result take() { return result_.get(); }
@@ -46,7 +46,7 @@ class SceneReloader {
   Result build(const scene::Scene& running, double voxel_size_m, const std::string& model) const;
 
   const std::filesystem::path file_;
-  /// Rendered, fading or waiting to be
+  /// Rendered, fading or waiting for the loop.
   std::vector<std::unique_ptr<rendering::BuiltScene>> scenes_;
   std::optional<ChangeRequest> request_;
   std::atomic<bool> stop_{false};

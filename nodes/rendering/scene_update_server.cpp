@@ -41,8 +41,8 @@ SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const 
       try {
         cycle();
       } catch (const std::exception&) {
-        // Out of memory, say. One change is lost; an exception that left this thread would end the
-        // process, and the ring with it.
+        // For example out of memory: one change is lost. An exception that leaves this thread would
+        // end the process and the ring.
         if (!reloader_.request())
           line_.resume();
       }
@@ -61,7 +61,7 @@ void SceneUpdateServer::cycle() {
   ChangeReport report;
   while (line_.next_report(report))
     handle_report(report);
-  // the new scene begins with what was pending
+  // the new scene starts with the settings that were pending
   if (reloader_.has_result() && pending_.all().empty())
     finish_reload();
   if (remind_.exchange(false))
@@ -69,9 +69,9 @@ void SceneUpdateServer::cycle() {
   inbox_.serve(publisher_.session(), [this](std::uint64_t id) { return pending_.contains(id); });
 }
 
-/// The plan goes out first, for the coupling waits for it, and in real time makes its fit
-/// meanwhile. Then what runs is judged on the device, and what was asked for before the device was
-/// known as well: the loop makes none of it before. In lockstep sample 0 waits for that.
+/// Publishes the plan first, because the coupling waits for it and, in real time, fits in parallel.
+/// Then the running scene and the changes requested so far are validated for the device. The loop
+/// applies none of these changes until that is done. In lockstep, sample 0 waits for it.
 void SceneUpdateServer::follow_device() {
   const std::unique_ptr<DescribedDevice> device(described_.exchange(nullptr));
   if (!device)
@@ -122,8 +122,8 @@ void SceneUpdateServer::receive(std::span<const msg::EffectChange> changes, bool
   receive_effects(changes, std::move(requests));
 }
 
-/// All of them hold from the same sample, or are refused together. They ask for the same session
-/// and sample.
+/// Either all changes take effect from the same sample, or all are refused. They name the same
+/// session and sample.
 void SceneUpdateServer::receive_effects(std::span<const msg::EffectChange> changes,
                                         std::vector<ChangeRequest> requests) {
   const std::uint64_t from_sample = requests.front().from_sample;
@@ -149,8 +149,8 @@ void SceneUpdateServer::receive_effects(std::span<const msg::EffectChange> chang
   }
 }
 
-/// Lockstep: from here on the loop answers no sample from this one on. False, and nothing pauses,
-/// where it has passed.
+/// Lockstep: makes the loop wait at this sample. Returns false, without a pause, if the sample has
+/// passed.
 bool SceneUpdateServer::pause_before(std::uint64_t sample) {
   if (!publisher_.lockstep() || sample == 0)
     return true;
@@ -198,7 +198,7 @@ void SceneUpdateServer::finish_reload() {
     std::vector<PendingChange> swap(1);
     swap[0] = {request, {}, std::move(built.scene), std::move(effects), {}};
     swap[0].change.scene = reloader_.keep(std::move(built.built));
-    pending_.hand_over(std::move(swap), line_);  // nothing else is there: it has room
+    pending_.hand_over(std::move(swap), line_);  // the queue is empty, so it has room
   } else {
     reloader_.finish();
     inbox_.refuse(request, "the current scene stays active: " + built.refusal);
@@ -254,12 +254,12 @@ void SceneUpdateServer::applied(PendingChange& done, const ChangeReport& report)
     counters_.note(ChangeCounter::kWarnings,
                    static_cast<double>(validator_.plan().warnings.size()));
     counters_.note(ChangeCounter::kReloads);
-    // the next one may be built while the old scene fades out; the loop takes it after that
+    // the next scene may be built while the old one fades out; the loop takes it afterwards
     reloader_.finish();
     swapped_(validator_.scene());
   }
   counters_.note(ChangeCounter::kChanges);
-  // what is made together is shown as a whole: its parts by themselves have not been judged
+  // changes of one group are published together, since they were not validated separately
   if (done.change.following == 0) {
     show(report.sample, another_scene);
     inbox_.parameters_changed();

@@ -1,5 +1,5 @@
 #pragma once
-/// Changes while the ring runs: validated, given to the loop, answered.
+/// Handles run-time change requests: validate, queue for the loop, reply.
 #include <atomic>
 #include <functional>
 #include <map>
@@ -14,7 +14,7 @@
 
 namespace voxtouch::rendering_node {
 
-/// A device, as it has described itself for a session.
+/// A device description for one session.
 struct DescribedDevice {
   std::uint64_t session = 0;
   coupling::design::DeviceModel model;
@@ -31,33 +31,34 @@ inline constexpr auto kChangeTable = [] {
   });
 }();
 
-/// A thread of ordinary priority. The loop meets it only at `line`, `set_device` and the publisher,
-/// and waits for it at neither.
+/// Runs in a thread of ordinary priority. The loop shares only `line`, `set_device` and the
+/// publisher with it, and blocks on none of them.
 class SceneUpdateServer {
  public:
-  /// `first` is the scene that runs, built from `scene`. Both functions are called from the
-  /// server's thread: `swapped` where another scene has taken its place, `begun` where a session's
-  /// plan has been published and the scene judged on its device. The line outlives the server.
+  /// `first` is the running scene, built from `scene`. Both callbacks run in the server's thread.
+  /// `swapped` is called when another scene has replaced it. `begun` is called when the plan of a
+  /// session is published and the scene is validated for its device. The line must outlive the
+  /// server.
   SceneUpdateServer(
       const bus::Participant& participant, const Options& options, const scene::Scene& scene,
       std::unique_ptr<rendering::BuiltScene> first, ChangeQueue& line,
       std::function<void(const scene::Scene&)> swapped,
       std::function<void(std::uint64_t)> begun = [](std::uint64_t) {});
-  /// The loop has ended: none of the scenes is rendered any more.
+  /// The loop must have ended; the scenes are freed.
   ~SceneUpdateServer();
   SceneUpdateServer(const SceneUpdateServer&) = delete;
   SceneUpdateServer& operator=(const SceneUpdateServer&) = delete;
 
-  /// From the loop, where a device describes itself: a session begins, or goes on with another
-  /// device. Neither waits nor locks; of two that come at once the later one counts.
+  /// Called by the loop when a device describes itself: a session begins or continues with another
+  /// device. Neither blocks nor locks. If two come at once, the later one is used.
   void device_is(std::unique_ptr<DescribedDevice> device) noexcept {
     delete described_.exchange(device.release());
   }
-  /// Publishes the plan of the session once more, for a node that has missed it. Not in lockstep.
+  /// Publishes the plan of the session again, for a node that has missed it. Not in lockstep.
   void remind() noexcept { remind_.store(true, std::memory_order_release); }
   const PlanPublisher& published() const noexcept { return publisher_; }
   runtime::Figures figures() const;
-  /// As ChangeInbox.
+  /// See ChangeInbox::requests.
   std::map<bus::Guid, std::uint64_t> requests() const { return inbox_.requests(); }
 
  private:

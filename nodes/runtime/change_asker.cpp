@@ -32,7 +32,7 @@ double number(std::string_view text) {
   return *value;
 }
 
-/// PARAMETER=VALUE or PARAMETER=X,Y,Z.
+/// Parses PARAMETER=VALUE or PARAMETER=X,Y,Z.
 ChangeRequest assignment(const std::string& effect, const std::string& word) {
   const std::size_t equals = word.find('=');
   if (equals == std::string::npos || equals == 0)
@@ -111,7 +111,7 @@ std::string ChangeAsker::ask(const ChangeWords& words,
         return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0);
       }))
     return no_rendering();
-  // A rendering that waits for its first device has reported none yet.
+  // A rendering that waits for its first device has published no session.
   until(kPatience / 4, [&] {
     plans_.take_each([&](const msg::ScenePlan& plan) { session_ = plan.session_id; });
     return leave() || session_ != 0;
@@ -129,7 +129,7 @@ std::string ChangeAsker::ask(const ChangeWords& words,
   return {};
 }
 
-/// Once more where another session has begun since, which the answer names.
+/// Repeats the request once if another session has begun; the reply names that session.
 std::optional<ChangeAsker::Message> ChangeAsker::ask_in_session(
     const ChangeRequest& change, const ChangeWords& words,
     const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
@@ -141,7 +141,7 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_in_session(
   return ask_one(change, words, waits, leave);
 }
 
-/// None without an answer.
+/// Returns nothing without a reply.
 std::optional<ChangeAsker::Message> ChangeAsker::ask_one(
     const ChangeRequest& change, const ChangeWords& words,
     const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
@@ -154,8 +154,8 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_one(
     });
     return leave() || (answer && answer->result != msg::effect_changed::kResultWaiting);
   };
-  // A first message may go before the other end knows this one; asked again, it is answered and not
-  // done again.
+  // The first message may be sent while the other end has not discovered this participant. A
+  // repeated request is answered and not applied again.
   for (int tries = 0; !answer && tries < 10 && !leave(); ++tries) {
     send(change, words, request);
     until(kPatience / 10, [&] { return look() || answer; });

@@ -1,6 +1,6 @@
 #pragma once
-/// Asks a ring that runs to change something, and waits for its answer: what `voxtouch change` and
-/// the page of `voxtouch view` share.
+/// Requests a change from a running ring and waits for the reply. Used by `voxtouch change` and by
+/// the page of `voxtouch view`.
 #include <array>
 #include <cstdint>
 #include <functional>
@@ -14,41 +14,41 @@
 
 namespace voxtouch::runtime {
 
-/// What is to be changed, in the words of the command line.
+/// The requested change, in the words of the command line.
 struct ChangeWords {
-  std::vector<std::string> words;  ///< EFFECT on|off, EFFECT gain X, EFFECT PARAMETER=VALUE[,V,V]
-                                   ///< ...; none with `reload`
+  /// EFFECT on|off, EFFECT gain X, EFFECT PARAMETER=VALUE[,V,V] ...; empty with `reload`.
+  std::vector<std::string> words;
   bool reload = false;
-  double voxel_size_m = 0.0;  ///< with `reload`; 0: as the file says
-  std::string model;          ///< with `reload`; empty: as the file says
+  double voxel_size_m = 0.0;  ///< with `reload`; 0: value of the file
+  std::string model;          ///< with `reload`; empty: value of the file
   std::uint64_t from_sample = 0;
 };
 
-/// One message to be.
+/// Contents of one request message.
 struct ChangeRequest {
   std::uint32_t action = 0;
   std::string effect, parameter;
   std::array<double, 3> value{};
 };
-/// One for each change that the words ask for. Throws std::runtime_error, a sentence, for words
-/// that ask for none.
+/// Returns one request for each change in the words. Throws std::runtime_error, with a sentence, if
+/// the words name no change.
 std::vector<ChangeRequest> read_changes(const ChangeWords& words);
 
-/// Something was done.
+/// An applied change.
 struct ChangeAnswer {
   std::uint64_t from_sample = 0;
-  std::string sentence;  ///< what
+  std::string sentence;  ///< description of the change
 };
 
-/// One thread at a time; allocates and waits.
+/// Used by one thread at a time; allocates and blocks.
 class ChangeAsker {
  public:
   ChangeAsker(const bus::Participant& participant, const NodeOptions& options);
 
-  /// Asks one thing after the other and stops at the first that is not done. `answered` is called
-  /// with each answer, in order, and `waits` where the rendering says that one takes time; it may
-  /// take what it takes, until `leave`. Gives the sentence of what was not done, empty where all
-  /// was.
+  /// Requests the changes in order and stops at the first that is refused. `answered` is called
+  /// with each reply, in order. `waits` is called when the rendering reports that a change takes
+  /// time. The wait has no limit and ends on `leave`. Returns the reason for refusal; empty if all
+  /// changes were applied.
   std::string ask(
       const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& answered,
       const std::function<void(const std::string&)>& waits,
@@ -73,9 +73,9 @@ class ChangeAsker {
   std::uint32_t domain_;
   bus::Writer<msg::EffectChange> changes_;
   bus::Reader<msg::EffectChanged> answers_;
-  bus::Reader<msg::ScenePlan> plans_;  ///< the rendering says in it which session runs
-  std::uint64_t session_ = 0;  ///< that is asked: a question that stands in a bag and is played
-                               ///< belongs to none that runs, and is refused
+  bus::Reader<msg::ScenePlan> plans_;  ///< name the running session
+  /// Session of the request: a request replayed from a bag names another session and is refused.
+  std::uint64_t session_ = 0;
 };
 
 }  // namespace voxtouch::runtime

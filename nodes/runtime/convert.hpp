@@ -1,5 +1,5 @@
 #pragma once
-/// Messages to core values and back; field by field, nothing computed. Real-time safe.
+/// Copies fields between messages and core values without computation. Real-time safe.
 #include <cstdint>
 
 #include "core/types/geometry.hpp"
@@ -20,7 +20,7 @@ inline Wrench from_msg(const msg::geometry_msgs_Wrench& w) noexcept {
   return {from_msg(w.force), from_msg(w.torque)};
 }
 
-/// `ns` since 1970, 0 at least.
+/// `ns` since 1970, clamped at 0.
 inline msg::builtin_interfaces_Time to_time(std::int64_t ns) noexcept {
   return {static_cast<std::int32_t>(ns / 1'000'000'000),
           static_cast<std::uint32_t>(ns % 1'000'000'000)};
@@ -40,8 +40,8 @@ inline msg::geometry_msgs_Wrench to_msg(const Wrench& w) noexcept {
   return {to_vector(w.force), to_vector(w.torque)};
 }
 
-/// A symmetric matrix as the 21 numbers of its upper triangle, by rows; what stands below the
-/// diagonal is not read.
+/// A symmetric matrix as the 21 numbers of its upper triangle, row by row. The lower triangle is
+/// ignored.
 inline void to_msg(const Mat6& symmetric, double (&upper)[21]) noexcept {
   std::size_t n = 0;
   for (Eigen::Index row = 0; row < 6; ++row)

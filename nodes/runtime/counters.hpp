@@ -1,5 +1,5 @@
 #pragma once
-/// Figures that a loop fills and a monitor publishes.
+/// Figures that a loop counts and a monitor publishes.
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -16,10 +16,10 @@ enum class Counting : std::uint8_t {
   kSum,
   kMaximum,
   kLast,
-  kFirst,  ///< not published before there is one
+  kFirst,  ///< not published until it has a value
 };
 
-/// A row of a node's table. The rows stand in the order of their enumerators.
+/// A row of a node's table. The rows are in the order of their enumerators.
 template <class Name>
 struct CounterRow {
   Name counter;
@@ -28,7 +28,7 @@ struct CounterRow {
   Counting counting = Counting::kSum;
 };
 
-/// The counters of a table. Each has one writing thread; any thread may read.
+/// The counters of a table. Each counter has one writing thread; any thread may read it.
 template <const auto& kTable>
 class Counters {
  public:
@@ -39,7 +39,7 @@ class Counters {
       cell(row.counter) = row.counting == Counting::kFirst ? std::nan("") : 0.0;
   }
 
-  /// Adds, raises or sets, as the counter's row says. Real-time safe.
+  /// Adds, raises or sets, according to the row of the counter. Real-time safe.
   void note(Name counter, double value = 1.0) noexcept {
     const double now = (*this)[counter];
     const Counting counting = kTable[index(counter)].counting;
@@ -49,12 +49,12 @@ class Counters {
       return;
     cell(counter).store(counting == Counting::kSum ? now + value : value, kRelaxed);
   }
-  /// NaN where there is no first value yet. Real-time safe.
+  /// NaN while there is no value. Real-time safe.
   double operator[](Name counter) const noexcept { return cells_[index(counter)].load(kRelaxed); }
-  /// The value, which starts again from 0. Real-time safe.
+  /// Returns the value and resets it to 0. Real-time safe.
   double take(Name counter) noexcept { return cell(counter).exchange(0.0, kRelaxed); }
 
-  /// The first `count` rows of the table. Allocates.
+  /// Reports the first `count` rows of the table. Allocates.
   void report_to(Figures& figures, std::size_t count = kTable.size()) const {
     for (const auto& row : std::span(kTable).first(count))
       if (const double value = (*this)[row.counter]; *row.name && !std::isnan(value))

@@ -1,5 +1,5 @@
 #pragma once
-/// The device as rendering and coupling read it.
+/// Reads the device's description and status, for rendering and coupling.
 #include <mutex>
 #include <string>
 #include <utility>
@@ -11,11 +11,12 @@
 
 namespace voxtouch::runtime {
 
-/// Description and status of the participant that is bound as the device. `take` and `current`: the
-/// loop; it locks only where a description has come. `report_to`: the monitor.
+/// Description and status of the participant that is bound as the device. `take` and `current`
+/// belong to the loop, which locks only if a description has arrived. `report_to` belongs to the
+/// monitor.
 class DeviceInput {
  public:
-  /// `stream`: another reader of what the device writes, if there is one.
+  /// `stream`: another reader of the device's topics, if there is one.
   explicit DeviceInput(NodeHost& host, bus::Following* stream = nullptr)
       : descriptions_(
             host.reader<bus::LatchedReader<msg::DeviceDescription>>(qos::kDeviceDescription)),
@@ -23,8 +24,8 @@ class DeviceInput {
     host.link_reader(qos::kDeviceDescription, descriptions_);
   }
 
-  /// Calls f(const DeviceDescription&, session) for a new description. One with numbers that cannot
-  /// be a device's changes nothing.
+  /// Calls f(const DeviceDescription&, session) for a new description. An invalid description is
+  /// ignored.
   template <class F>
   void take(F&& f) {
     descriptions_.take([&](const msg::DeviceDescription& message) {
@@ -36,7 +37,7 @@ class DeviceInput {
       refusal_ = std::move(refusal);
     });
   }
-  /// The bound device's description has been taken.
+  /// Whether the description of the bound device has been taken.
   bool current() const noexcept { return descriptions_.current(); }
   RoleBinding& binding() noexcept { return binding_; }
   const RoleBinding& binding() const noexcept { return binding_; }
@@ -62,7 +63,7 @@ class DeviceInput {
   bus::LatchedReader<msg::DeviceDescription> descriptions_;
   RoleBinding binding_;
   std::mutex mutex_;
-  std::string refusal_;  ///< of the last description
+  std::string refusal_;  ///< reason why the last description is invalid
 };
 
 }  // namespace voxtouch::runtime

@@ -1,12 +1,12 @@
 #pragma once
-/// A device's description as a message, and back.
+/// Converts a device description to a message and back.
 #include "core/types/device_description.hpp"
 #include "nodes/runtime/strings.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::runtime {
 
-/// Copies the fields that message and value share by name.
+/// Copies the fields that have the same name in message and value.
 template <class From, class To>
 void copy_device_numbers(const From& from, To& to) noexcept {
   to.rate_hz = from.rate_hz;
@@ -36,8 +36,7 @@ void copy_device_numbers(const From& from, To& to) noexcept {
   to.simulated = from.simulated;
 }
 
-/// Texts are borrowed from `device`, which must outlive the message. Session and mode are the
-/// caller's.
+/// The texts refer to `device`, which must outlive the message. The caller sets session and mode.
 inline msg::DeviceDescription to_msg(const DeviceDescription& device) noexcept {
   msg::DeviceDescription m{};
   copy_device_numbers(device, m);
@@ -46,7 +45,7 @@ inline msg::DeviceDescription to_msg(const DeviceDescription& device) noexcept {
   return m;
 }
 
-/// Whatever stands in it: `validate` judges the value.
+/// Copies all values unchecked; `validate` checks them.
 inline DeviceDescription from_msg(const msg::DeviceDescription& m) {
   DeviceDescription device;
   copy_device_numbers(m, device);

@@ -1,5 +1,5 @@
 #pragma once
-/// Signs of life of loops and of nodes.
+/// Detects loops and nodes that hang.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace voxtouch::runtime {
 
-/// Statuses come ten times a second and loops cycle at least every 50 ms: one without a sign for
-/// this long hangs [ns].
+/// Nodes publish their status ten times a second and loops cycle at least every 50 ms. After this
+/// time without a sign of life they are reported as hung [ns].
 inline constexpr std::int64_t kHungNs = 400'000'000;
-/// A peer silent for this long ends a lockstep run, and `up` [ns].
+/// After this time without a sign of life from a peer, a lockstep run and `up` end [ns].
 inline constexpr std::int64_t kGivenUpNs = 5'000'000'000;
 
-/// Time that stands still while its owner does not look, so that a stalled watcher takes no other
-/// for hung.
+/// A clock that stops while its owner does not update it, so that a stalled watcher reports no
+/// other node as hung.
 class WatchClock {
  public:
-  /// Call at each look, at least every 20 ms or so, before what has come since is noted.
+  /// Call at least every 20 ms, and first in each poll; then note new signs of life.
   void look(std::int64_t now_ns) noexcept {
     const std::int64_t gap_ns = last_look_ns_ ? now_ns - *last_look_ns_ : 0;
     last_look_ns_ = now_ns;
@@ -34,11 +34,11 @@ class WatchClock {
   std::int64_t watched_ns_ = 0;
 };
 
-/// Of a loop. Real-time safe.
+/// Counts the cycles of a loop. Real-time safe.
 class Heartbeat {
  public:
   void beat() noexcept { beats_.fetch_add(1, std::memory_order_relaxed); }
-  /// Changes while the loop goes on, or is busy.
+  /// Changes while the loop cycles or is marked busy.
   std::uint64_t sign() const noexcept {
     const std::int64_t now_ns = monotonic_ns();
     const bool busy = now_ns < busy_until_ns_.load(std::memory_order_relaxed);
@@ -46,7 +46,7 @@ class Heartbeat {
            (busy ? static_cast<std::uint64_t>(now_ns) : 0U);
   }
 
-  /// A pass of the loop that may take long, `most_ns` at most.
+  /// Marks a pass of the loop that may take up to `most_ns`.
   class Busy {
    public:
     Busy(Heartbeat& loop, std::int64_t most_ns) noexcept : loop_(loop) {
@@ -68,10 +68,10 @@ class Heartbeat {
   std::atomic<std::int64_t> busy_until_ns_{0};
 };
 
-/// For how long a sign has not changed.
+/// Measures for how long a sign of life has not changed.
 class StallWatch {
  public:
-  /// By the watcher's clock [ns].
+  /// Duration by the watcher's clock [ns].
   std::int64_t stalled_ns(std::uint64_t sign, const WatchClock& clock) noexcept {
     if (sign_ != sign)
       sign_ = sign, since_ns_ = clock.now_ns();

@@ -1,16 +1,16 @@
 #pragma once
-/// Which samples of a loop are shown to who looks on.
+/// Selects the samples of a loop that the visualisation receives.
 #include <cstdint>
 
 namespace voxtouch::runtime {
 
-/// A hundred a second by the clock that it is given, whatever the loop's own rate. Real-time safe.
+/// Selects 100 samples a second by the given clock, independent of the loop's rate. Real-time safe.
 class HundredASecond {
  public:
   static constexpr std::int64_t kPeriodNs = 10'000'000, kMaxMadeUp = 10;
-  /// Whether the sample at `now_ns` (less than before: simulated time of a new session) is one of
-  /// them. For those that a loop could not give while it stood still, ten at most, it gives as many
-  /// of the samples that follow.
+  /// Whether the sample at `now_ns` is selected. A smaller `now_ns` than in the last call starts a
+  /// new session in simulated time. After a gap, up to ten missed samples are made up for by the
+  /// samples that follow.
   bool is_due(std::int64_t now_ns) noexcept {
     const std::int64_t period = now_ns / kPeriodNs;
     if (period - next_ > kMaxMadeUp || next_ - period > 1)

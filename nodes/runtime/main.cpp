@@ -16,7 +16,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// Options of earlier versions, and their names.
+/// Options of earlier versions and their current names.
 struct Renamed {
   std::string_view old_name, name;
 };
@@ -35,7 +35,7 @@ void parse(CLI::App& app, int argc, char** argv) {
                                std::vector<std::string>{});
     }
   std::vector<std::string> words = without_ros_arguments(argc, argv);
-  std::ranges::reverse(words);  // as CLI11 takes them
+  std::ranges::reverse(words);  // in the order that CLI11 expects
   app.name(argc > 0 ? argv[0] : "");
   app.parse(std::move(words));
 }
@@ -72,7 +72,7 @@ int node_main(int argc, char** argv, const Program& program, NodeOptions& option
       die_with_parent(parent);
     options.announce = parent == 0;
     options.rig_is_checked = parent != 0;
-    options.require_keys(program.name);  // before anything starts
+    options.require_keys(program.name);  // fails first, without any start-up work
     if (!program.in_ring)
       options.realtime.mode = Realtime::kOff;
     options.warnings = enter_realtime(options.scheduling());

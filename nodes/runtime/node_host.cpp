@@ -31,12 +31,12 @@ int NodeHost::monitored(const std::atomic<bool>& stop, const Report& report,
 
 void NodeHost::report_failure(const std::string& message) const {
   NodeOptions silent = options_;
-  silent.announce = false;  // the error itself is printed
+  silent.announce = false;  // only the error is printed
   const NodeMonitor monitor(participant_, node_, silent, [&](NodeRegistry&, NodeReport& report) {
     report.state = NodeState::kFailed;
     report.message = message;
   });
-  // readers have to match this writer first
+  // readers must first match this writer
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// What all nodes share: participant, wait set, links, session, heartbeat, monitor thread,
-/// real-time set-up, and the loop of those that answer samples.
+/// Shared parts of all nodes: participant, wait set, links, session, heartbeat, monitor thread,
+/// real-time set-up and the loop of the nodes that answer samples.
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
@@ -21,7 +21,8 @@
 
 namespace voxtouch::runtime {
 
-/// No force: why scene and device do not go together; empty: they do.
+/// Reports that no force is displayed because scene and device are incompatible. Does nothing if
+/// `refusal` is empty.
 inline void report_refusal(const std::string& refusal, NodeReport& report, StatusText& status) {
   if (refusal.empty())
     return;
@@ -30,25 +31,26 @@ inline void report_refusal(const std::string& refusal, NodeReport& report, Statu
   status.say(StatusPriority::kRefused, refusal + " No force is commanded.");
 }
 
-/// A node that answers each In with an Out. All but `report` are called in the loop's thread. What
-/// is marked real-time safe need not be in a tap.
+/// A node that answers each In with an Out.
+/// The loop's thread calls all methods except `report`. Methods marked real-time safe may block in
+/// a tap.
 template <class In, class Out>
 struct Step {
   virtual ~Step() = default;
-  /// Takes latched messages, and begins the session that they name. In lockstep also before each
-  /// sample: what holds from a sample on has arrived before it.
+  /// Takes latched messages and begins the session that they name. In lockstep it is also called
+  /// for each sample, because messages that are valid from that sample have arrived by then.
   virtual void listen() = 0;
   /// Whether a sample of the session can be answered. Real-time safe.
   virtual bool ready() const noexcept = 0;
-  /// The answer to one sample; none: it is not answered. Real-time safe.
+  /// The answer to one sample, or nothing if there is no answer. Real-time safe.
   virtual std::optional<Out> step(const In& in) noexcept = 0;
-  /// The answer has been written. Real-time safe.
+  /// Called after the answer has been written. Real-time safe.
   virtual void wrote(const In&, const Out&) noexcept {}
-  /// No sample was answered in this cycle, nor for `since_ns`. Real-time safe.
+  /// Called in a cycle without an answer. `since_ns`: time since the last answer. Real-time safe.
   virtual void idle(std::int64_t /*since_ns*/) noexcept {}
-  /// After the last cycle.
+  /// Called after the last cycle.
   virtual void end() {}
-  /// In the monitor's thread: values, figures and sentences of the status.
+  /// Called by the monitor thread: adds values, figures and sentences to the status.
   virtual void report(NodeRegistry& registry, NodeReport& report, StatusText& status) = 0;
 };
 
@@ -56,11 +58,11 @@ class NodeHost {
  public:
   enum class Kind : std::uint8_t {
     kLoop,
-    kTap,  ///< never takes time from the ring; after the stop it handles what has arrived
+    kTap,  ///< never delays the ring; after the stop it processes the messages that have arrived
   };
   using Report = std::function<void(NodeRegistry&, NodeReport&, StatusText&)>;
 
-  /// `options` outlive the host. Throws bus::Error and security::Error.
+  /// `options` must outlive the host. Throws bus::Error and security::Error.
   NodeHost(std::string node, const NodeOptions& options, Kind kind = Kind::kLoop)
       : NodeHost(node, options, bus::Participant(options.participant(node)), kind) {}
   NodeHost(std::string node, const NodeOptions& options, bus::Participant participant,
@@ -79,7 +81,7 @@ class NodeHost {
   Heartbeat& heartbeat() noexcept { return heartbeat_; }
   Session& session() noexcept { return session_; }
 
-  /// Endpoints of this rig, with the profile of the time mode.
+  /// Creates endpoints of this rig, with the QoS profile of the time mode.
   template <class Reader>
   Reader reader(const qos::Topic& topic) const {
     if constexpr (std::is_constructible_v<Reader, const bus::Participant&, const qos::Topic&,
@@ -92,8 +94,8 @@ class NodeHost {
   bus::Writer<T> writer(const qos::Topic& topic) const {
     return {participant_, topic, options_.rig, qos::profile_in(topic, options_.mode())};
   }
-  /// The loop waits for its samples, and the node is ready when it has matched. The endpoint keeps
-  /// its address.
+  /// Makes the loop wait for this reader's samples, and readiness depend on its matches. The
+  /// endpoint must not move.
   template <class Reader>
   void link_reader(const qos::Topic& topic, const Reader& reader) {
     wait_set_.attach(reader.condition());
@@ -104,8 +106,8 @@ class NodeHost {
     links_.push_back(link_of_writer(topic, writer));
   }
 
-  /// In the loop: samples of this session are answered from here on, counted anew where it is
-  /// another one.
+  /// Called by the loop: samples of this session are answered from now on. A new session restarts
+  /// the sample count.
   void begin_session(std::uint64_t session) noexcept {
     if (session != session_in_loop_)
       next_sample_ = 0;
@@ -115,36 +117,36 @@ class NodeHost {
   std::uint64_t session_in_loop() const noexcept { return session_in_loop_; }
   /// The first sample of the session that has not been answered.
   std::uint64_t next_sample() const noexcept { return next_sample_; }
-  /// Asked to stop, or in lockstep a peer is lost. Real-time safe.
+  /// Whether a stop was requested, or a lockstep peer was lost. Real-time safe.
   bool over() const noexcept { return stop_->load(std::memory_order_relaxed) || peer_lost(); }
 
   bool peer_lost() const noexcept { return monitor_->peer_lost(); }
-  /// In lockstep: the loop waits while `holds()`, in sleeps of 0.2 ms, until it is over.
+  /// In lockstep: waits while `holds()`, in sleeps of 0.2 ms, until a stop.
   template <class Holds>
   void sleep_while(Holds&& holds) noexcept {
     for (; holds() && !over(); sleep_until(monotonic_ns() + 200'000))
       heartbeat_.beat();
   }
 
-  /// In the monitor's thread: Session::report_to with this node's links.
+  /// Called by the monitor thread: Session::report_to with the links of this node.
   std::string report_session(const NodeRegistry& registry, NodeReport& report,
                              std::string_view first, bool busy) {
     return session_.report_to(report, options_, registry, links_, first, busy);
   }
-  /// Whether the latched value of `topic` has to be written again; never in lockstep.
+  /// Whether the latched value of `topic` must be written again; always false in lockstep.
   bool must_repeat(const NodeRegistry& registry, std::uint64_t session, const qos::Topic& topic) {
     return !options_.lockstep && republish_timer_.is_due(registry, session, topic);
   }
 
-  /// Runs `loop` in real time while a monitor thread publishes the status, whose last one is made
-  /// after it. `stalls`: what must not stand still; none: the host's heartbeat. Returns 1 where a
-  /// lockstep peer was lost, else 0.
+  /// Runs `loop` with real-time scheduling while a monitor thread publishes the status; the last
+  /// status is published after the loop. `stalls`: signs that must not stall; empty for the host's
+  /// heartbeat. Returns 1 if a lockstep peer was lost, else 0.
   int monitored(const std::atomic<bool>& stop, const Report& report,
                 const std::function<void()>& loop, std::vector<Watched> stalls = {});
   /// Publishes why the node cannot start.
   void report_failure(const std::string& message) const;
 
-  /// The one loop: wait, take, check session and number, step, write.
+  /// The common loop: wait, take, check session and number, step, write.
   template <class In, class Out>
   int run(Step<In, Out>& node, bus::FollowedReader<In>& in, bus::Writer<Out>& out,
           const std::atomic<bool>& stop) {
@@ -157,7 +159,7 @@ class NodeHost {
         last = over();
         if (last && kind_ == Kind::kLoop)
           break;
-        // No message reports that the monitor has bound a participant.
+        // Polls, because no message announces that the monitor has bound a participant.
         wait_set_.wait(last                                    ? 100'000'000
                        : session_in_loop_ != 0 && node.ready() ? 50'000'000
                                                                : 5'000'000);
@@ -183,8 +185,9 @@ class NodeHost {
       node.listen();
     if (session_in_loop_ == 0 || sample.session_id != session_in_loop_ || !node.ready())
       return false;
-    // In lockstep a write that DDS could not end in time is made again, and who had it has it
-    // twice. No other number is dropped: a forged one must not suppress those that follow.
+    // In lockstep, a write that DDS could not finish in time is repeated, so some readers receive
+    // it twice. Only the last number is dropped: a forged number must not suppress the samples that
+    // follow.
     if (options_.lockstep && last_sample_ == sample.sequence_number)
       return false;
     last_sample_ = sample.sequence_number;

@@ -13,13 +13,13 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// With the 20 ms between two looks at least ten times a second.
+/// Together with the 20 ms polling period this gives at least ten statuses a second.
 constexpr std::int64_t kStatusPeriodNs = 75'000'000;
-/// So long a node looks four times as often: nodes of a ring that start together wait for each
-/// other's looks, one after the other.
+/// During this time after the start a node polls four times as often. Nodes of a ring that start
+/// together wait for each other in turn.
 constexpr std::int64_t kStartNs = 1'000'000'000;
 
-/// Settings with which a node was started, sorted by name.
+/// Options that the node was started with, sorted by name.
 std::vector<RosParameter> settings_of(const NodeOptions& options) {
   std::vector<RosParameter> all;
   if (!options.scene.empty())
@@ -76,13 +76,13 @@ void NodeMonitor::cycle_or_skip() noexcept {
   try {
     cycle();
   } catch (const std::exception&) {
-    // Out of memory, say. A report is lost; an exception that left this thread would end the
-    // process, and the device with it.
+    // For example out of memory: one report is lost. An exception that leaves this thread would end
+    // the process and the device.
   }
 }
 
-/// Nodes on several hosts each read their own copy of the scene: two that differ would render one
-/// and shape the other.
+/// Nodes on several hosts each read their own copy of the scene. Different copies would render one
+/// scene and shape the force for another.
 void NodeMonitor::compare_scenes(NodeReport& report) const {
   const auto own = report.values.find("scene_hash");
   if (own == report.values.end())
@@ -157,7 +157,7 @@ void NodeMonitor::watch_others(NodeReport& report) {
     if (hung.participant == own_)
       continue;
     report.message += "; " + hung.sentence;
-    // Unauthorised participants are named, whatever they call themselves, but no node waits for
+    // Unauthorised participants are reported by the name that they give, but no node waits for
     // them.
     const bool is_waited_for = partners_.contains(hung.participant) && hung.node != node_;
     const bool too_long = hung.for_s * 1e9 >= static_cast<double>(kGivenUpNs);
@@ -172,7 +172,7 @@ void NodeMonitor::watch_others(NodeReport& report) {
   peer_lost_.store(true, std::memory_order_relaxed);
 }
 
-/// What it says anew, and to who has just come what it said last.
+/// Publishes changes, and repeats the last message for new readers.
 void NodeMonitor::set_publishing(const NodeReport& report) {
   if (parameters_)
     parameters_->serve();
@@ -209,7 +209,7 @@ void NodeMonitor::cycle() {
   last_ = std::move(report);
   if (announce)
     console::log("{}: {}\n", node_,
-                 last_.message);  // after the report itself: that one is for the other nodes
+                 last_.message);  // after the report itself, which is for the other nodes
   if (last_.state == NodeState::kRunning)
     rate_line_.print(now, last_.figures);
   last_publish_ns_ = now;

@@ -1,7 +1,7 @@
 #pragma once
-/// The slow half of a node: a thread of ordinary priority that reports ten times a second, so that
-/// the loop never has to, reports what hangs: another node, or its own loop, and reports to ROS
-/// tools state and sentences of the node.
+/// The monitor of a node: a thread of ordinary priority next to the loop. It publishes the status
+/// ten times a second, reports nodes and loops that hang, and publishes state and messages for ROS
+/// tools.
 #include <atomic>
 #include <functional>
 #include <optional>
@@ -17,18 +17,19 @@
 
 namespace voxtouch::runtime {
 
-/// What must not stall while the monitor runs.
+/// A sign of life that must not stall while the monitor runs.
 struct Watched {
-  std::string what;                     ///< "its loop"
-  std::function<std::uint64_t()> sign;  ///< another number at each look while all is well
+  std::string what;  ///< for example "its loop"
+  /// Returns a different number at each poll while the watched part runs.
+  std::function<std::uint64_t()> sign;
   StallWatch watch{};
 };
 
-/// Finds what stands still in this node.
+/// Finds stalled parts of this node.
 class OwnStalls {
  public:
   explicit OwnStalls(std::vector<Watched> watched) : watched_(std::move(watched)) {}
-  /// What has ended stands still by right.
+  /// A part that has ended is not reported as stalled.
   void look(NodeReport& report);
   /// Time spent watching [ns].
   std::int64_t watched_ns() const noexcept { return clock_.now_ns(); }
@@ -41,26 +42,26 @@ class OwnStalls {
 
 class NodeMonitor {
  public:
-  /// `look` is called about every 20 ms, in the first second every 5: it fills the report (state,
-  /// session, message, values) from the loop's atomics. The report is published when state, session
-  /// or message change, and ten times a second.
+  /// `look` is called about every 20 ms, and every 5 ms in the first second. It fills the report
+  /// (state, session, message, values) from the loop's atomics. The report is published ten times a
+  /// second, and when state, session or message change.
   NodeMonitor(const bus::Participant& participant, std::string node, const NodeOptions& options,
               std::function<void(NodeRegistry&, NodeReport&)> look,
               std::vector<Watched> watched = {});
-  /// Publishes a last report (`look` is asked once more) and waits until readers have it.
+  /// Calls `look` again, publishes a last report and waits until readers have received it.
   ~NodeMonitor();
   NodeMonitor(const NodeMonitor&) = delete;
   NodeMonitor& operator=(const NodeMonitor&) = delete;
 
-  /// Lockstep: a node that takes part has given no sign of life for kGivenUpNs. There is nothing
-  /// more to wait for.
+  /// Lockstep: whether a participating node has given no sign of life for kGivenUpNs. The run then
+  /// ends.
   bool peer_lost() const noexcept { return peer_lost_.load(std::memory_order_relaxed); }
 
  private:
   void cycle();
   void compare_scenes(NodeReport& report) const;
-  /// Nothing has come from any other node for 3 s after the start, or an address of DDS is gone:
-  /// reported once.
+  /// Reports once if no message of another node has arrived for 3 s after the start, or if an
+  /// address of DDS has disappeared.
   void watch_reception(NodeReport& report);
   void watch_others(NodeReport& report);
   void cycle_or_skip() noexcept;
@@ -71,7 +72,8 @@ class NodeMonitor {
   StatusWriter writer_;
   NodeRegistry registry_;
   RequestLimit requests_{100};
-  std::optional<ParameterServices> parameters_;  ///< none of a rendering, which serves its own
+  /// Absent in a rendering, which serves its own parameters.
+  std::optional<ParameterServices> parameters_;
   RosLog ros_log_;
   std::function<void(NodeRegistry&, NodeReport&)> look_;
   OwnStalls stalls_;
@@ -81,11 +83,12 @@ class NodeMonitor {
   std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0;
   RateLine rate_line_;
   bool had_session_ = false;
-  std::set<bus::Guid> partners_;  ///< whom this node waits for, as `look` said last
+  /// Participants that this node waits for, as last set by `look`.
+  std::set<bus::Guid> partners_;
   bool has_received_ = false;
-  std::string deaf_;  ///< the sentence; empty: all is well, as far as is known
+  std::string deaf_;  ///< message about missing reception; empty if no fault is known
   std::int64_t reception_checked_ns_ = 0;
-  std::string lost_;  ///< the sentence for a peer that was lost
+  std::string lost_;  ///< message about a lost peer
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

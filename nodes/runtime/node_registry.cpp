@@ -33,7 +33,7 @@ StatusWriter::StatusWriter(const bus::Participant& participant, std::string node
 
 namespace {
 
-/// What a registry would refuse is cut where it is made.
+/// Truncates a report to the limits that a registry enforces.
 NodeReport cut(NodeReport report) {
   constexpr std::size_t kMaxText = NodeRegistry::kMaxTextBytes;
   if (report.message.size() > kMaxText)
@@ -75,7 +75,8 @@ void StatusWriter::publish_diagnostics(const NodeReport& report,
                                        std::vector<msg::diagnostic_msgs_KeyValue> values) {
   namespace level = msg::diagnostic_msgs_DiagnosticStatus_constants;
   ++diagnostics_made_;
-  std::deque<std::string> texts;  // ROS knows words only; addresses stay
+  std::deque<std::string> texts;  // ROS supports only text; the addresses of the texts do not
+                                  // change
   for (const auto& [name, figure] : report.figures)
     values.push_back({lend(name), lend(texts.emplace_back(
                                       fmt::format("{:.9g} {}", figure.value, figure.unit)))});
@@ -108,7 +109,7 @@ NodeRegistry::NodeRegistry(const bus::Participant& participant, const std::strin
       graph_(participant.graph()),
       roles_(up == bus::Guid{} ? nullptr : std::make_unique<RigRoles>(participant, rig, up)) {}
 
-/// A writer that has gone is known as long as its last samples may lie here.
+/// A departed writer stays listed while its last samples may still be queued.
 void NodeRegistry::update_participants() {
   const std::vector<dds_instance_handle_t> handles = reader_.writer_handles();
   here_.clear();
@@ -120,8 +121,8 @@ void NodeRegistry::update_participants() {
   }
 }
 
-/// Far more than a node sends, look after look: after a pause of this process a look may well find
-/// many.
+/// Far more than a node sends, over several polls. After a pause of this process a single poll may
+/// find many statuses.
 void NodeRegistry::refuse_floods() {
   constexpr int kMany = 32;
   for (const auto& [writer, count] : taken_)
@@ -151,7 +152,8 @@ bool NodeRegistry::fits(const msg::NodeStatus& s) {
                                      });
 }
 
-/// Of the participant that it names, and one that is known or for whom there is room.
+/// Accepts a status only from the participant that it names, and only if that participant is listed
+/// or there is room.
 bool NodeRegistry::is_its_own(const msg::NodeStatus& s, dds_instance_handle_t writer) const {
   const auto sender = writers_.find(writer);
   if (sender == writers_.end() ||
@@ -248,7 +250,7 @@ std::vector<Hung> NodeRegistry::hung() const {
       asked.push_back(report);  // `update` may have kept it
   for (const NodeReport& report : asked) {
     if (report.final() || report.node == "up")
-      continue;  // `up` has no loop, and says once that it is here
+      continue;  // `up` has no loop and publishes its presence once
     const double silent = silent_s(report), stalled = value_of(report.figures, kStalledFor);
     if (silent > kHungS) {
       const std::string lost = bus::lost_address();

@@ -1,5 +1,5 @@
 #pragma once
-/// Who runs in this rig: each node publishes its own status and reads everybody's.
+/// The nodes of this rig. Each node publishes its own status and reads the statuses of all others.
 #include <chrono>
 #include <functional>
 #include <map>
@@ -25,18 +25,18 @@ enum class NodeState : std::uint32_t {
   kFailed = msg::node_status::kStateFailed,
 };
 
-/// Name of a report's figure: how many device sessions the node has seen.
+/// Name of the figure with the number of device sessions that the node has observed.
 inline constexpr char kSessions[] = "sessions";
 
-/// Figures and word of a report: for how long what is watched in addition to the monitor has
-/// stalled, and what it is.
+/// Names of two figures and one value of a report: how long a watched part has stalled, and which
+/// part it is.
 inline constexpr char kStalledFor[] = "stalled_s", kLongestStall[] = "longest_stall_s",
                       kStalled[] = "stalled";
 
-/// Word of a report that has failed: why scene and device do not go together.
+/// Name of the value that states why scene and device are incompatible.
 inline constexpr char kRefusal[] = "refusal";
 
-/// One node's status as a value.
+/// Status of one node.
 struct NodeReport {
   std::string node;
   std::string host;
@@ -45,30 +45,31 @@ struct NodeReport {
   std::uint64_t session_id = 0;
   NodeState state = NodeState::kStarting;
   std::string message;
-  std::map<std::string, std::string> values;  ///< words
+  std::map<std::string, std::string> values;  ///< texts
   Figures figures;                            ///< numbers
-  std::int64_t received_ns = 0;    ///< when it came, by the watch of the registry that took it
-  std::set<bus::Guid> partners{};  ///< lockstep: whom the node waits for; known to the node alone,
-                                   ///< and not published
-  /// Nothing more is to come from it.
+  /// Time of arrival, by the watch clock of the receiving registry.
+  std::int64_t received_ns = 0;
+  /// lockstep: participants that the node waits for; local, not published.
+  std::set<bus::Guid> partners{};
+  /// Whether no further report is expected.
   bool final() const noexcept {
     return state == NodeState::kStopped || state == NodeState::kFailed;
   }
 };
 
-/// A status as its node meant it; its lengths are not checked yet.
+/// Converts a status without checking its lengths.
 NodeReport to_report(const msg::NodeStatus& status);
 
-/// Publishes this node's report, and the same as /diagnostics while that has a reader. Not for
-/// the loop: allocates.
+/// Publishes this node's report, also as /diagnostics while that topic has a reader. Not for the
+/// loop: allocates.
 class StatusWriter {
  public:
   StatusWriter(const bus::Participant& participant, std::string node, const std::string& rig);
-  /// Node, host, pid and participant are filled in here. `set_publishing`: as /diagnostics too.
+  /// Fills in node, host, pid and participant. `set_publishing`: publish /diagnostics too.
   void publish(const NodeReport& report, bool set_publishing = true);
-  /// Waits until readers have the last report; for the way out.
+  /// Waits until readers have received the last report. Used at shutdown.
   void flush() noexcept;
-  /// How often /diagnostics was made.
+  /// Number of /diagnostics messages.
   std::uint64_t diagnostics_made() const noexcept { return diagnostics_made_; }
 
  private:
@@ -76,7 +77,7 @@ class StatusWriter {
                            std::vector<msg::diagnostic_msgs_KeyValue> values);
   bus::Writer<msg::NodeStatus> writer_;
   bus::Writer<msg::diagnostic_msgs_DiagnosticArray> diagnostics_;
-  std::string full_name_;  // "haptic/device"
+  std::string full_name_;  // for example "haptic/device"
   std::uint64_t diagnostics_made_ = 0;
   NodeReport own_;
 };
@@ -89,46 +90,46 @@ struct Hung {
   std::string sentence;
 };
 
-/// The newest report of each participant that is still there. Only its own: a status that comes
-/// from another participant than it names, as a bag that is played sends, is refused, and so is one
-/// that is longer than any of ours. A writer of such a one, or of a flood, is not listened to any
-/// more.
+/// The newest report of each present participant.
+/// A status is refused if its sender is not the participant that it names, as in a replayed bag, or
+/// if it exceeds the size limits. A writer that sends such a status, or floods the topic, is
+/// ignored from then on.
 class NodeRegistry {
  public:
-  /// `up`: only whom its claim names may play a role; all zero: any participant.
+  /// `up`: only participants in its claim may take a role; all zero: any participant may.
   NodeRegistry(const bus::Participant& participant, const std::string& rig,
                const bus::Guid& up = {});
-  /// Takes what has arrived; forgets nodes whose participant has gone, but for those that `keep`
-  /// holds on to.
+  /// Takes the statuses that have arrived. Removes nodes whose participant has left, unless `keep`
+  /// returns true.
   void update(const std::function<bool(const NodeReport&)>& keep = {});
   /// All reports, sorted by node name.
   std::vector<NodeReport> reports() const;
   std::optional<NodeReport> find(std::string_view node) const;
-  /// For how long no status of a node has come, while this registry was looked at [s].
+  /// Time since the last status of the node, counted while this registry was polled [s].
   double silent_s(const NodeReport& report) const noexcept {
     return static_cast<double>(clock_.now_ns() - report.received_ns) * 1e-9;
   }
-  /// Nodes of the ring that hang: no status for kHungNs, or one that says that its loop stands
-  /// still. A node whose participant has gone without a last word, as DDS finds of a stopped one
-  /// after some seconds, is among them until another takes its name, for 10 s at most. Call
-  /// `update` often.
+  /// Nodes of the ring that hang: no status for kHungNs, or a status that reports a stalled loop.
+  /// DDS detects a stopped process after some seconds. A node that left without a final status
+  /// stays listed until another takes its name, for 10 s at most. Requires frequent calls of
+  /// `update`.
   std::vector<Hung> hung() const;
   const NodeReport* report_of(const bus::Guid& participant) const;
-  /// Whether a status writer of `participant` is there.
+  /// Whether `participant` has a status writer.
   bool is_here(const bus::Guid& participant) const { return here_.contains(participant); }
-  /// Whether `up` started the ring, so that its claim names who plays a role.
+  /// Whether `up` started the ring, so that its claim assigns the roles.
   bool is_claimed() const noexcept { return roles_ != nullptr; }
   bool may_play(const std::string& node, const bus::Guid& participant) const {
     return !roles_ || roles_->names(node, participant);
   }
-  /// Participants of some of the statuses that were refused.
+  /// Participants of some of the refused statuses.
   const std::set<bus::Guid>& refused_participants() const noexcept { return refused_participants_; }
-  /// Statuses that were refused.
+  /// Number of refused statuses.
   std::uint64_t refused() const noexcept { return refused_; }
-  /// The node whose participant is `guid`: of this rig, or as `ros_discovery_info` names it ("ROS
-  /// 2's /talker"); else "a participant that gives no name (GUID)".
+  /// The node of the participant `guid`, as named in this rig or in `ros_discovery_info` ("ROS 2's
+  /// /talker"). Otherwise "a participant that gives no name (GUID)".
   std::string name_of(const bus::Guid& guid) const;
-  /// The same; empty if it gives no name.
+  /// The same; empty for a participant without a name.
   std::string known_name_of(const bus::Guid& guid) const;
 
   static constexpr std::size_t kMaxNodes = 64, kMaxValues = 256, kMaxTextBytes = 1024;
@@ -142,26 +143,26 @@ class NodeRegistry {
   void take(const msg::NodeStatus& status);
   void refuse_floods();
 
-  std::unique_ptr<bus::Following> senders_;  // outlives the reader, which asks it
+  std::unique_ptr<bus::Following> senders_;  // outlives the reader, which calls it
   bus::Reader<msg::NodeStatus> reader_;
   std::shared_ptr<bus::Graph> graph_;
   std::map<dds_instance_handle_t, int> taken_,
-      taken_before_;  ///< statuses of each writer, in this look and in the last
-  std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< of the statuses: whose each is
+      taken_before_;  ///< statuses of each writer, in this poll and in the last
+  std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< participant of each status writer
   std::set<bus::Guid> here_;
   std::uint64_t refused_ = 0;
   std::set<bus::Guid> refused_participants_;
   std::unique_ptr<RigRoles> roles_;
   std::map<bus::Guid, NodeReport> reports_;
-  std::map<std::string, NodeReport> vanished_;  ///< gone without a last word, by name
+  std::map<std::string, NodeReport> vanished_;  ///< departed without a final status, by name
 };
 
-/// Looks for `patience`: the first report that `requested` holds of, if one comes.
+/// Polls for `patience`. Returns the first report that satisfies `requested`, if one arrives.
 std::optional<NodeReport> look_for(NodeRegistry& registry,
                                    const std::function<bool(const NodeReport&)>& requested,
                                    std::chrono::milliseconds patience);
 
-/// How many device sessions the nodes of the registry have seen: the most that one of them reports.
+/// Largest number of device sessions that any node of the registry reports.
 std::uint64_t sessions_seen(const NodeRegistry& registry);
 
 /// Whether for each of `nodes` a participant of that name is in `matched`.

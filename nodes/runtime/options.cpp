@@ -18,10 +18,10 @@ namespace voxtouch::runtime {
 
 namespace {
 
-constexpr std::size_t kShown = 64;  ///< of a faulty text, in messages
+constexpr std::size_t kShown = 64;  ///< shown part of a faulty text, in messages
 
-/// An interface becomes part of the XML that configures DDS. The kernel's own names are shorter; an
-/// address may stand here too.
+/// The interface name is inserted into the XML configuration of DDS. Kernel names are shorter than
+/// the limit; an address is also allowed.
 std::string check_interface(const std::string& name) {
   constexpr std::size_t kMaxLength = 64;
   const bool good = !name.empty() && name.size() <= kMaxLength &&
@@ -34,7 +34,7 @@ std::string check_interface(const std::string& name) {
                             name.substr(0, kShown));
 }
 
-/// A host's name or address becomes part of that XML too.
+/// A host name or address is inserted into that XML too.
 std::string check_host(const std::string& name) {
   return check_interface(name).empty()
              ? std::string()
@@ -43,8 +43,8 @@ std::string check_host(const std::string& name) {
 
 constexpr std::uint32_t kLastDomain = 232;
 
-/// Only a program that joins a domain refuses a faulty ROS_DOMAIN_ID, and --domain overrides it: so
-/// the fault is kept, not thrown.
+/// Only a program that joins a domain refuses a faulty ROS_DOMAIN_ID, and --domain overrides it.
+/// The fault is therefore stored, not thrown.
 void take_domain_of_environment(NodeOptions& o) {
   const char* const text = std::getenv("ROS_DOMAIN_ID");
   if (!text || *text == 0)
@@ -77,7 +77,7 @@ std::string require_cpu(const std::string& text) {
   cpu_set_t allowed;
   CPU_ZERO(&allowed);
   if (sched_getaffinity(0, sizeof allowed, &allowed) != 0)
-    return require_whole(text);  // more than a set holds
+    return require_whole(text);  // more than a CPU set holds
   std::string known;
   for (unsigned cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
     if (!CPU_ISSET(cpu, &allowed))
@@ -97,7 +97,7 @@ std::string require_positive(const std::string& text) {
 }
 
 std::string require_whole(const std::string& text) {
-  // As a whole it must fit: CLI11 would take the largest number for one beyond it.
+  // The whole text must fit: CLI11 would clamp a number that is too large.
   return parse_number<std::uint64_t>(text)
              ? ""
              : "'" + text.substr(0, kShown) + "' is not an integer >= 0";
@@ -172,7 +172,7 @@ void add_node_options(CLI::App& app, NodeOptions& o, bool with_scene) {
           {"ignore", Realtime::kIgnore}, {"enforce", Realtime::kEnforce}}))
       ->option_text("ignore|enforce");
   app.add_option("--cpu", o.realtime.cpu, "Pins the loop to this CPU")->check(require_cpu);
-  // For `voxtouch up` alone.
+  // Used by `voxtouch up` only.
   app.add_option_function<std::string>(
          "--of-up", [&o](const std::string& text) { o.up = to_guid(text); }, "")
       ->group("");

@@ -16,19 +16,19 @@ namespace {
 using Body = std::function<void(std::size_t)>;
 
 /// One loop: its threads take the next index until none is left or one has failed. Indices are
-/// taken in order, so that all below a failed one have been taken, and the lowest failure is the
-/// one that a loop without threads would have met.
+/// taken in order, so all indices below a failed one have been taken. The lowest failure is
+/// therefore the one of a serial loop.
 class Loop {
  public:
   Loop(std::size_t count, const Body& body) : count_(count), body_(body) {}
 
   void run(std::size_t threads) {
-    std::vector<std::jthread> pool;  // its destructor joins
+    std::vector<std::jthread> pool;  // joined by its destructor
     try {
       while (pool.size() < threads)
         pool.emplace_back([this] { work(); });
     } catch (const std::system_error&) {
-      if (pool.empty()) {  // the system refuses even one: the calling thread does the work
+      if (pool.empty()) {  // no thread could be started: the calling thread does the work
         const AtOrdinaryPriority here;
         work();
       }

@@ -1,16 +1,16 @@
 #pragma once
-/// Threads for the builders in core, which know of none.
+/// Threads for the builders in core, which have no threads of their own.
 #include "core/types/parallel.hpp"
 
 namespace voxtouch::runtime {
 
-/// Processors that the calling thread may run on, at least 1.
+/// Number of processors that the calling thread may run on, at least 1.
 std::size_t processors() noexcept;
 
-/// A loop on so many threads (1: the caller's own). The threads are of ordinary priority, also
-/// where the caller runs under SCHED_FIFO, and end with the loop. Where bodies throw, what the
-/// lowest index threw reaches the caller, as from a loop without threads; indices above it may then
-/// be left out. Throws std::system_error where no thread can be made.
+/// A loop on `threads` threads; 1 uses the calling thread. The threads have ordinary priority, even
+/// if the caller runs under SCHED_FIFO, and end with the loop. If bodies throw, the caller receives
+/// the exception of the lowest index, as from a serial loop. Higher indices may then be skipped.
+/// Throws std::system_error if no thread can be started.
 ParallelFor threaded_for(std::size_t threads = processors());
 
 }  // namespace voxtouch::runtime

@@ -14,18 +14,18 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// Requests of one service at one look, so that none keeps the others waiting.
+/// Requests of one service per poll, so that no service delays the others.
 constexpr int kMaxPerLook = 64;
 constexpr char kUseSimTime[] = "use_sim_time";
 
-/// A sequence over the elements of a vector, which keeps them.
+/// A sequence that refers to the elements of a vector, which must outlive it.
 template <class Sequence, class Element>
 void lend_all(Sequence& sequence, std::vector<Element>& elements) {
   sequence._buffer = elements.data();
   sequence._length = sequence._maximum = static_cast<std::uint32_t>(elements.size());
 }
 
-/// What became of each setting of one request, until the last word has come.
+/// Collects the results of the settings of one request until all are final.
 struct Results {
   struct One {
     bool done = false;
@@ -36,11 +36,12 @@ struct Results {
 };
 
 msg::rcl_interfaces_SetParametersResult message_of(const Results::One& result) {
-  // ROS tools show the reason of a refusal; of what is done they show the value.
+  // ROS tools print the reason of a refusal. For an applied setting they print the value.
   return {result.done, result.done ? const_cast<char*>("") : lend(result.sentence)};
 }
 
-/// Nothing where it is for the node to judge; else whether it is done, and why not.
+/// Returns nothing if the node must decide. Otherwise returns whether it is done, or the reason for
+/// refusal.
 std::optional<Results::One> judged(std::span<const RosParameter> known,
                                    const msg::rcl_interfaces_Parameter& asked, bool node_sets) {
   const std::string name = asked.name ? asked.name : "";
@@ -172,7 +173,7 @@ void ParameterServices::serve() {
     if (asked.empty())
       return reply(true, {});
     const auto first =
-        std::make_shared<Results::One>(Results::One{true, {}});  // the first refusal counts
+        std::make_shared<Results::One>(Results::One{true, {}});  // the first refusal is reported
     set(asked, true, set_together_.participant_of(caller),
         [open, first, reply](std::size_t, bool done, const std::string& sentence) {
           if (!done && first->done)

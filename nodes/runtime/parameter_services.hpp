@@ -1,5 +1,5 @@
 #pragma once
-/// The six parameter services that every ROS node has, over a node's own parameters.
+/// The six parameter services of every ROS node, for a node's own parameters.
 #include <atomic>
 #include <cstdint>
 #include <functional>
@@ -14,24 +14,24 @@
 
 namespace voxtouch::runtime {
 
-/// What became of one of several settings: `which` is its place among them.
+/// Result of one of several settings; `which` is its index.
 using SettingReply = std::function<void(std::size_t which, bool done, const std::string& sentence)>;
 
-/// Both are called from the thread that calls `serve`.
+/// Callbacks of the services. Both are called from the thread that calls `serve`.
 struct ParameterHandler {
-  std::function<std::vector<RosParameter>()> parameters;  ///< as they are set now, sorted by name
-  /// Each by itself, or `together` all or none, on request of the participant `by`. `reply` is
-  /// called once for each, at once or later. Null: every parameter is read-only.
+  std::function<std::vector<RosParameter>()> parameters;  ///< current settings, sorted by name
+  /// Sets parameters for the participant `by`, one at a time, or `together` all or none. `reply` is
+  /// called once for each, immediately or later. Null: every parameter is read-only.
   std::function<void(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
                      const bus::Guid& by, SettingReply reply)>
       set;
 };
 
-/// Counts requests against what a second takes. One thread; `refused` any.
+/// Limits the number of requests per second. One thread; `refused` is for any thread.
 class RequestLimit {
  public:
   explicit RequestLimit(int per_second) : admitted_(per_second) {}
-  /// Whether `count` more go into this second; the part that does is taken.
+  /// Whether `count` more requests fit into this second. The part that fits is counted.
   bool admits(std::uint32_t count);
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
 
@@ -40,21 +40,21 @@ class RequestLimit {
   std::atomic<std::uint64_t> refused_{0};
 };
 
-/// `use_sim_time` stands among the parameters of every node: whether it runs in lockstep. A
-/// read-only parameter may be set to the value that it has, so that `ros2 param load` takes a dump
-/// of the node. All in one thread of ordinary priority. Requests beyond request_limits.hpp or the
-/// limit are not answered.
+/// Serves the parameters of a node to ROS clients.
+/// Every node has the parameter `use_sim_time`: whether it runs in lockstep. A read-only parameter
+/// may be set to its current value, so that `ros2 param load` accepts a dump of the node. Requests
+/// beyond request_limits.hpp or the rate limit are not answered. One thread of ordinary priority.
 class ParameterServices {
  public:
   ParameterServices(const bus::Participant& participant, const std::string& rig,
                     const std::string& node, bool lockstep, ParameterHandler handler,
                     RequestLimit& limit);
   void attach_to(bus::WaitSet& wait_set);
-  /// Answers what has come, and what waited for its client. Does not block.
+  /// Answers received requests and sends deferred replies. Does not block.
   void serve();
-  /// Replies wait for their client's reader: `serve` soon.
+  /// Whether replies are waiting for their client's reader. If so, call `serve` again soon.
   bool waits() const noexcept;
-  /// All of them, with `use_sim_time`.
+  /// All parameters, including `use_sim_time`.
   std::vector<RosParameter> parameters() const;
 
  private:
@@ -63,10 +63,10 @@ class ParameterServices {
   template <class S, class F>
   void each(Server<S>& server, F&& f);
   void serve_named();
-  /// Of a name that there is not, a value that is not set: so tools say that it is not.
+  /// An unknown name gives a value of type "not set", which ROS tools print as such.
   template <class Names>
   std::vector<RosParameter> named(const Names& names) const;
-  /// Calls handler_.set for what may change something; `reply` for all.
+  /// Calls handler_.set for settings that may change a value; `reply` receives all results.
   void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together, const bus::Guid& by,
            const SettingReply& reply);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What each of several participants did, for sentences that name them.
+/// Counts per participant, for messages that name participants.
 #include <cstdint>
 #include <map>
 #include <string>
@@ -11,13 +11,14 @@ namespace voxtouch::runtime {
 /// One thread. Allocates.
 class ParticipantCounts {
  public:
-  static constexpr std::size_t kMaxNamed = 16;  ///< the first ones; the rest is counted as one
+  static constexpr std::size_t kMaxNamed = 16;  ///< named participants; the rest share one count
 
-  /// The count of `participant`, to be added to or set; all zero: of those that have gone.
+  /// The count of `participant`, to be added to or set. The zero GUID holds the counts of departed
+  /// participants.
   std::uint64_t& of(const bus::Guid& participant);
-  /// Takes the names that are known now; a name once known stays when its participant goes.
+  /// Looks up the current names. A name is kept after its participant leaves.
   void name(const NodeRegistry& registry);
-  /// "721 of NAME and 3 of NAME"; empty if nothing was counted.
+  /// For example "721 of NAME and 3 of NAME"; empty without counts.
   std::string text() const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
-/// Which nodes must have matched before a run begins, and in lockstep which are still there.
-/// --peers and the device take part.
+/// Which nodes must have matched when a run begins, and in lockstep which are still present. The
+/// device and the nodes of --peers participate.
 #include <atomic>
 #include <functional>
 #include <set>
@@ -14,14 +14,15 @@
 
 namespace voxtouch::runtime {
 
-/// One endpoint of this node and the nodes that must be at its other end.
+/// One endpoint of this node and the nodes required at its other end.
 struct Link {
-  std::string what;  ///< the topic, for people
+  std::string what;  ///< the topic, for messages
   std::function<std::vector<bus::Guid>()> matched;
   std::vector<std::string> nodes;
 };
 
-/// To all nodes that the table of topics has at the other end. The endpoint must outlive the link.
+/// Links to all nodes that the topic table lists at the other end. The endpoint must outlive the
+/// link.
 template <class Writer>
 Link link_of_writer(const qos::Topic& topic, const Writer& writer) {
   return {std::string(topic.path), [&writer] { return writer.matched(); },
@@ -33,26 +34,26 @@ Link link_of_reader(const qos::Topic& topic, const Reader& reader) {
           qos::names_of(topic.writers)};
 }
 
-/// Those that take part in this run; "device" always does.
+/// The nodes that participate in this run. "device" always does.
 std::vector<std::string> taking_part(const NodeOptions& options, std::vector<std::string> nodes);
 
-/// Links that have not matched all nodes that take part, for people: "validator on
-/// rendering/contact". Empty if all have. `with_device`: the device too.
+/// Links that have not matched all participating nodes, for messages: "validator on
+/// rendering/contact". Empty if all have matched. `with_device`: include the device.
 std::string missing_links(const NodeOptions& options, const NodeRegistry& registry,
                           const std::vector<Link>& links, bool with_device = true);
 
-/// Lockstep: the participants that a run waits for, and that alone end it by their silence: those
-/// that were ready for its session and at the other end of every link of their node when the last
-/// node was. Participants that come later are none of them.
+/// Lockstep: the participants that a run waits for, and whose silence ends it. They are those that
+/// were ready for the session, and at the other end of every link, when the last node became ready.
+/// Later participants do not belong to the set.
 class PeerSet {
  public:
   explicit PeerSet(std::vector<std::string> nodes) : nodes_(std::move(nodes)) {}
-  /// A new session begins with none; in real time there are none.
+  /// A new session begins with an empty set. In real time the set stays empty.
   void update(const NodeOptions& options, const NodeRegistry& registry,
               const std::vector<Link>& links, std::uint64_t session);
-  /// Every node that takes part has been ready; none joins any more.
+  /// Whether every participating node has been ready. The set is then final.
   bool complete() const noexcept { return complete_; }
-  /// The nodes that are not ready yet.
+  /// The nodes that are not ready.
   const std::vector<std::string>& missing() const noexcept { return missing_; }
   const std::set<bus::Guid>& participants() const noexcept { return participants_; }
 
@@ -63,32 +64,33 @@ class PeerSet {
   bool complete_ = false;
 };
 
-/// When latched values are written again: once a second while a node that needs them has not
-/// answered for the session. A flood of foreign values may have hidden them, or they came before
-/// their writer was bound.
+/// Decides when latched values are written again: once a second while a node that needs them has
+/// not confirmed the session. Foreign values may have displaced them, or they arrived while their
+/// writer was unbound.
 class RepublishTimer {
  public:
-  /// By the readers of `topic` but the logger, which answers for no session.
+  /// For the readers of `topic` except the logger, which confirms no session.
   bool is_due(const NodeRegistry& registry, std::uint64_t session, const qos::Topic& topic);
 
  private:
-  std::int64_t answered_ns_ = 0;  ///< when all had answered, or it was due
+  std::int64_t answered_ns_ = 0;  ///< when all nodes had confirmed, or it was last due
 };
 
-/// A device session as one node sees it. The loop writes, the monitor reads.
+/// A device session from the view of one node. The loop writes, the monitor reads.
 class Session {
  public:
-  /// From the loop, once everything is reset and what is latched has been published.
+  /// Called by the loop after the reset and after latched values have been published.
   void begin(std::uint64_t id) noexcept {
     count_.fetch_add(1, std::memory_order_relaxed);
     id_.store(id, std::memory_order_release);
   }
   void stop() noexcept { stopped_.store(true, std::memory_order_release); }
 
-  /// Session, state and count of sessions, of all nodes but the device. Ready for a device, without
-  /// a session, once every link but those to the device has matched. Ready for a session once it
-  /// has begun and, in lockstep, every link has matched; running once `busy`. Returns what it waits
-  /// for (`first` before any session); empty: nothing. One thread.
+  /// Reports session, state and number of sessions for every node except the device.
+  /// Without a session, the node is ready when every link except those to the device has matched.
+  /// In a session it is ready once the session has begun and, in lockstep, every link has matched.
+  /// It is running once `busy`. Returns the condition that it waits for (`first` until a session
+  /// begins), or an empty text. One thread.
   std::string report_to(NodeReport& report, const NodeOptions& options,
                         const NodeRegistry& registry, const std::vector<Link>& links,
                         std::string_view first, bool busy);

@@ -19,7 +19,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// 0 or errno: whether all memory may be locked.
+/// Returns 0 or errno: whether all memory may be locked.
 int may_lock_memory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
@@ -28,8 +28,8 @@ int may_lock_memory() {
 
 constexpr std::size_t kStackBytes = 1 << 20;
 
-/// Locked memory is there as a whole from the start: of the usual 8 MB a stack, ten threads of DDS
-/// would take 80 MB, at the loop's priority.
+/// Locked memory is allocated in full at once. With the usual stack of 8 MB, ten DDS threads would
+/// allocate 80 MB at the loop's priority.
 void start_threads_with_small_stacks() {
   pthread_attr_t usual;
   if (pthread_getattr_default_np(&usual) != 0)
@@ -39,8 +39,8 @@ void start_threads_with_small_stacks() {
   pthread_attr_destroy(&usual);
 }
 
-/// 0 or errno. Under a limit the lock is not even tried: with MCL_FUTURE every later allocation
-/// beyond the limit would fail.
+/// Returns 0 or errno. Under a limit the lock is not attempted: with MCL_FUTURE, every later
+/// allocation beyond the limit would fail.
 int lock_memory() {
   if (const int error = may_lock_memory(); error != 0)
     return error;
@@ -48,7 +48,8 @@ int lock_memory() {
   return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
 }
 
-/// The calling thread, and what it starts from now on. False: errno says why not.
+/// Pins the calling thread and the threads that it starts later. Returns false with errno set on
+/// failure.
 bool stay_on(int cpu) noexcept {
   cpu_set_t set;
   CPU_ZERO(&set);
@@ -58,8 +59,8 @@ bool stay_on(int cpu) noexcept {
 
 std::vector<std::string> take_rights(const RealtimeOptions& options, int (*lock)()) {
   std::vector<std::string> refused;
-  // Before the priority: it takes all memory in at once, 30 ms at which no loop of another rig
-  // would run.
+  // Locked first, at ordinary priority: it maps all memory, about 30 ms in which no loop of another
+  // rig could run.
   if (const int error = options.priority > 0 ? lock() : 0; error != 0)
     refused.push_back(
         fmt::format("Cannot lock memory ({}): page faults may delay samples. Allow memlock in "
@@ -125,11 +126,11 @@ void enter_loop(const RealtimeOptions& options) noexcept {
 
 }  // namespace voxtouch::runtime
 
-// Cyclone DDS guards its table of handles, its queue of events and each writer by mutexes that it
-// makes without attributes. A thread of ordinary priority that holds one (it writes a node's
-// status, say) and is not run meanwhile keeps the loop waiting: 40 to 340 ms of silence were seen
-// while compilers ran. Made here they lend their holder the priority of who waits, so that nothing
-// but the ring's own threads comes between. Sanitizers bring a pthread_mutex_init of their own.
+// Cyclone DDS protects its handle table, its event queue and each writer by mutexes without
+// attributes. A preempted thread of ordinary priority that holds one delays the loop: silences of
+// 40 to 340 ms were measured while compilers ran. Mutexes created here inherit the priority of
+// their waiters, so only threads of the ring can delay it. Sanitizers define their own
+// pthread_mutex_init.
 #if !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__)
 extern "C" __attribute__((visibility("default"))) int pthread_mutex_init(
     pthread_mutex_t* mutex, const pthread_mutexattr_t* attributes) noexcept {

@@ -7,33 +7,33 @@
 namespace voxtouch::runtime {
 
 enum class Realtime {
-  kOff,      ///< a tap must never take time from the ring
-  kIgnore,   ///< a refusal is a recorded warning
+  kOff,      ///< a tap must never delay the ring
+  kIgnore,   ///< a refusal is recorded as a warning
   kEnforce,  ///< a refusal is an error
 };
 
 struct RealtimeOptions {
   Realtime mode = Realtime::kIgnore;
-  int priority = 50;              ///< SCHED_FIFO; 0: ordinary, and memory stays unlocked
-  std::optional<int> cpu{};       ///< pins the process
-  std::optional<int> loop_cpu{};  ///< pins the threads that call `enter_loop`: loops of one
-                                  ///< process, which take turns
+  int priority = 50;         ///< SCHED_FIFO; 0: ordinary priority, memory not locked
+  std::optional<int> cpu{};  ///< pins the process
+  /// Pins the threads that call `enter_loop`: loops of one process, which run in turn.
+  std::optional<int> loop_cpu{};
 };
 
-/// SCHED_FIFO, affinity, locked memory for the calling thread and all it starts: call before the
-/// participant is made, whose threads inherit. Not for taps. Returns a sentence for each refusal,
-/// with what would allow it. Throws std::runtime_error under kEnforce.
+/// Sets SCHED_FIFO, affinity and locked memory for the calling thread and all threads that it
+/// starts. Call it first: the threads of a DDS participant inherit these settings. Not for taps.
+/// Returns a sentence for each refusal, with its remedy. Throws std::runtime_error under kEnforce.
 std::vector<std::string> enter_realtime(const RealtimeOptions& options);
 
-/// The same sentences for what a node would be refused that this process starts; locks no memory,
-/// throws for no refusal.
+/// The same sentences for a node that this process would start. Locks no memory and throws for no
+/// refusal.
 std::vector<std::string> refused_rights(const RealtimeOptions& options);
 
-/// For the calling thread, which may have inherited SCHED_FIFO.
+/// Sets the calling thread, which may have inherited SCHED_FIFO, to ordinary priority.
 void ordinary_priority() noexcept;
 
-/// Ordinary priority for a scope, and for all threads started in it: for long work that no sample
-/// waits for, which would delay the loops of other rigs on this machine.
+/// Ordinary priority for a scope and all threads started in it. Used for long work that no sample
+/// waits for and that would delay other loops on this machine.
 class AtOrdinaryPriority {
  public:
   AtOrdinaryPriority() noexcept;
@@ -45,12 +45,12 @@ class AtOrdinaryPriority {
   int policy_, priority_;
 };
 
-/// In the calling thread: denormals cost a hundred times a normal operation.
+/// For the calling thread. Operations on denormals take a hundred times longer than others.
 void flush_denormals() noexcept;
 
-/// The calling thread runs a loop from now on: it stays on `loop_cpu`, where there is one and it
-/// has SCHED_FIFO. An ordinary thread would wait there behind others. Threads that it started
-/// before stay free.
+/// Declares the calling thread a loop: it is pinned to `loop_cpu` if that is set and the thread has
+/// SCHED_FIFO. A thread of ordinary priority would wait behind others there. Threads that it
+/// started earlier are not pinned.
 void enter_loop(const RealtimeOptions& options) noexcept;
 
 }  // namespace voxtouch::runtime

@@ -1,6 +1,6 @@
 #pragma once
-/// What DDS checks about each request to a node before it stores it: lists and texts are no
-/// longer than any that can be meant. In a thread of DDS: allocates nothing.
+/// Size limits of requests, checked by DDS when a request arrives. They exceed every valid request.
+/// Called in a thread of DDS: allocates nothing.
 #include <algorithm>
 #include <cstdint>
 #include <span>

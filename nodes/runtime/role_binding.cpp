@@ -35,7 +35,7 @@ void RoleBinding::update(const NodeRegistry& registry, std::optional<std::uint64
   note_others(registry);
 }
 
-/// A participant that DDS found anew has other writers.
+/// A participant that DDS has discovered again has new writers.
 void RoleBinding::follow_again() {
   for (bus::Following* input : inputs_)
     if (!input->has_writer())
@@ -85,7 +85,7 @@ void RoleBinding::note_refused(const NodeRegistry& registry) {
       if (others_.size() < kMaxOthers && refused.participant != bus::Guid{})
         others_.insert(refused.participant);
     }
-  refused_from_.name(registry);  // who has just come may give its name later
+  refused_from_.name(registry);  // a new participant may give its name later
 }
 
 void RoleBinding::note_others(const NodeRegistry& registry) {

@@ -1,6 +1,5 @@
 #pragma once
-/// Who plays a role for this node: which one participant the device, the rendering or the coupling
-/// is.
+/// Binds a role (device, rendering or coupling) to one participant.
 #include <atomic>
 #include <cstdint>
 #include <optional>
@@ -14,39 +13,41 @@
 
 namespace voxtouch::runtime {
 
-/// The rule. A participant claims a role with a node status that is its own (the registry knows no
-/// others), says the role's name, a session and that it is starting, ready or running, and with a
-/// writer on each of the role's topics here. The only claimant is bound; of two none is. In a ring
-/// that `voxtouch up` started only participants that its claim names are bound. In one that was
-/// started by hand a binding lasts as long as its session: if the participant goes, the role is
-/// lost until another session begins. The samples of all others are refused, counted and named. One
-/// thread, the housekeeping's, owns it; `session`, `bound` and `binding_epoch` may be asked by any.
+/// Binds a role to the participant that claims it.
+/// A participant claims a role by its own node status and a writer on each topic of the role. The
+/// status must carry the role's name, a session and the state starting, ready or running. A single
+/// claimant is bound. If several claim the role, none is bound. In a ring that `voxtouch up`
+/// started, only participants in its claim are bound.
+/// In a ring started by hand a binding lasts for its session. If the participant leaves, the role
+/// stays vacant until another session begins. Samples of all other participants are refused,
+/// counted and reported by name.
+/// The monitor thread owns the object; any thread may call `session`, `bound` and `binding_epoch`.
 class RoleBinding {
  public:
-  /// `inputs`: this node's readers of what the role writes. They follow whoever is bound.
+  /// `inputs`: this node's readers of the role's topics. They follow the bound participant.
   RoleBinding(std::string role, std::vector<bus::Following*> inputs)
       : role_(std::move(role)),
         inputs_(std::move(inputs)) {}
 
-  /// `session`: only who has answered for it may claim; none: for any.
+  /// `session`: only participants that have confirmed it may claim; empty: for any session.
   void update(const NodeRegistry& registry, std::optional<std::uint64_t> session);
 
   bool bound() const noexcept { return bound_now_.load(std::memory_order_acquire); }
   const std::optional<bus::Guid>& participant() const noexcept { return participant_; }
-  /// The session in which the bound participant went, in a ring that was started by hand; 0: it did
-  /// not, or another session has begun.
+  /// The session in which the bound participant left, in a ring started by hand. 0 if it did not
+  /// leave or another session has begun.
   std::uint64_t lost_session() const noexcept { return lost_session_; }
-  /// What the bound participant's status says; 0: no participant is bound. Real-time safe.
+  /// Session in the status of the bound participant; 0 if none is bound. Real-time safe.
   std::uint64_t session() const noexcept { return session_.load(std::memory_order_acquire); }
-  /// Another number for each binding. Real-time safe.
+  /// A different number for each binding. Real-time safe.
   std::uint64_t binding_epoch() const noexcept {
     return binding_epoch_.load(std::memory_order_acquire);
   }
-  /// Samples of others that came while a participant was bound.
+  /// Number of samples from other participants received while one was bound.
   std::uint64_t refused() const noexcept;
-  /// Whose samples were refused and how many, also of those that have gone.
+  /// Participants whose samples were refused, with counts, including departed ones.
   std::string refused_writers() const { return refused_from_.text(); }
-  /// What a person must know: two that claim, or who is refused. Empty: nothing.
+  /// Describes conflicting claims and refused participants; empty if there are none.
   std::string diagnostic(const NodeRegistry& registry) const;
 
  private:
@@ -62,10 +63,9 @@ class RoleBinding {
   std::string role_;
   std::vector<bus::Following*> inputs_;
   std::optional<bus::Guid> participant_;
-  std::vector<bus::Guid> conflicting_;  ///< two or more claimants while none is bound
+  std::vector<bus::Guid> conflicting_;  ///< two or more claimants, while none is bound
   ParticipantCounts refused_from_;
-  std::set<bus::Guid>
-      others_;  ///< whose samples or claims have been refused, and who are still there
+  std::set<bus::Guid> others_;  ///< present participants whose samples or claims have been refused
   std::uint64_t lost_session_ = 0;
   std::atomic<bool> bound_now_{false};
   std::atomic<std::uint64_t> session_{0}, binding_epoch_{0};

@@ -20,7 +20,7 @@ std::string rig_of(const std::string& remap) {
   return name.substr(1);
 }
 
-/// Of one argument behind `--ros-args` that takes a value: what it adds to the command line.
+/// Translates one option behind `--ros-args` that takes a value.
 std::vector<std::string> translated(const std::string& option, const std::string& value) {
   if (option != "-r" && option != "--remap") {
     if (option == "-p" || option == "--param" || option == "--params-file")

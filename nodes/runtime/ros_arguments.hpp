@@ -1,14 +1,13 @@
 #pragma once
-/// What ROS 2 puts behind `--ros-args` of a program that it launches.
+/// Translates the arguments behind `--ros-args` that ROS 2 adds to a launched program.
 #include <string>
 #include <vector>
 
 namespace voxtouch::runtime {
 
-/// The command line without its part behind `--ros-args` (up to `--`, or the end): a remapping of
-/// the namespace, `-r __ns:=/left`, has become
-/// `--rig left`. Throws CLI::ValidationError, a sentence, that names what else stands there:
-/// nothing of it is passed over in silence.
+/// Returns the command line with the part behind `--ros-args` (up to `--` or the end) translated. A
+/// namespace remapping `-r __ns:=/left` becomes `--rig left`. Throws CLI::ValidationError, with a
+/// sentence, for any other argument there; none is ignored.
 std::vector<std::string> without_ros_arguments(int argc, const char* const* argv);
 
 }  // namespace voxtouch::runtime

@@ -1,5 +1,5 @@
 #pragma once
-/// What a node says, for ROS tools: /rosout.
+/// Publishes the log messages of a node on /rosout.
 #include <cstdint>
 #include <string>
 
@@ -14,17 +14,17 @@ class RosLog {
  public:
   static constexpr int kMaxPerSecond = 10;
   RosLog(const bus::Participant& participant, const std::string& node, const std::string& rig);
-  /// One line, while there is a reader. Of more than ten in a second the first ten; the next line
-  /// says how many were left out.
+  /// Writes one line while there is a reader. Only the first ten lines of a second are written; the
+  /// next line reports how many were dropped.
   void say(NodeState state, const std::string& sentence);
-  /// A reader has come since the last call: it knows nothing yet.
+  /// Whether a reader has appeared since the last call. It has received no line.
   bool reader_came() noexcept;
-  /// Lines written.
+  /// Number of lines written.
   std::uint64_t written() const noexcept { return written_; }
 
  private:
   bus::Writer<msg::rcl_interfaces_Log> lines_;
-  std::string name_;  ///< of the logger, as rclcpp calls a node's: "haptic.device"
+  std::string name_;  ///< name of the logger, in the form of rclcpp: "haptic.device"
   console::RateLimiter few_{kMaxPerSecond};
   std::uint32_t readers_ = 0;
   std::uint64_t written_ = 0;

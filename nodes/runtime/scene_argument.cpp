@@ -13,7 +13,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-constexpr std::size_t kNameShown = 64;  ///< of a name that is none, in the message
+constexpr std::size_t kNameShown = 64;  ///< shown part of an unknown name, in messages
 
 std::string find_scene(std::string& text) {
   std::error_code error;

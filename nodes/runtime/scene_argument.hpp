@@ -1,6 +1,6 @@
 #pragma once
-/// Scenes on a command line: a file, or the name of one that comes with voxtouch, found from any
-/// folder.
+/// Scenes on a command line: a file, or the name of a shipped scene, independent of the working
+/// directory.
 #include <string>
 #include <vector>
 
@@ -10,11 +10,11 @@ class Validator;
 
 namespace voxtouch::runtime {
 
-/// Names of the scenes that come with voxtouch, sorted; empty where their folder is missing.
+/// Names of the shipped scenes, sorted; empty if their folder is missing.
 std::vector<std::string> shipped_scenes();
 
-/// For CLI11: leaves the path of a file as it is and makes the path of a shipped scene of its name
-/// ("cup"). Refuses all else with a sentence that lists the names.
+/// A transformation for CLI11. It keeps the path of a file and replaces the name of a shipped scene
+/// ("cup") by its path. Refuses other texts with a sentence that lists the names.
 CLI::Validator scene_argument();
 
 }  // namespace voxtouch::runtime

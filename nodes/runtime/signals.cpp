@@ -12,7 +12,7 @@ std::atomic<bool>& stop_requested() noexcept {
 }
 
 void catch_signals() {
-  stop_requested();  // made before a handler can need it
+  stop_requested();  // created here, since a handler must not create it
   struct sigaction action {};
   action.sa_handler = [](int) { stop_requested().store(true, std::memory_order_relaxed); };
   sigset_t ours;
@@ -33,7 +33,7 @@ void catch_signals() {
 void die_with_parent(int parent) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent)
-    raise(SIGTERM);  // it went before the kernel had been asked
+    raise(SIGTERM);  // the parent had already ended at the request
 }
 
 }  // namespace voxtouch::runtime

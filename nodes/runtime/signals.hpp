@@ -1,18 +1,18 @@
 #pragma once
-/// Ctrl-C and SIGTERM become a flag that loops look at.
+/// SIGINT and SIGTERM set a flag that loops check.
 #include <atomic>
 
 namespace voxtouch::runtime {
 
-/// Set by SIGINT, SIGTERM, SIGHUP and SIGQUIT once `catch_signals` has been called: whatever ends a
-/// program from a terminal must end it with the device at zero force. A second Ctrl-C does nothing
-/// more: the way out is short.
+/// Set by SIGINT, SIGTERM, SIGHUP and SIGQUIT after `catch_signals`. Every way to end a program
+/// from a terminal must leave the device at zero force. A second SIGINT has no effect, since
+/// shutdown is short.
 std::atomic<bool>& stop_requested() noexcept;
-/// Also lets SIGTERM through if the parent started this process with it blocked: what came
-/// meanwhile counts.
+/// Also unblocks SIGTERM if the parent blocked it at the start. A signal that arrived meanwhile is
+/// delivered.
 void catch_signals();
-/// Asks the kernel to send this process SIGTERM when `parent` dies, also by kill -9; at once if it
-/// has died already.
+/// Requests SIGTERM from the kernel when `parent` ends, even by SIGKILL, and immediately if it has
+/// already ended.
 void die_with_parent(int parent);
 
 }  // namespace voxtouch::runtime

@@ -1,5 +1,5 @@
 #pragma once
-/// A short queue from one thread to another: neither ever waits for the other.
+/// A short queue between two threads. Neither thread waits for the other.
 #include <array>
 #include <atomic>
 #include <cstddef>
@@ -7,13 +7,13 @@
 
 namespace voxtouch::runtime {
 
-/// One thread pushes, one looks and pops. Real-time safe for values that are.
+/// One thread pushes, one thread reads and pops. Real-time safe if T is.
 template <class T, std::size_t kCapacity>
 class SpscQueue {
  public:
-  /// False, and nothing happened, where it is full.
+  /// Returns false, without any effect, if the queue is full.
   bool push(const T& value) noexcept { return push(std::span(&value, 1)); }
-  /// All of them or none: the other thread sees no part.
+  /// Pushes all values or none. The other thread never observes a part of them.
   bool push(std::span<const T> values) noexcept {
     if (room() < values.size())
       return false;
@@ -23,7 +23,7 @@ class SpscQueue {
     end_.store(end, std::memory_order_release);
     return true;
   }
-  /// The oldest, null where there is none; stays where it is until `pop`.
+  /// The oldest value, or null if the queue is empty. It stays in place until `pop`.
   const T* front() const noexcept {
     const std::size_t begin = begin_.load(std::memory_order_relaxed);
     return begin == end_.load(std::memory_order_acquire) ? nullptr : &slots_[begin % kCapacity];
@@ -31,7 +31,7 @@ class SpscQueue {
   void pop() noexcept {
     begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
-  /// Of the pushing thread: how many more go in for certain.
+  /// Called by the pushing thread: number of values that fit for certain.
   std::size_t room() const noexcept {
     return kCapacity -
            (end_.load(std::memory_order_relaxed) - begin_.load(std::memory_order_acquire));

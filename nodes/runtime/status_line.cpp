@@ -11,7 +11,7 @@ namespace voxtouch::runtime {
 std::string status_line(const std::string& node, const Figures& now, const Figures& before,
                         double seconds) {
   constexpr std::array kCounted{"samples", "checked",
-                                "received"};  // what the nodes call what they take part in
+                                "received"};  // figure names of the nodes for their samples
   for (const char* const name : kCounted) {
     const auto figure = now.find(name);
     if (figure == now.end() || figure->second.value <= 0.0)

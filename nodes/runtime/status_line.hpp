@@ -1,6 +1,6 @@
 #pragma once
-/// What a node that was started by hand prints once a second: rate and force, as `voxtouch up`
-/// prints them of the whole ring.
+/// Status line of a node that was started by hand, once a second: rate and force, in the format of
+/// `voxtouch up`.
 #include <cstdint>
 #include <string>
 
@@ -8,7 +8,8 @@
 
 namespace voxtouch::runtime {
 
-/// One line from the node's figures now and `seconds` before; empty where it counts nothing yet.
+/// One line from the current figures and those of `seconds` earlier; empty while the node has
+/// counted no sample.
 std::string status_line(const std::string& node, const Figures& now, const Figures& before,
                         double seconds);
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Which of the sentences that hold at the same time a node's status shows.
+/// Selects the message of a node's status if several apply at the same time.
 #include <cstdint>
 #include <string>
 #include <utility>
@@ -21,14 +21,14 @@ enum class StatusPriority : std::uint8_t {
 
 class StatusText {
  public:
-  /// An empty text says nothing. Of two with one priority the first is shown.
+  /// Ignores an empty text. Of two texts with equal priority, the first is kept.
   void say(StatusPriority priority, std::string text) {
     if (text.empty() || (!text_.empty() && priority <= priority_))
       return;
     text_ = std::move(text);
     priority_ = priority;
   }
-  /// Shown behind the sentence.
+  /// Appends a text to the sentence.
   void append(const std::string& text) { appendix_ += text; }
   std::string text() const { return text_ + appendix_; }
 

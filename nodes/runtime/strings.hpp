@@ -1,6 +1,6 @@
 #pragma once
-/// Strings and string sequences on their way into a DDS sample: lent, never copied or freed by DDS
-/// (dds_write serialises at once).
+/// Strings and string sequences in a DDS sample. DDS neither copies nor frees them, since dds_write
+/// serialises immediately.
 #include <string>
 #include <vector>
 
@@ -10,7 +10,7 @@ namespace voxtouch::runtime {
 
 inline char* lend(const std::string& text) { return const_cast<char*>(text.c_str()); }
 
-/// Keeps the pointers of a sequence<string> alive for one write.
+/// Keeps the pointers of a sequence<string> valid for one write.
 class StringViews {
  public:
   explicit StringViews(const std::vector<std::string>& texts) {

@@ -10,18 +10,18 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-/// Ratios to the linear limit that are tried: this less than 1, then twice as much less, and so on.
-/// None closer to 1, where the floor of the proof leaves no multiplier.
+/// Tried ratios to the linear limit: the first gap to 1, then doubled repeatedly. No ratio is
+/// closer to 1, because the floor of the proof would leave no multiplier.
 constexpr double kLeastGap = 0.01;
-/// Certified instead of the limit of a loop that no stiffness makes unstable, in what is displayed.
+/// Displayed stiffness to certify if no stiffness makes the loop unstable.
 constexpr double kInsteadOfNoLimit = 100.0;
 
 bool is_series(const CouplingSpec& spec) { return spec.kind == "spring_damper"; }
 
-/// The largest slope that the design lets the contact of one axis have, as displayed.
+/// The largest displayed slope that the design allows the contact of one axis.
 double displayed(const DisplayedStiffness& at) { return at.coupling * at.displayed; }
 
-/// Slope of the contact before a spring-damper; infinity where nothing bounds it.
+/// Slope of the contact ahead of a spring-damper; infinity if it is unbounded.
 double before_series(const CouplingSpec& spec, const AxisProblem& axis,
                      const DisplayedStiffness& at) {
   const bool rotation = axis.units == &kRotationUnits;
@@ -29,8 +29,8 @@ double before_series(const CouplingSpec& spec, const AxisProblem& axis,
   return std::isfinite(cap) ? at.coupling * at.contact : kInfinity;
 }
 
-/// One axis of a design, with the laws that run on it: on the velocity of the injected damping, and
-/// on the slow one.
+/// One axis of a design with the laws that run on it: on the velocity of the injected damping, and
+/// on the slow velocity.
 struct Axis {
   AxisProblem problem;
   DisplayedStiffness at;
@@ -96,7 +96,7 @@ std::vector<double> scaled(const std::vector<Axis>& axes, const std::vector<doub
   return stiffness;
 }
 
-/// The first of the ratios to the linear limits with a multiplier.
+/// Finds the largest tried ratio to the linear limits that has a multiplier.
 void find_largest(const std::vector<Axis>& axes, const CouplingSpec& spec,
                   ContactCertificate& out) {
   std::vector<double> limits;
@@ -117,7 +117,7 @@ void find_largest(const std::vector<Axis>& axes, const CouplingSpec& spec,
   }
 }
 
-/// Sets the margins. True where the certificate is for all that the design lets the contact have.
+/// Sets the margins. Returns true if the certificate covers all contacts that the design allows.
 bool is_enough(const std::vector<Axis>& axes, ContactCertificate& out) {
   bool enough = true;
   for (std::size_t a = 0; a < axes.size(); ++a) {
@@ -197,7 +197,7 @@ ContactCertificate certify_contacts(const DesignProblem& request, const Design& 
   out.contact = ContactClass::kLinear;
   const std::vector<Axis> axes = axes_of(request, design.spec);
   out.axes.resize(axes.size());
-  // A list of hands, and so a list of loops, does not stand for any passive hand.
+  // A list of hands, and so a list of loops, does not represent every passive hand.
   const bool any_passive =
       std::ranges::any_of(axes, [](const Axis& axis) { return axis.problem.hand.any_passive; });
   if (!any_passive) {

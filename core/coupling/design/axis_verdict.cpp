@@ -32,14 +32,15 @@ double after_coupling(const LoopController& law, double gain, double contact) {
   return law.stiffness * contact / (law.stiffness + contact);
 }
 
-/// The law with its effort times `scale`; for filter and direct that is the contact's doing.
+/// The law with its effort times `scale`. For filter and direct coupling the contact scales
+/// instead.
 LoopController scaled(LoopController law, double scale) {
   if (law.law == Law::kSpringDamper)
     law.stiffness *= scale, law.damping *= scale;
   return law;
 }
 
-/// Critical stiffness, margin and where.
+/// Finds critical stiffness, margin and worst case.
 void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law,
                  const DisplayedStiffness& at, const WorstCase* known, AxisDesign& out) {
   if (problem.hand.any_passive)
@@ -47,7 +48,7 @@ void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const Loo
   const double limit = passive_limit(problem, law);
   WorstCase worst;
   if (law.law == Law::kSpringDamper) {
-    // An uncapped contact may be of any stiffness: the coupling does not need to know.
+    // An uncapped contact may have any stiffness; the coupling does not depend on it.
     const bool capped = std::isfinite(cap_of(spec, is_rotation(problem)));
     worst = critical_scale(problem, law, capped ? at.coupling * at.contact : kInfinity);
     out.gain_margin = problem.hand.any_passive ? std::min(limit, worst.stiffness) : worst.stiffness;
@@ -68,7 +69,7 @@ void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const Loo
     out.worst_case_text = describe(problem.cases[worst.index], *problem.units);
 }
 
-/// At the margin; and, into `low`, at a hundredth of it.
+/// Spectral radius at the margin; `low` receives the one at a hundredth of it.
 double radius(const AxisProblem& problem, const LoopController& law, const DisplayedStiffness& at,
               double& low) {
   const double k = at.coupling * (law.law == Law::kSpringDamper ? at.contact : at.displayed);
@@ -121,8 +122,8 @@ void find_faults(const AxisProblem& problem, const LoopController& law, const Co
 std::vector<DisplayedStiffness> displayed_stiffness(const DesignProblem& request,
                                                     const std::vector<AxisProblem>& problems,
                                                     const CouplingSpec& spec) {
-  bool matrix_capped =
-      true;  // K6 <= diag(caps), and neither cap is looser than what coupling can double
+  bool matrix_capped = true;  // K6 <= diag(caps), and neither cap exceeds twice the bound that
+                              // coupled axes can reach
   for (const AxisProblem& axis : problems)
     matrix_capped =
         matrix_capped && cap_of(spec, is_rotation(axis)) <= 2.0 * axis.contact.all_points;
@@ -135,8 +136,8 @@ std::vector<DisplayedStiffness> displayed_stiffness(const DesignProblem& request
         after_coupling(controller_of(spec, axis, arm_squared(request)), spec.gain, at.contact);
     if (problems.size() > 1)
       at.coupling = matrix_capped ? std::min(cap, 2.0 * at.contact) / at.contact : 2.0;
-    // The spring-damper's one law acts along the wrench, arm and all; its two axes share the
-    // device's damping instead.
+    // The single law of the spring-damper acts along the whole wrench, including the arm. Its two
+    // axes share the device's damping instead.
     if (spec.kind == "spring_damper")
       at.coupling = 1.0;
     out.push_back(at);
@@ -184,7 +185,7 @@ void describe_axis(const DesignProblem& request, const AxisProblem& problem,
 
 double passive_damping_required(const AxisProblem& problem, double cutoff_hz) {
   const double lag = effort_lag_s(problem.model);
-  double most = 0.0;  // stiffness for a unit of damping: the rule is proportional to it
+  double most = 0.0;  // stiffness for unit damping: the rule is proportional to it
   for (const double ratio : {std::numbers::sqrt2 / 2.0, std::numbers::sqrt3 / 2.0, 0.577, 1.0})
     most = std::max(most, passive_stiffness_filter(2.0 * std::numbers::pi * cutoff_hz, ratio, 1.0,
                                                    problem.timing, lag));
@@ -206,7 +207,7 @@ double max_approach(const AxisProblem& problem, const CouplingSpec& spec, double
   const double stiffness = after_coupling(law, spec.gain, contact);
   if (!(depth_m > 0.0 && stiffness > 0.0))
     return 0.0;
-  double longest = 0.0;  // [s]: how deep for each m/s
+  double longest = 0.0;  // [s]: depth for each m/s
   for (const DesignCase& one : problem.cases) {
     const LoopPlant& p = one.plant;
     const double mass = p.mass + p.hand_mass,

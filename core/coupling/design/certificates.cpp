@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Place of the one maximum of `f` in [low, high], by golden section.
+/// Position of the single maximum of `f` in [low, high], by golden section.
 template <class Function>
 double place_of_maximum(const Function& f, double low, double high) {
   constexpr double kFraction = 1.0 / std::numbers::phi;
@@ -38,8 +38,8 @@ double stiffness_for(double damping, double lag) {
 /// Length of a half wave of the impulse response in units of 1/w0; d < 1.
 double half_wave(double d) { return kPi / std::sqrt((1.0 - d) * (1.0 + d)); }
 
-/// What linear_passive_stiffness_filter maximises: the device's damping that a contact of stiffness
-/// 1 needs at one angle.
+/// The objective of linear_passive_stiffness_filter: the device damping that a contact of stiffness
+/// 1 requires at one angle.
 class NeededDamping {
  public:
   /// w0 = infinity: no filter.
@@ -63,8 +63,8 @@ class NeededDamping {
   int whole_delay() const { return mass_.whole_delay; }
 
  private:
-  /// Least eigenvalue of the Hermitian part of a c^H with Re c^H a = `real` and |a|^2 |c|^2 - |c^H
-  /// a|^2 = `spread`, negated.
+  /// The negated least eigenvalue of the Hermitian part of a c^H, with Re c^H a = `real` and |a|^2
+  /// |c|^2 - |c^H a|^2 = `spread`.
   static double from(double real, double spread) {
     return 0.5 * (std::sqrt(real * real + spread) - real);
   }
@@ -83,9 +83,11 @@ class NeededDamping {
     return mass_.newer[row] + mass_.older[row] * p.z_inverse;
   }
 
-  /// How far the effort is from a pure hold of whole delay: 0 for one. Sums over the aliases w_k of
-  /// the angle: sum 1/(w_k^2 (1 + lag^2 w_k^2)) - |integral|^2. Differences of large numbers near
-  /// standstill, where it is constant.
+  /// Deviation of the effort from a pure hold with whole delay, for which it is 0. With the sums
+  /// over the aliases w_k of the angle:
+  ///     sum 1/(w_k^2 (1 + lag^2 w_k^2)) - |integral|^2
+  /// Near standstill it is a difference of large numbers but constant, so it is evaluated at
+  /// kSmallest there.
   double spread(const Phasor& p) const {
     if (p.angle < kSmallest)
       return spread(Phasor(kSmallest));
@@ -106,7 +108,8 @@ class NeededDamping {
 };
 
 /// The maximum over all angles. There may be one for every turn of the delay and a narrow one at
-/// the filter's resonance: looked for on a grid that is fine against both, then narrowed down.
+/// the resonance of the filter. A grid that is fine relative to both locates it; then the interval
+/// is narrowed.
 double largest(const NeededDamping& needed, double d) {
   const double resonance = needed.resonance(), largest_step = 0.2 / (needed.whole_delay() + 1);
   std::vector<double> grid;
@@ -129,7 +132,7 @@ double largest(const NeededDamping& needed, double d) {
   return most;
 }
 
-/// max over phi of a^2 U^2 + b sin^2((n+1) phi) with b >= 0; see llewellyn_damping.
+/// The maximum over phi of a^2 U^2 + b sin^2((n+1) phi) with b >= 0; see llewellyn_damping.
 double largest_extraction(double a, double b, int n) {
   const auto value = [&](double phi) {
     const double sine = std::sin((n + 1) * phi), u = sine / std::sin(phi);
@@ -161,8 +164,8 @@ FilterShape sampled_filter_shape(double w0, double d, double period_s) {
     const double above = 1.0 + angle * angle;
     return {above * lag_shape(d), above * overshoot_shape(d)};
   }
-  // The printed difference equation's response to one sample of 1. What is left decays with the
-  // slower pole's modulus.
+  // Response of the printed difference equation to one sample of 1. The remainder decays with the
+  // modulus of the slower pole.
   const double scale = 1.0 / (1.0 + 2.0 * d * g + g * g);
   const double b0 = g * g * scale, a1 = 2.0 * (g * g - 1.0) * scale,
                a2 = (1.0 - 2.0 * d * g + g * g) * scale;
@@ -213,9 +216,9 @@ double llewellyn_damping(double stiffness, double damping, double period_s, int 
 }
 
 SpringDamperPair llewellyn_optimum(double device_damping, double period_s, int delay_samples) {
-  // Everything is proportional to the device's damping; for a = 1 and w = 1 + r the need is max of
-  // (U^2 - sin^2)/w + w sin^2, convex in w and, from w = (n+1)^2 on, above its value at w = 1 at
-  // the latest.
+  // Everything is proportional to the device's damping. For a = 1 and w = 1 + r the requirement is
+  // max of (U^2 - sin^2)/w + w sin^2. It is convex in w, and from w = (n+1)^2 on it exceeds its
+  // value at w = 1.
   const int most = (delay_samples + 1) * (delay_samples + 1);
   const auto need = [&](double w) {
     return largest_extraction(1.0, w * w - 1.0, delay_samples) / w;

@@ -16,16 +16,16 @@ double mass_of(const LoopPlant& p) { return p.mass + p.hand_mass; }
 double damping_of(const LoopPlant& p) { return p.damping + p.hand_damping; }
 bool swings_undamped(const LoopPlant& p) { return p.hand_stiffness > 0.0 && damping_of(p) == 0.0; }
 
-/// The hand's resonance on the sampled circle [rad per sample], folded where it is above half the
+/// The hand's resonance on the sampled circle [rad per sample], folded if it exceeds half the
 /// sample rate.
 double resonance_of(const LoopPlant& p) {
   return std::abs(std::remainder(std::sqrt(p.hand_stiffness / mass_of(p)) * p.period_s,
                                  2.0 * std::numbers::pi));
 }
 
-/// An undamped hand's resonance stands on the unit circle, where L passes through infinity. Moved
-/// inside by this fraction of critical damping it passes on the side of the eigenvalue that is
-/// still stable; whether it is for small gains is asked of goes_inwards.
+/// The resonance of an undamped hand lies on the unit circle, where L passes through infinity.
+/// Moved inside by this fraction of critical damping, L passes on the side of the eigenvalue that
+/// is stable. The function goes_inwards checks whether it is stable for small gains.
 LoopPlant with_a_hair_of_damping(LoopPlant p) {
   constexpr double kHair = 1e-9;
   if (swings_undamped(p))
@@ -33,8 +33,9 @@ LoopPlant with_a_hair_of_damping(LoopPlant p) {
   return p;
 }
 
-/// Whether the eigenvalue on the circle at `angle` goes inside for a small gain. Near it L = R/(z -
-/// z_n), and it goes to z_n - gain R: inside if L is in the lower half plane just above it.
+/// Whether the eigenvalue on the circle at `angle` moves inside for a small gain. Near it L = R/(z
+/// - z_n), so it moves to z_n - gain R. It moves inside if L is in the lower half plane just above
+/// it.
 template <class Response>
 bool goes_inwards(const Response& response, double angle) {
   return response(Phasor(angle * (1.0 + 1e-6))).value.imag() < 0.0;
@@ -108,9 +109,9 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c,
                                      const InnerLimit& inner) {
   const bool held = plant.hand_stiffness > 0.0;
-  // Released, the position's eigenvalue stands at 1 and leaves it inwards for a k > 0 only if the
-  // law answers a displacement at rest and something damps: without, it is a double one, of which
-  // any lag pushes one half outside.
+  // Released, the eigenvalue of the position is at 1. It moves inside for k > 0 only if the law
+  // responds to a displacement at rest and the motion is damped. Without damping it is a double
+  // eigenvalue, of which any lag moves one half outside.
   if (!held && !(pulls_back(c) && damping_of(plant) + c.injected_damping > 0.0))
     return {};
 
@@ -135,7 +136,7 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   if (c.law == Law::kShapingFilter)
     search.stop_at(2.0 * std::atan(0.5 * c.w0_rad_per_s * p.period_s));
   Crossing first = search.find(response);
-  // A pushing contact (K < 0) against the hand's spring gives way at rest.
+  // A contact with K < 0 against the hand's spring gives way at rest.
   if (c.law != Law::kSpringDamper && c.gain < 0.0 && -plant.hand_stiffness / c.gain < first.gain)
     first = {-plant.hand_stiffness / c.gain, 0.0};
   return {first.gain, first.angle / p.period_s};

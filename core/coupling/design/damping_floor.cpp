@@ -16,7 +16,8 @@ namespace voxtouch::coupling::design {
 namespace {
 
 constexpr int kHalvings = 12;
-/// Of the most that may be injected, at which a case may swing least: more is late as well.
+/// Fractions of the largest injected damping at which a case may oscillate least: more damping also
+/// acts later.
 constexpr std::array kDampingFractions{1.0, 0.5, 0.25};
 
 double ratio(const LoopPlant& plant, const LoopController& law, double contact) {
@@ -27,7 +28,7 @@ double ratio(const LoopPlant& plant, const LoopController& law, double contact) 
   }
 }
 
-/// The law at a fraction of what it shows, and the contact before it.
+/// The law at a fraction of its displayed stiffness, and the contact in series with it.
 struct Loop {
   LoopController law;
   double contact;
@@ -41,7 +42,8 @@ Loop loop_of(const DesignProblem& request, const AxisProblem& problem, const Cou
   return {law, displayed.contact};
 }
 
-/// The best that injected damping makes of the case in the softest useful contact.
+/// The best damping ratio of the case in the softest useful contact, over the tried injected
+/// dampings.
 double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_damp, bool windows) {
   const double contact = std::min(problem.useful, problem.target);
   LoopController law;
@@ -58,8 +60,8 @@ double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_da
   return best;
 }
 
-/// The largest x up to 1 for which `keeps` holds, as if it held for all below; 0 where it is not
-/// even for the least one tried.
+/// The largest x <= 1 for which `keeps` holds, by bisection as if it were monotone; 0 if it fails
+/// even for the smallest tried x.
 double largest(const std::function<bool(double)>& keeps) {
   if (keeps(1.0))
     return 1.0;

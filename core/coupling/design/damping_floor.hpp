@@ -1,10 +1,10 @@
 #pragma once
-/// How fast the loop comes to rest, which is another question than whether it does: least damping
-/// ratios of its slowest swing.
+/// How fast the loop comes to rest, in addition to whether it is stable: minimum damping ratios of
+/// its dominant mode.
 ///
-/// A case is one device in one hand with one timing (`design_cases`); its floor stands in
-/// `DesignCase::least_damping_ratio`. A hand of which only passivity is known has none: among those
-/// are masses that swing as long as they like.
+/// A case is one device in one hand with one timing (`design_cases`); its minimum is
+/// `DesignCase::least_damping_ratio`. A hand that is only known to be passive has no minimum,
+/// because such hands include masses that oscillate arbitrarily long.
 #include <string>
 
 #include "core/coupling/design/axis_verdict.hpp"
@@ -12,35 +12,37 @@
 
 namespace voxtouch::coupling::design {
 
-/// As `spec` (at the hand, as `Design::spec`) makes the loop, at the stiffness that it shows. Some
-/// milliseconds.
+/// The dominant mode of `spec` (at the hand, as `Design::spec`) at its displayed stiffness. Takes
+/// some milliseconds.
 DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                            const CouplingSpec& spec);
 
-/// Gives each case of `problems` its floor by the request's goals. Out of reach is the floor of a
-/// case that swings with less even in the softest useful contact and with the most damping that may
-/// be injected. Where that is so for one hand, none has a floor: stiffness given up for the others
-/// would not make the worst swing shorter; of released devices likewise. Returns the worst
-/// that is out of reach, "Translation: held (0.2 kg, ...) swings with a damping ratio of 0.2 at
-/// best"; empty where there is none. Some milliseconds.
+/// Sets the minimum damping ratio of each case of `problems` from the goals of the request. Takes
+/// some milliseconds.
+/// A minimum is out of reach if a case stays below it even in the softest useful contact with the
+/// best injected damping. If that holds for one hand, all hands lose their minimum, because
+/// reducing the stiffness for the others would not shorten the longest oscillation. The same
+/// applies to released devices. Returns the worst case out of reach, for example "Translation: held
+/// (0.2 kg, ...) swings with a damping ratio of 0.2 at best", or an empty text.
 std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems);
 
-/// Whether all cases with a floor keep it, at the contact stiffness `contact` before `law` (of unit
-/// gain).
+/// Whether all cases meet their minimum with the contact stiffness `contact` ahead of `law` (of
+/// unit gain).
 bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact);
-/// The same; asks the case `first` first, and leaves there the one that does not keep its floor,
-/// which is likely not to keep it next time.
+/// The same. It checks the case `first` first and stores the failing case there, since that case is
+/// likely to fail next time too.
 bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact,
                   std::size_t& first);
-/// The same for all axes of what `spec` shows, its fraction `fraction` of it: a spring-damper with
-/// all of its law, another with the contact.
+/// The same for all axes of `spec` at a `fraction` of its displayed stiffness: a spring-damper
+/// scales its whole law, other kinds scale the contact.
 bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                   const CouplingSpec& spec, double fraction = 1.0);
 
-/// The stiffest contact up to `most` at which all floors are kept, to a four-thousandth of it; 0
-/// where none is. For filter and direct.
+/// The stiffest contact up to `most` that meets all minimum damping ratios, resolved to 1/4000; 0
+/// if none does. For filter and direct coupling.
 double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most);
-/// The largest fraction of a spring-damper at which all floors are kept; likewise.
+/// The largest fraction of a spring-damper that meets all minimum damping ratios, with the same
+/// resolution.
 double damped_fraction(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                        const CouplingSpec& spec);
 

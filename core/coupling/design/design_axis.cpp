@@ -14,9 +14,9 @@ namespace {
 
 using Law = LoopController::Law;
 
-/// Fraction of a strong device's force that is hardly perceived as noise.
+/// Fraction of a strong device's force that is barely perceptible as noise.
 constexpr double kQuietRatio = 0.005;
-/// Torque in place of a force [m], where device limits do not say how one stands to the other.
+/// Ratio of torque to force [m] if the limits of the device do not define it.
 constexpr double kHandsArm = 0.05;
 
 double noise_limit(const DesignProblem& request, bool rotation) {
@@ -28,7 +28,7 @@ double noise_limit(const DesignProblem& request, bool rotation) {
                   : std::max(kQuietForceN, std::isfinite(force) ? kQuietRatio * force : 0.0);
   if (!rotation)
     return of_force;
-  // A torque may be noisy to the same fraction of the device's range as a force.
+  // A torque may be as noisy as a force, relative to the range of the device.
   return of_force * (std::isfinite(force) && std::isfinite(torque) ? torque / force : kHandsArm);
 }
 
@@ -51,9 +51,9 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   return out;
 }
 
-/// By how much a late, filtered difference may exceed the speed it is meant to be, in the mean
-/// square: a short period's average may be held for a long one. What sums differences with weights
-/// multiplies it by the sum of these without their signs (Young).
+/// Upper bound of a late, filtered difference relative to the true speed, in the mean square. The
+/// average of a short period may be held for a long one. For a weighted sum of differences it is
+/// multiplied by the sum of the absolute weights (Young's inequality).
 double stretch(const LoopTiming& timing, int velocity_window) {
   if (timing.jitter >= 1.0)
     return kInfinity;
@@ -62,8 +62,8 @@ double stretch(const LoopTiming& timing, int velocity_window) {
   return velocity_window > 0 ? kWindowGain * held : held;
 }
 
-/// K k from which on the loop is unstable with all of its injected damping, or with what may be
-/// left of that where it is bounded.
+/// K k at which the loop becomes unstable, with the full injected damping or, if that is bounded,
+/// with its remaining parts.
 double critical_for(const AxisProblem& problem, const DesignCase& one, const LoopController& law) {
   const LoopPlant& plant = one.plant;
   const InnerLimit inner =
@@ -105,8 +105,8 @@ std::vector<AxisProblem> axis_problems(const DesignProblem& request) {
   std::vector<AxisProblem> axes{problem(request, false)};
   if (request.device.gives_torque)
     axes.push_back(problem(request, true));
-  double gain =
-      1.0;  // the most that one gain can show on all axes without overreaching the device on one
+  double gain = 1.0;  // the largest displayed stiffness of one common gain that exceeds the
+                      // device's limit on no axis
   for (const AxisProblem& axis : axes)
     gain = std::min(gain, axis.requested / axis.contact.all_points);
   for (AxisProblem& axis : axes)
@@ -219,8 +219,8 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
                                                        problem.timing, lag);
       if (problem.timing.lost_in_a_row > 0)
         return jittered;
-      // Without room for losses a delay of a fraction of a period may need a little more than rule
-      // P's ages say.
+      // Without allowance for losses, a fractional delay may need slightly more than the ages of
+      // rule P.
       const double uniform = linear_passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio,
                                                              damping, problem.timing, lag);
       return std::min(jittered, uniform);
@@ -228,8 +228,8 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
     case Law::kDirect: {
       const double jittered =
           passive_stiffness_filter(kInfinity, 1.0, damping, problem.timing, lag);
-      // Rule P holds for any timing within the bounds; Colgate's rule for the slowest, by whole
-      // samples. Both are kept.
+      // Rule P holds for any timing within the bounds. Colgate's rule holds for the slowest timing
+      // with whole samples. Both are applied.
       return std::min(jittered,
                       colgate_stiffness(damping, 0.0, slow.period_s, whole_delay(slow, lag)));
     }

@@ -1,6 +1,6 @@
 #pragma once
-/// One kind of motion, translation or rotation, as a problem to be designed for; and what certifies
-/// an answer.
+/// The design problem of one kind of motion, translation or rotation, and the certificates of its
+/// solution.
 #include <limits>
 #include <vector>
 
@@ -10,15 +10,16 @@
 namespace voxtouch::coupling::design {
 
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Room for rounding where a bound is met exactly.
+/// Tolerance for rounding if a bound is met exactly.
 inline constexpr double kRounding = 1.0 + 1e-9;
 
-/// The design of axis 0, translation, or 1, rotation.
+/// The design of axis 0 (translation) or 1 (rotation).
 inline const AxisDesign& axis_of(const Design& design, std::size_t axis) noexcept {
   return axis == 0 ? design.translation : design.rotation;
 }
 
-/// Of the margin, what is kept in a swing so large that the bound on injected damping acts.
+/// Fraction of the margin that is kept in an oscillation large enough to reach the bound of
+/// injected damping.
 inline constexpr double kLargeSwing = 0.75;
 
 struct AxisProblem {
@@ -29,95 +30,98 @@ struct AxisProblem {
   ContactRange contact;
   std::vector<DesignCase> cases;
   double margin = 2.0;
-  double large_swing = kLargeSwing;  ///< of `margin`, what is kept also in a swing so large that
-                                     ///< the bound on injected damping acts; at least 1 over it
-  double requested = 0.0;            ///< min(contact's total, the device's limit)
-  double target = 0.0;  ///< K k at which the goal counts as met; below `requested` where one gain
-                        ///< has to serve two axes
-  double useful = 0.0;  ///< below it, and below the target, the design is called infeasible
-  /// Of the device's damping, what a spring-damper's law may count on here. One law acts along a
-  /// wrench [n; arm n], so force and torque draw on both dampings at once: beta (1/b + arm^2/br) <=
-  /// 1 for a law that needs beta.
+  /// Fraction of `margin` kept when injected damping reaches its bound; at least 1 / margin.
+  double large_swing = kLargeSwing;
+  double requested = 0.0;  ///< min(contact's total, the device's limit)
+  /// K k at which the goal counts as met; below `requested` if one gain serves two axes.
+  double target = 0.0;
+  double useful = 0.0;  ///< below it, and below the target, the design is infeasible
+  /// Fraction of the device's damping available to a spring-damper on this axis. One law acts along
+  /// a wrench [n; arm n], so force and torque use both dampings at once. A law that needs beta
+  /// requires
+  ///     beta (1/b + arm^2/br) <= 1
   double series_ratio = 1.0;
   double damping_force_ratio =
-      0.0;                   ///< of the law's force, that injected damping may add: stable also
-                             ///< with what is left of it (`residual_damping`); 0: not bounded
-  double noise_limit = 0.0;  ///< noise that the injected damping may make, as an effort
+      0.0;  ///< Ratio of the law's force that injected damping may add. The loop must also be
+            ///< stable with the remaining damping (`residual_damping`); 0: no bound.
+  double noise_limit = 0.0;  ///< largest noise of the injected damping, as an effort
 };
 
-/// Translation, and rotation where the device gives torque.
+/// Returns the problem of translation and, if the device gives torque, of rotation.
 ///
-/// Two certificates of one axis each are enough for six degrees of freedom, as far as rule P goes.
-/// Let the contact's wrench be the gradient of one energy whose stiffness K6 is symmetric, positive
-/// semidefinite, and K6 <= D = diag(kt I, kr I) in the order of symmetric matrices; let the device
+/// Under rule P, two certificates of one axis each are sufficient for six degrees of freedom. Let
+/// the contact's wrench be the gradient of one energy with a symmetric, positive semidefinite
+/// stiffness K6. In the order of symmetric matrices let K6 <= D = diag(kt I, kr I). Let the device
 /// dissipate at least b |v|^2 + br |omega|^2. In the coordinates y = D^(1/2) x the stiffness is at
-/// most the identity, so the wrench changes by no more than |y(t) - y(t - A)| over a delay A, and
-/// the argument that proves the rule for one axis bounds the energy that delay, hold and filter can
-/// create by
-///     lag * integral |y'|^2 dt = lag * integral (kt |v|^2 + kr |omega|^2) dt,
-/// with the rule's lag, the same for both since one filter serves both. The device covers it if lag
-/// kt <= b and lag kr <= br: rule P for each axis alone. Hence also one w0, d and gain: a wrench
-/// whose force and torque were filtered or scaled differently would be no gradient. K6 <= D is what
-/// the spec's two caps enforce at run time; without them only K6 <= 2 diag(|Ktt| I, |Krr| I) holds,
-/// and `coupled_stiffness` says so. Injected damping is dissipation, and may differ.
+/// most the identity. The wrench thus changes by at most |y(t) - y(t - A)| over a delay A. The
+/// proof of the rule for one axis then bounds the energy that delay, hold and filter can create by
 ///
-/// Rule H looks at each axis by itself as well, and there it is an approximation: a plant that
-/// moves along and about an axis at once is not among its cases.
+///     lag * integral |y'|^2 dt = lag * integral (kt |v|^2 + kr |omega|^2) dt
+///
+/// with the lag of the rule, which is common because one filter serves both. The device dissipates
+/// it if lag kt <= b and lag kr <= br: rule P for each axis alone. This requires one common w0, d
+/// and gain: a wrench whose force and torque are filtered or scaled differently is not a gradient.
+/// The two caps of the specification enforce K6 <= D at run time. Without them only K6 <= 2
+/// diag(|Ktt| I, |Krr| I) holds, which `coupled_stiffness` accounts for. Injected damping is
+/// dissipation and may differ between the axes.
+///
+/// Rule H also considers each axis alone, which is an approximation: a plant that moves along and
+/// about an axis at once is not among its cases.
 std::vector<AxisProblem> axis_problems(const DesignProblem& request);
 
-/// Contact's arm [m^2]: rotational over translational stiffness. What one scalar law does to a
-/// torque, in terms of a force.
+/// Squared arm of the contact [m^2]: rotational over translational stiffness. It relates the effect
+/// of one scalar law on a torque to that on a force.
 double arm_squared(const DesignProblem& request);
 
-/// The law that `spec` gives to the problem's axis, of unit gain, with its injected damping.
+/// The law of `spec` for the problem's axis, with unit gain and its injected damping.
 LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem,
                              double arm_squared_m2);
 
-/// Speed that steps of the encoder make of the velocity estimate, at most [m/s, rad/s].
+/// Largest speed error of the velocity estimate from encoder steps [m/s, rad/s].
 double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity);
 
-/// Largest error of the velocity estimate that positions off by up to q / 2 either way may make, in
-/// q / T: 1 - exp(-w_v T), which is also what a single step of the encoder makes; with a window
-/// `window_step_ratio`, of which a single step makes less.
+/// Largest error of the velocity estimate, in q / T, for position errors of up to q / 2. For the
+/// filter it is 1 - exp(-w_v T), which a single encoder step also causes. For a window it is
+/// `window_step_ratio`, of which a single step causes less.
 double step_ratio(double velocity_filter_rad_per_s, int velocity_window, double period_s);
-/// Largest injected damping on this velocity: half of what the inner loop bears in the worst case,
-/// and no more noise than allowed.
+/// Largest injected damping on this velocity: half of the critical damping of the inner loop in the
+/// worst case, and within the noise limit.
 double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity);
 /// The least critical damping over the cases.
 double critical_damping(const AxisProblem& problem, const VelocityEstimate& velocity);
 
-/// Where the worst case becomes unstable, exactly.
+/// The exact stability limit of the worst case.
 struct WorstCase {
   double stiffness = 0.0;  ///< K k
-  std::size_t index = 0;   ///< of the problem's cases
+  std::size_t index = 0;   ///< index in the problem's cases
 };
-/// Stops at the first case below `enough`: then the answer is an upper bound. For filter and
-/// direct.
+/// Stops at the first case below `enough`; the result is then an upper bound. For filter and direct
+/// coupling.
 WorstCase critical_case(const AxisProblem& problem, const LoopController& law, double enough = 0.0);
-/// Factor on a spring-damper's whole law (contact, c and r alike, so on its effort) at which the
+/// Factor on the whole law of a spring-damper (contact, c and r, hence its effort) at which the
 /// worst case becomes unstable.
 WorstCase critical_scale(const AxisProblem& problem, const LoopController& law,
                          double contact_stiffness);
 
 /// K k that is stable with every passive hand; for the spring-damper the factor on its law.
-/// Injected damping never helps here: late, it may push for part of a period, so its fraction of
-/// the device's damping is taken off.
+/// Injected damping is no help here: acting late, it may push for part of a period, so its ratio is
+/// subtracted from the device's damping.
 double passive_limit(const AxisProblem& problem, const LoopController& law);
 
-/// What the design may promise: the limit by rule P for a hand of which only passivity is known, by
-/// rule H otherwise, over the margin.
+/// The stiffness that the design may certify: the limit over the margin. The limit is that of rule
+/// P for a hand only known to be passive, otherwise that of rule H.
 double certified_stiffness(const AxisProblem& problem, const LoopController& law,
                            double enough = 0.0);
-/// The same for who knows `critical_case`.
+/// The same for an already computed `critical_case`.
 double certified_stiffness(const AxisProblem& problem, const LoopController& law,
                            const WorstCase& worst);
 
-/// Largest modulus over the cases at that contact stiffness; `law` has unit gain. Infinity where it
-/// could not be computed.
+/// Largest spectral radius over the cases at that contact stiffness; `law` has unit gain. Infinity
+/// if it could not be computed.
 double worst_radius(const AxisProblem& problem, const LoopController& law,
                     double contact_stiffness);
 
-/// Whole samples of delay, the effort's lag counted in, rounded up.
+/// Delay in whole samples, including the lag of the effort, rounded up.
 int whole_delay(const LoopTiming& timing, double effort_lag_s);
 
 }  // namespace voxtouch::coupling::design

@@ -83,8 +83,8 @@ std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& ti
   const bool alone = hand.any_passive || hand.may_release;
   const std::vector<Hand> held = hand.any_passive ? std::vector<Hand>{} : grips(hand);
   std::vector<DesignCase> cases;
-  // The slowest timing first: it is the worst nearly always, so that a search which stops at the
-  // first failure stops soon.
+  // The slowest timing comes first. It is usually the worst, so a search that stops at the first
+  // failure ends early.
   for (const bool slow : {true, false}) {
     const LoopTiming when = slow ? slowest(timing) : timing;
     for (const double inertia : inertias) {

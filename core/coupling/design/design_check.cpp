@@ -30,16 +30,16 @@ void refuse_first(std::string_view whose, const std::vector<std::string>& senten
     throw std::invalid_argument(fmt::format("Coupling design, {}: {}", whose, sentences.front()));
 }
 
-/// A stiffness that hands and devices have nothing to do with is a unit gone wrong, and the loop's
-/// search would not come to an end.
+/// A stiffness outside the range of hands and devices indicates a wrong unit, and the search over
+/// loops would not terminate.
 void quantity(std::string_view field, double value) {
   require(value >= kMinQuantity && value <= kMaxQuantity, field, value,
           fmt::format("from {} to {}", kMinQuantity, kMaxQuantity));
 }
 
-/// A matrix exponential has to be had of every case, and the search has to end: decay of the
-/// velocity and square of the resonance per period are far beyond any device here, and the delay
-/// counts with what jitter and lost samples add.
+/// Every case needs a matrix exponential, and the search must terminate. The limits on velocity
+/// decay and squared resonance per period far exceed those of real devices. The delay includes the
+/// effect of jitter and lost samples.
 void check_loop(std::string_view name, const AxisModel& axis, const LoopTiming& timing,
                 const HandRange& range) {
   constexpr double kFastest = 1e9;

@@ -17,8 +17,8 @@ void set_cap(CouplingSpec& spec, std::size_t axis, double cap) {
 
 void set_damping(CouplingSpec& spec, const AxisProblem& translation, const FilterChoice& choice) {
   spec.damping_force_ratio = translation.damping_force_ratio;
-  // A step of the encoder makes a pulse of damping. More of it than this, where the contact gives
-  // little, throws a device without friction from one wall of a slot to the other, again and again.
+  // An encoder step causes a pulse of damping. A larger pulse in a soft contact would throw a
+  // frictionless device repeatedly between the walls of a slot.
   spec.damper_free_n = kQuietForceN;
   spec.velocity_filter_hz = choice.velocity.filter_hz,
   spec.velocity_window = static_cast<std::uint32_t>(choice.velocity.window);
@@ -27,7 +27,8 @@ void set_damping(CouplingSpec& spec, const AxisProblem& translation, const Filte
     spec.injected_damping_nms_per_rad = choice.damping[1];
 }
 
-/// What each axis may show with the choice, at most its target; and the worst cases.
+/// The stiffness that each axis may display with the choice, at most its target, and the worst
+/// cases.
 std::vector<double> fitting(const std::vector<AxisProblem>& problems, const FilterChoice& choice,
                             std::vector<WorstCase>& worst) {
   std::vector<double> out;

@@ -13,12 +13,12 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-// What a laboratory can do: no delay is brought to nothing, no hand grips as firmly as it can all
-// the time, and a damper that goes onto a handle is no stronger than the hand that holds it.
+// Changes that a laboratory can make. No delay can be removed completely, no grip is firm all the
+// time, and a damper on a handle is no stronger than the hand that holds it.
 constexpr std::array kDelayRatios{0.75, 0.5, 0.25};
 constexpr std::array kGripRatios{0.25, 0.5};
 
-/// The goal, tried under another circumstance: all axes reach their targets with one of the laws.
+/// The goal under a changed circumstance: all axes reach their targets with one of the laws.
 struct RemedyCandidate {
   std::vector<std::vector<LoopController>> laws;  ///< [attempt][axis]
 
@@ -34,8 +34,8 @@ struct RemedyCandidate {
   }
 };
 
-/// Where stiffness is short, the design's own law is tried; where only the cut-off was raised or
-/// damping added, the goal's.
+/// If stiffness was reduced, the design's own law is tried; if only the cut-off was raised or
+/// damping added, the law of the goal.
 RemedyCandidate candidate_of(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                              const Design& design, bool short_of) {
   RemedyCandidate candidate;
@@ -74,7 +74,7 @@ class Remedies {
     damping();
     injection();
     if (design_.spec.kind !=
-        "spring_damper") {  // its certificate is another; its stiffness is its own
+        "spring_damper") {  // its certificate differs; its stiffness is its own
       delay();
       rate();
       cap();
@@ -98,8 +98,8 @@ class Remedies {
     return fmt::format("{:.3g} Hz needs no injected damping", request_.goals.cutoff_hz);
   }
 
-  /// Where no single change is enough. A softer contact would be shown whole too, and give the hand
-  /// nothing.
+  /// Used if no single change is sufficient. A softer contact would also be displayed in full, but
+  /// is of no use to the operator.
   void last_resort() {
     if (!short_of_ && design_.spec.kind == "shaping_filter")
       out_.push_back(

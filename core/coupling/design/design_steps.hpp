@@ -1,53 +1,51 @@
 #pragma once
-/// The steps of the designer, each in a source of its own: what can be designed for at all, one
-/// proposal for each kind of coupling (certified and shrunk, if need be, by the designer), and what
-/// a person reads of the result. For this folder's own functions.
+/// The steps of the designer, each in a source file of its own: validation, one proposal for each
+/// kind of coupling, and the texts about the result. The designer certifies a proposal and, if
+/// needed, reduces it. Internal to this folder.
 #include "core/coupling/design/filter_search.hpp"
 
 namespace voxtouch::coupling::design {
 
-/// Throws std::invalid_argument with the first sentence about what is wrong with device, hands,
-/// contact or goals.
+/// Throws std::invalid_argument with the first error in device, hands, contact or goals.
 void refuse_impossible(const DesignProblem& request);
 
 struct Proposal {
   CouplingSpec spec;
   DesignStatus status = DesignStatus::kInfeasible;
-  std::vector<WorstCase> worst;  ///< `critical_case` of each axis; none of a spring-damper
+  std::vector<WorstCase> worst;  ///< `critical_case` of each axis; empty for a spring-damper
 };
 
-/// The filter of the search; gain and caps by what holds: gain kappa / all_points, or with a free
-/// cap gain 1 as long as one point alone fits, and the cap at kappa. Without a free cap the caps
-/// stand at what the contact promises: they do not act on force alone, but keep force and torque
-/// together below both (see `axis_problems`).
+/// Proposes the filter found by the search. The gain is kappa / all_points. With a free cap it is 1
+/// as long as a single point fits, and the cap is kappa. Without a free cap, the caps are the
+/// contact's own bounds. They do not act on force alone, but keep force and torque together below
+/// both (see `axis_problems`).
 Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                         CandidateCache& cache);
 
-/// No filter: the contact as it is, with a cap where one is free. It has no gain: without a cap
-/// that is free, all or nothing.
+/// Proposes no filter: the unchanged contact, with a cap if it is free. There is no gain, so
+/// without a free cap the contact is displayed in full or not at all.
 Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                         CandidateCache& cache);
 
-/// The stiffer of two pairs (c, r): the discrete Llewellyn optimum, good for any passive hand and
-/// world; and, where the range of hands is known, the stiffest that holds on all its cases for a
-/// contact of any stiffness. What is shown stays below the device's limit. As requested where the
-/// series shows nine tenths of the target.
+/// Proposes the stiffer of two pairs (c, r). One is the discrete Llewellyn optimum, valid for any
+/// passive hand and environment. The other, if the range of hands is known, is the stiffest that is
+/// stable in all its cases for a contact of any stiffness. The displayed stiffness stays below the
+/// device's limit. The status is "as requested" if the series displays nine tenths of the target.
 Proposal propose_spring_damper(const DesignProblem& request,
                                const std::vector<AxisProblem>& problems, CandidateCache& cache);
 
-/// `spec` with all that it shows times `factor`.
+/// `spec` with its displayed stiffness times `factor`.
 CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor);
 
-/// What limits, one sentence each.
+/// The limiting factors, one sentence each.
 std::vector<std::string> reasons_of(const DesignProblem& request,
                                     const std::vector<AxisProblem>& problems, const Design& design);
 
-/// What the floors of the damping ratio cost, and how to have it back; empty where they cost
-/// nothing.
+/// What the minimum damping ratios cost and how to avoid it; empty if they cost nothing.
 std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& design);
 
-/// What would give the goal as it is: device damping, a shorter delay, a cap, a grip. Each was
-/// tried by the same certificates, with everything else unchanged. Empty where the goal is met.
+/// Changes that would meet the goal: device damping, a shorter delay, a cap, a grip. Each was
+/// verified by the same certificates with everything else unchanged. Empty if the goal is met.
 std::vector<std::string> remedies_of(const DesignProblem& request,
                                      const std::vector<AxisProblem>& problems,
                                      const Design& design);

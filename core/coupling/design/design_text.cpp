@@ -19,7 +19,7 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
         "{:.3g}, requested {:.4g} {}.",
         p.units->name, d.critical_stiffness, p.units->stiffness, d.gain_margin,
         d.displayed_stiffness, p.requested, p.units->stiffness);
-  if (d.gain_margin > 1.01 * p.margin)  // another bound than stability
+  if (d.gain_margin > 1.01 * p.margin)  // a limit other than stability
     return fmt::format(
         "{}: limited by the minimum damping ratio; displayed {:.3g}, requested {:.4g} {}; {} "
         "becomes unstable at {:.3g}.",
@@ -32,7 +32,7 @@ std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
       d.displayed_stiffness, p.requested, p.units->stiffness);
 }
 
-/// What is injected; and what the bound on it costs, with all else as it is.
+/// The injected damping, and the cost of its bound with everything else unchanged.
 std::string damping_reason(const DesignProblem& request, const AxisProblem& p, const Design& design,
                            const AxisDesign& d) {
   std::string out = fmt::format(
@@ -53,7 +53,7 @@ std::string damping_reason(const DesignProblem& request, const AxisProblem& p, c
   return out;
 }
 
-/// What the goal's cut-off allows without injected damping, and what was chosen instead.
+/// What the requested cut-off allows without injected damping, and what was chosen instead.
 std::string cutoff_reason(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                           const Design& design) {
   std::string reached;

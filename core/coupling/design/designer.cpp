@@ -19,28 +19,29 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-/// What the last verification may take off, little by little, before the design counts as not
-/// holding.
+/// Reductions that the final verification may apply, step by step, until the design counts as
+/// failed.
 constexpr std::array kBackoffFactors{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 0.8, 0.65, 0.5};
-/// Another kind has to show that much more than the filter, which smooths what the contact does:
-/// the search takes for as good what shows nine tenths.
+/// Another kind must display this much more than the filter, which smooths the steps of the
+/// contact. The search accepts nine tenths of the best as equal.
 constexpr double kObjectiveWithoutFilter = 1.1;
-/// Floors that take such a fraction of what is shown without them are what limits, and are reported
-/// first; less is reported after what limits with and without them.
+/// If the minimum damping ratios cost at least this fraction of the displayed stiffness, they are
+/// reported first as the limit. Otherwise they are reported after the other limits.
 constexpr double kLimitingFloor = 0.1;
-/// A bound on injected damping has to leave this of what is shown without it: the default ratio, or
-/// one that was asked for; and a larger one, which is taken for the stiffness that it gives back.
+/// Ratio of displayed stiffness that a bound on injected damping must keep compared with no bound.
+/// The first applies to the default or a requested ratio, the second to a larger ratio, which is
+/// chosen for the stiffness that it regains.
 constexpr double kObjectiveOfBound = 2.0 / 3.0, kObjectiveOfLargerRatio = 0.9;
 
-/// A coupling that was judged. What a person reads of it is worked out for the one that is taken
-/// alone: see `finalize`.
+/// An evaluated coupling. The texts about it are only made for the coupling that is chosen; see
+/// `finalize`.
 struct Evaluation {
   Design design;
   std::vector<std::string> faults;
-  std::vector<std::string> behind;  ///< what stands after the reasons
+  std::vector<std::string> behind;  ///< texts after the reasons
 };
 
-/// Certificates and what follows from them; status and sentences are the caller's.
+/// Computes certificates and derived values; the caller sets status and texts.
 Evaluation evaluated(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                      const CouplingSpec& spec, const std::vector<WorstCase>& worst = {}) {
   Evaluation out;
@@ -55,7 +56,7 @@ Evaluation evaluated(const DesignProblem& request, const std::vector<AxisProblem
   return out;
 }
 
-/// What holds of the spec whether it is certified or not.
+/// Computes the values of the specification that do not depend on its certification.
 void describe_spec(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                    Design& design) {
   const std::vector<DisplayedStiffness> displayed =
@@ -77,11 +78,11 @@ bool too_soft(const std::vector<AxisProblem>& problems, const Design& design) {
   return false;
 }
 
-/// Step 5.
+/// Step 5: certifies the proposal, reduced if needed.
 Evaluation certified(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                      const Proposal& proposal) {
   Evaluation result;
-  // Filter and direct keep the floors as they were proposed, axis by axis.
+  // Filter and direct coupling meet the minimum damping ratios as proposed, axis by axis.
   const bool series = proposal.spec.kind == "spring_damper";
   const CouplingSpec spec =
       series ? shrunk(request, proposal.spec, damped_fraction(request, problems, proposal.spec))
@@ -98,8 +99,7 @@ Evaluation certified(const DesignProblem& request, const std::vector<AxisProblem
   return result;
 }
 
-/// Step 6: the design that is taken, with what follows from it. `problems`: those that it was made
-/// for.
+/// Step 6: completes the chosen design. `problems`: those that it was made for.
 Design finalize(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                 Evaluation result) {
   Design& design = result.design;
@@ -112,7 +112,7 @@ Design finalize(const DesignProblem& request, const std::vector<AxisProblem>& pr
   return std::move(design);
 }
 
-/// Displayed over requested, of the axis that is worse off; 0 for what does not hold.
+/// Displayed over requested stiffness of the worse axis; 0 for an infeasible design.
 double objective(const std::vector<AxisProblem>& problems, const Design& design) {
   if (design.status == DesignStatus::kInfeasible)
     return 0.0;
@@ -122,7 +122,7 @@ double objective(const std::vector<AxisProblem>& problems, const Design& design)
   return least;
 }
 
-/// As `objective`, if the proposal were certified as it is: no more comes of it.
+/// Upper bound of `objective` for the proposal, as if it were certified unchanged.
 double upper_bound(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                    const Proposal& proposal) {
   const std::vector<DisplayedStiffness> displayed =
@@ -171,15 +171,15 @@ Evaluation designed(const DesignProblem& request, const std::vector<AxisProblem>
   return best_of_all(request, problems, cache);
 }
 
-/// A design with the floors of the goals, as far as they can be kept.
+/// A design with the minimum damping ratios of the goals, as far as they can be met.
 struct Damped {
   Evaluation evaluated;
   std::vector<AxisProblem> problems;       ///< that it was made for
-  std::array<double, 2> without_floors{};  ///< shown by each axis
+  std::array<double, 2> without_floors{};  ///< displayed by each axis
   enum class Floors { kNotAsked, kKept, kTakeAll } floors = Floors::kNotAsked;
 };
 
-/// `floored`: `problems` with their floors.
+/// `floored`: `problems` with their minimum damping ratios.
 Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& problems,
               const std::vector<AxisProblem>& floored, CandidateCache& cache) {
   const DampingFloors &floors = request.goals.floors, &of_rotation = request.goals.rotation_floors;
@@ -197,8 +197,8 @@ Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& prob
   return {std::move(again), floored, displayed, Damped::Floors::kKept};
 }
 
-/// What is displayed of the requested stiffness with the ratio that was taken, with the default one
-/// and without a bound, each over all.
+/// Ratios of displayed to requested stiffness with the chosen damping ratio, with the default one
+/// and without a bound.
 std::string ratio_sentence(double fraction, double standard, double first, double last,
                            double none) {
   return fmt::format(
@@ -285,8 +285,8 @@ Design design_coupling(const DesignProblem& asked) {
       given ? std::span(&*given, 1) : std::span<const double>(kDampingForceRatios);
   std::optional<Damped> unbounded;
   double none = 1.0, first = 0.0,
-         last = 0.0;  // displayed over requested, without a bound (no more than all), and with the
-                      // first and the last ratio that was tried
+         last = 0.0;  // displayed over requested stiffness without a bound (at most 1), and with
+                      // the first and the last tried ratio
   for (const double fraction : fractions) {
     Damped bounded = with_ratio(fraction);
     last = objective(problems, bounded.evaluated.design);

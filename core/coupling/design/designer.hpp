@@ -1,6 +1,6 @@
 #pragma once
-/// The virtual coupling that fits a device, a hand and a contact, with margins; or what it would
-/// take.
+/// Designs the virtual coupling for a device, a hand and a contact, with margins, or reports what
+/// it would need.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -14,39 +14,40 @@
 
 namespace voxtouch::coupling::design {
 
-/// Ratios of the contact's force that injected damping may add, in the order in which they are
-/// tried, each two to four times the one before: a larger one is a touch that begins harder. With
-/// the last one a touch behind a filter still takes four milliseconds to be as hard as without a
-/// bound.
+/// Ratios of the contact force that injected damping may add, in the order of trial; each is two to
+/// four times the previous. A larger ratio makes a touch begin harder. With the last ratio, a touch
+/// behind a filter still takes four milliseconds to become as hard as without a bound.
 inline constexpr std::array kDampingForceRatios{kDefaultDampingForceRatio, 0.7, 2.0, 6.0, 24.0};
 
-/// What is requested; the designer gives up as little of it as it can.
+/// The requested properties of a design. The designer reduces them as little as possible.
 ///
-/// `auto` takes the shaping filter if it meets the request, and else of all kinds that hold the one
-/// that shows most; another than the filter, which smooths the steps of voxels that are crossed,
-/// has to show a tenth more.
+/// `auto` selects the shaping filter if it meets the request, otherwise the kind with the largest
+/// displayed stiffness. A kind other than the filter must display a tenth more, because only the
+/// filter smooths the steps between voxels.
 struct DesignGoals {
   std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
-  double cutoff_hz = 5.0;     ///< w0 / (2 pi), the paper's
+  double cutoff_hz = 5.0;     ///< w0 / (2 pi), as in the paper
   double max_cutoff_hz = 200.0;
   double gain_margin = 2.0;                   ///< >= 1
-  double useful_stiffness_n_per_m = 50.0;     ///< below it the result is called infeasible
-  double useful_stiffness_nm_per_rad = 0.05;  ///< likewise for rotation
-  double max_injected_damping_effort = 0.0;   ///< noise of the injected damping at the hand [N]; 0:
-                                              ///< 0.05 N or 0.5 % of the device's force, the larger
+  double useful_stiffness_n_per_m = 50.0;     ///< below it the result is infeasible
+  double useful_stiffness_nm_per_rad = 0.05;  ///< the same for rotation
+  /// Noise of the injected damping at the hand [N]; 0: the larger of 0.05 N and 0.5 % of the
+  /// device's force.
+  double max_injected_damping_effort = 0.0;
   double force_layer_depth_m =
-      0.0;  ///< depth over which the contact's force grows; for the approach speed. 0: not asked
-  DampingFloors floors;  ///< of translation; they go before stiffness, down to the useful least
+      0.0;  ///< depth over which the contact force rises, for the approach speed; 0: not computed
+  /// Of translation; stiffness is reduced for them, down to the useful minimum.
+  DampingFloors floors;
   DampingFloors rotation_floors{
-      0.0, 0.0};  ///< standard: none, since the damping that they ask for is displayed as a torque
+      0.0, 0.0};  ///< default: none, since the damping for it is displayed as a torque
   bool allow_injected_damping = true;
-  bool velocity_windows = true;  ///< injected damping may act on the velocity of a window too
+  bool velocity_windows = true;  ///< injected damping may also act on the velocity of a window
   std::optional<double>
-      damping_force_ratio;  ///< of the spec that is designed; >= 0. None: the first of
-                            ///< kDampingForceRatios if it leaves two thirds of what is shown
-                            ///< without a bound, else the least that leaves nine tenths, else 0
+      damping_force_ratio;  ///< Of the designed specification, >= 0. Unset: the smallest candidate
+                            ///< of kDampingForceRatios that keeps at least 2/3 (first) or 9/10
+                            ///< (others) of the unbounded stiffness; 0 if none does.
   bool free_cap =
-      false;  ///< the designer may cap the contact's total stiffness instead of scaling all of it
+      false;  ///< the designer may cap the total contact stiffness instead of scaling all of it
 };
 
 struct DesignProblem {
@@ -68,88 +69,87 @@ enum class DesignStatus : std::uint8_t {
 /// "as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced", "infeasible".
 std::string_view name_of(DesignStatus status) noexcept;
 
-/// One kind of motion, translation or rotation, of a finished design.
+/// Design of one kind of motion, translation or rotation.
 struct AxisDesign {
-  double injected_damping = 0.0;      ///< while in contact
-  VelocityEstimate velocity{0.0, 0};  ///< that it acts on; 0 Hz: none
+  double injected_damping = 0.0;      ///< during contact
+  VelocityEstimate velocity{0.0, 0};  ///< estimate that it acts on; 0 Hz: none
   double requested_stiffness = 0.0;   ///< min(contact's total, the device's limit)
-  double displayed_stiffness = 0.0;   ///< K k that is certified with the margin; <= requested
+  double displayed_stiffness = 0.0;   ///< K k certified with the margin; <= requested
   double critical_stiffness = 0.0;    ///< K k at which the worst case becomes unstable
-  double gain_margin = 0.0;           ///< critical / shown
-  LoopPlant worst_case;               ///< where that is
-  std::string worst_case_text;        ///< "released, 0.2 kg", for a person
+  double gain_margin = 0.0;           ///< critical / displayed
+  LoopPlant worst_case;               ///< case of the critical stiffness
+  std::string worst_case_text;        ///< "released, 0.2 kg", for messages
   /// Rule P holds (spring-damper: the discrete Llewellyn condition): stable with any passive hand,
-  /// not only with the range given.
+  /// not only with the given range.
   bool passive = false;
-  double passive_stiffness = 0.0;  ///< K k that rule P would allow
-  double spectral_radius = 0.0;    ///< at margin * shown, over all cases; < 1
+  double passive_stiffness = 0.0;  ///< K k allowed by rule P
+  double spectral_radius = 0.0;    ///< at margin * displayed, over all cases; < 1
   double limit_cycle_bound =
-      0.0;  ///< peak to peak of what quantisation may leave [m] or [rad]; 0: friction removes it
+      0.0;  ///< peak-to-peak limit cycle from quantisation [m] or [rad]; 0: friction removes it
   double damping_required =
-      0.0;  ///< device damping with which the goal would be passive as it is, margin included
-  double damping_required_any_cutoff = 0.0;  ///< the same with the highest cut-off that may be
+      0.0;  ///< device damping with which the goal would be passive, margin included
+  double damping_required_any_cutoff = 0.0;  ///< the same with the highest allowed cut-off
 };
 
-/// The least damping ratio of the slowest swing (`slowest_damping_ratio`) over the cases of a
+/// The smallest damping ratio of the dominant mode (`slowest_damping_ratio`) over the cases of a
 /// design, both kinds of motion and both timings.
 struct DominantMode {
-  double released = 1.0, held = 1.0;  ///< 1 where no case is of that kind
+  double released = 1.0, held = 1.0;  ///< 1 without cases of that kind
   std::string released_where,
-      held_where;  ///< "Translation: held (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for a person
+      held_where;  ///< "Translation: held (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for messages
 };
 
-/// What came of the goals' floors.
+/// Result for the minimum damping ratios of the goals.
 struct FloorsKept {
-  /// Of translation, as they are kept. 0: none was asked for, or what keeps them would show less
-  /// than is useful; the design is as it would be without.
+  /// Minimum of translation that the design meets. 0: none was requested, or meeting it would leave
+  /// less than the useful stiffness; the design then ignores it.
   double released = 0.0, held = 0.0;
   double cost_n_per_m = 0.0,
          cost_nm_per_rad =
-             0.0;  ///< of what is shown without them; below 0 where it is more with them
-  /// The worst case that swings with less in the softest useful contact, whatever is injected: no
-  /// coupling of that kind reaches its floor, which was left out for all hands, or for all released
-  /// devices. Empty: there is none.
+             0.0;  ///< Of the stiffness displayed without them; negative if it is larger with them.
+  /// The worst case that stays below its minimum in the softest useful contact with any injected
+  /// damping. No coupling of that kind reaches the minimum, so it is dropped for all hands, or for
+  /// all released devices. Empty if there is no such case.
   std::string out_of_reach;
 };
 
 /// A finished design.
 ///
-/// The spec's caps are what the certificates rest on: with a device that gives force and torque
-/// they keep the contact's stiffness, as a matrix, below both axes' certified values at once.
-/// Without a free cap they stand at the contact's own totals, which they then leave as they are for
-/// force alone.
+/// The certificates depend on the caps of the specification. For a device with force and torque,
+/// they keep the contact stiffness, as a matrix, below the certified values of both axes at once.
+/// Without a free cap they equal the contact's own totals, which leaves force alone unchanged.
 struct Design {
   DesignStatus status = DesignStatus::kInfeasible;
-  CouplingSpec spec;  ///< what to run: kind, cut-off, damping ratio, gain, cap, injected damping
+  /// Coupling to run: kind, cut-off, damping ratio, gain, cap, injected damping.
+  CouplingSpec spec;
   AxisDesign translation, rotation;  ///< rotation is all zero for a device without torque
   DominantMode swing;                ///< how it comes to rest
-  FloorsKept floors;                 ///< nothing, where the parameters were given
+  FloorsKept floors;                 ///< empty for given parameters
   double lag_s = 0.0;                ///< 2 d / w0
-  /// Fastest approach that stays within the force layer, stopped by one point alone; a hand that
-  /// goes on pushing takes force / (K k) of the depth beforehand. 0: not asked.
+  /// Fastest approach that stays within the force layer, stopped by a single point. A hand that
+  /// keeps pushing uses force / (K k) of the depth in addition. 0: not computed.
   double max_approach_m_per_s = 0.0;
-  std::vector<std::string> reasons;   ///< what limits, one sentence each
-  std::vector<std::string> remedies;  ///< what it would take to have the goal as it is: damping,
-                                      ///< delay, cap; empty if it is met
+  std::vector<std::string> reasons;  ///< limiting factors, one sentence each
+  /// Changes that would meet the goal: damping, delay, cap; empty if it is met.
+  std::vector<std::string> remedies;
 };
 
-/// "a filter of 100 Hz", "a window of 12 samples", for a person.
+/// For messages: "a filter of 100 Hz", "a window of 12 samples".
 std::string describe(const VelocityEstimate& velocity);
-/// "adds at most 0.35 of what contact and effects give, and 0.05 N", of the injected damping of
-/// `spec`, for a person. Empty where it is not bounded.
+/// Bound of the injected damping of `spec`, for messages: "adds at most 0.35 of what contact and
+/// effects give, and 0.05 N". Empty without a bound.
 std::string describe_bound(const CouplingSpec& spec);
-/// "acts on the velocity of a filter of 16 Hz within 5.4 mm/s, which may be the encoder's steps",
-/// likewise. Empty where it acts on no slow velocity.
+/// For messages: "acts on the velocity of a filter of 16 Hz within 5.4 mm/s, which may be the
+/// encoder's steps". Empty without a slow velocity.
 std::string describe_slow_velocity(const CouplingSpec& spec);
 
-/// Pure arithmetic, 0.04 to 0.25 s of processor time for the devices here, up to half a second with
-/// long delays; not for the loop. The same request gives bit-identical results. Throws
-/// std::invalid_argument with the first sentence of `check` for numbers that cannot be designed
-/// for.
+/// Designs a coupling. Takes 0.04 to 0.25 s of processor time for the shipped devices and up to
+/// half a second with long delays; not for the loop. Equal requests give bit-identical results.
+/// Throws std::invalid_argument with the first sentence of `check` for invalid numbers.
 Design design_coupling(const DesignProblem& request);
 
-/// The design's judgement of parameters that were given: same certificates, nothing
-/// changed. `status` is kAsRequested where they hold and kInfeasible where not; `reasons` says why.
+/// Evaluates given parameters with the same certificates, without changing them. `status` is
+/// kAsRequested if they hold and kInfeasible otherwise; `reasons` explains it.
 Design judge_coupling(const DesignProblem& request, const CouplingSpec& spec);
 
 }  // namespace voxtouch::coupling::design

@@ -16,26 +16,27 @@ namespace {
 
 using Law = LoopController::Law;
 constexpr std::array kFactors{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 40.0};
-constexpr std::size_t kUnused = 1;   ///< of these, where nothing is injected: the spec's default
-constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of what is allowed
-/// The table is good to about a percent: what lies that little below the target is still worth an
-/// exact look.
+/// Of these, without injected damping: the default of the specification.
+constexpr std::size_t kUnused = 1;
+constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of the allowed damping
+/// The table is accurate to about one percent, so a value slightly below the target is verified
+/// exactly.
 constexpr double kTableDoubt = 0.985;
-/// Of all whose stiffness is within a tenth of the best, the gentlest is taken.
+/// Of all candidates within a tenth of the best stiffness, the gentlest is chosen.
 constexpr double kAsGood = 0.9;
 constexpr std::size_t kMaxConfirmations = 24;
 
 struct Axis {
   const AxisProblem* problem;
-  FilterTable* table;  ///< none where rule P decides
+  FilterTable* table;  ///< null if rule P decides
   std::optional<FilterTable>
-      swings;  ///< of the cases with a floor of the damping ratio; none where there is no such case
+      swings;  ///< of the cases with a minimum damping ratio; empty without such cases
   std::array<double, kVelocityEstimates.size()> most_damping{};
-  /// Where a floor is broken though the contact hardly acts: a hand that swings too long by itself
-  /// needs some damping, and much is late. Empty: not yet looked at.
+  /// Whether a minimum damping ratio is missed although the contact is negligible: an underdamped
+  /// hand needs some damping, and too much damping acts late. Empty: not yet computed.
   std::array<std::array<std::optional<bool>, kLevels>, kVelocityEstimates.size()> broken{};
-  double reference_damping = 0.0;  ///< the most over the velocity estimates
-  std::size_t longest_swing = 0;   ///< case that broke its floor last
+  double reference_damping = 0.0;  ///< maximum over the velocity estimates
+  std::size_t longest_swing = 0;   ///< the last case that missed its minimum
 
   double damping(std::size_t velocity, std::size_t level) const {
     return most_damping[velocity] * static_cast<double>(level) / (kLevels - 1);
@@ -45,7 +46,7 @@ struct Axis {
   }
 };
 
-/// A point of the search, with what it costs.
+/// A point of the search and its cost.
 struct Candidate {
   std::size_t shape = 0, velocity = 1;
   std::vector<std::size_t> levels;
@@ -96,8 +97,8 @@ class Search {
            std::ranges::any_of(axes_, [](const Axis& a) { return a.table != nullptr; });
   }
 
-  /// Stiffness over target, by the table or by rule P; where it is below `enough`, some number
-  /// below.
+  /// Stiffness over target, by the table or by rule P. If it is below `enough`, the result is some
+  /// smaller number.
   double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level,
                double enough) const {
     const AxisProblem& problem = *axis.problem;
@@ -116,7 +117,7 @@ class Search {
                         problem.target);
   }
 
-  /// Exactly, by the rule that counts.
+  /// Verifies the candidate exactly by the governing rule.
   bool confirmed(const Candidate& candidate) const {
     for (std::size_t a = 0; a < axes_.size(); ++a) {
       const AxisProblem& problem = *axes_[a].problem;
@@ -183,17 +184,15 @@ class Search {
     return *broken;
   }
 
-  /// All ratios of all points that the next steps may look at; [shape][velocity
-  /// estimate][axis][level].
+  /// All ratios of all points that the next steps may use; [shape][velocity estimate][axis][level].
   void tabulate() {
     ratios_.assign(shapes_.size(), {});
     best_ = 0.0;
     for (std::size_t s = shapes_.size();
-         s-- >
-         0;) {  // the highest cut-off first, so that most of the others are seen to fall short soon
+         s-- > 0;) {  // the highest cut-off first, so that most others are rejected early
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
-        const double enough = kAsGood * std::min(best_, 1.0);  // no step takes anything below
+        const double enough = kAsGood * std::min(best_, 1.0);  // no step uses a smaller ratio
         double joint = kInfinity;
         for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
@@ -209,8 +208,9 @@ class Search {
     }
   }
 
-  /// What the axis shows there, and all above `least` of it; 0 where a floor is broken though the
-  /// contact hardly acts. That is slow to find out, so only what may count is asked.
+  /// Displayed stiffness of the axis there, above `least`. 0 if a minimum damping ratio is missed
+  /// although the contact is negligible; that is slow to compute, so only relevant points are
+  /// checked.
   bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level,
              double least) {
     return ratios_[shape][velocity][axis][level] >= least &&
@@ -222,7 +222,7 @@ class Search {
                ? 0.0
                : ratios_[candidate.shape][candidate.velocity][axis][level];
   }
-  /// The most that the axes show together; 0 where it is not above `least`.
+  /// The largest common ratio of the axes; 0 if it does not exceed `least`.
   double joint_above(double least, std::size_t shape, std::size_t velocity) {
     double joint = kInfinity;
     for (const Levels& levels : ratios_[shape][velocity])
@@ -240,7 +240,7 @@ class Search {
   }
 
   /// The gentlest point of each shape and velocity estimate at which every axis reaches `least` of
-  /// its target, and what `no_less` shows of it; gentlest first.
+  /// its target, and the ratio of `no_less`; the gentlest first.
   std::vector<Candidate> reaching(double least, bool windows = true,
                                   const Candidate* no_less = nullptr) {
     std::vector<Candidate> out;
@@ -281,7 +281,8 @@ class Search {
     return std::nullopt;
   }
 
-  /// What is as good as the best, of all velocity estimates or of the filters' alone.
+  /// The ratio that counts as equal to the best, over all velocity estimates or those of filters
+  /// only.
   double as_good(bool windows) {
     double best = 0.0;
     for (std::size_t s = 0; s < shapes_.size(); ++s)
@@ -291,7 +292,8 @@ class Search {
     return kAsGood * std::min(best, 1.0);
   }
 
-  /// Step 4. No axis shows less on a window than with the filter that would be taken without it.
+  /// Step 4. With a window, no axis displays less than with the filter that would be chosen without
+  /// windows.
   FilterChoice stiffest() {
     const Candidate filter = reaching(as_good(false), false).front();
     for (const double least : {as_good(true), 0.0})
@@ -357,7 +359,7 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
     const double cutoff = request.goals.cutoff_hz * factor;
     const double angle_per_sample =
         2.0 * std::numbers::pi * cutoff * request.device.timing.period_s;
-    // The goal itself is tried as it is; `check` refuses what no filter can do.
+    // The goal itself is tried unchanged; `check` refuses a cut-off that no filter can have.
     if (factor > 1.0 && (angle_per_sample > kWarnCutoffRad || cutoff > request.goals.max_cutoff_hz))
       break;
     for (const double ratio : ratios)

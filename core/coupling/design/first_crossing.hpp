@@ -1,6 +1,6 @@
 #pragma once
-/// The least gain at which 1 + gain L(z) = 0 has a root on the unit circle. For this folder's own
-/// functions.
+/// The smallest gain at which 1 + gain L(z) = 0 has a root on the unit circle. Internal to this
+/// folder.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,36 +12,36 @@
 
 namespace voxtouch::coupling::design {
 
-/// Where L crosses the negative real axis furthest out.
+/// The outermost crossing of L with the negative real axis.
 struct Crossing {
-  double gain =
-      std::numeric_limits<double>::infinity();  ///< -1/L there; infinity: it never crosses
-  double angle = 0.0;                           ///< [rad per sample]
+  double gain = std::numeric_limits<double>::infinity();  ///< -1/L there; infinity: no crossing
+  double angle = 0.0;                                     ///< [rad per sample]
 };
 
-/// L and, where it is a sum, the summand that may have narrow resonances: under a large smooth
-/// summand, pole and zero of a resonance lie so close together that a step over both looks like
-/// none, while the summand itself turns by pi.
+/// L and, if it is a sum, the summand that may have narrow resonances. Under a large smooth
+/// summand, pole and zero of a resonance are so close that a step over both would miss it. The
+/// summand itself turns by pi.
 struct LoopSample {
   Complex value, summand;
 };
 
-/// Walks up the upper half of the unit circle in steps that grow with the angle, are short against
-/// the turns of the delay, and are halved wherever L or its summand turns or grows fast; every step
-/// that crosses the negative real axis is narrowed down to rounding. Where L comes near the axis
-/// and turns back it is looked whether it has been across in between: such a loop is unstable for a
-/// band of gains only. A response is a function of a Phasor that gives a LoopSample.
+/// Searches the upper half of the unit circle for crossings.
+/// The steps grow with the angle and are short relative to the turns of the delay. They are halved
+/// wherever L or its summand turns or grows fast. Each step that crosses the negative real axis is
+/// narrowed down to rounding. If L approaches the axis and turns back, the search checks for a
+/// double crossing in between: such a loop is unstable for a band of gains only. A response is a
+/// function of a Phasor that returns a LoopSample.
 class CrossingSearch {
  public:
   /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its
-  /// inverse no factor has turned L by more than a fiftieth [rad], and the walk begins there.
+  /// inverse no factor has turned L by more than a fiftieth [rad], so the search begins there.
   /// `whole_delay`: samples of delay.
   CrossingSearch(double slow_periods, int whole_delay) noexcept
       : start_(0.02 / slow_periods),
         longest_step_(0.5 / (whole_delay + 3)) {}
 
-  /// A point that no step may leap over: the top of a resonance, where L turns by pi within a width
-  /// of no limit, so that two of them within one step would look like none. At most kMaxStops.
+  /// Adds an angle that no step may skip: the peak of a resonance, where L turns by pi within an
+  /// arbitrarily small width. Two of them within one step would cancel. At most kMaxStops.
   void stop_at(double angle) noexcept {
     if (stops_count_ < kMaxStops)
       stops_[stops_count_++] = angle;
@@ -61,7 +61,7 @@ class CrossingSearch {
       look_between(response, from, to, kMaxHalvings);
       from = to;
     }
-    // At z = -1 everything is real: the loop may begin to swing from sample to sample.
+    // At z = -1 all values are real: the loop may begin to alternate from sample to sample.
     const double last = response(Phasor(std::numbers::pi)).value.real();
     if (last < 0.0)
       offer(-1.0 / last, std::numbers::pi);
@@ -78,10 +78,10 @@ class CrossingSearch {
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
   static constexpr double kTurnCosine2 =
-      0.6;                                 ///< L may turn by 0.68 rad in a step that is not halved
-  static constexpr double kSwell = 100.0;  ///< and |L|^2 change by this factor
+      0.6;                                 ///< largest turn of L [rad] in a step that is not halved
+  static constexpr double kSwell = 100.0;  ///< largest factor of |L|^2 in such a step
   static constexpr double kHopeless =
-      0.01;  ///< a step whose |L|^2 is this small a fraction of the best crossing's is passed
+      0.01;  ///< a step with |L|^2 below this fraction of the best crossing's is skipped
 
   template <class Response>
   static Point at(const Response& response, double angle) {
@@ -122,8 +122,8 @@ class CrossingSearch {
   /// Tangent of the angle to the negative real axis.
   static double slope(const Point& p) noexcept { return p.value.imag() / p.value.real(); }
 
-  /// Of three points in a row the middle one is nearest to the axis, all on one side: goes towards
-  /// the axis between them, until it is reached or the bracket is short.
+  /// Of three consecutive points on one side of the axis, the middle one is nearest to it.
+  /// Approaches the axis between them until it is reached or the bracket is short.
   template <class Response>
   void look_for_a_touch(const Response& response, const Point& left, const Point& middle,
                         const Point& right) {
@@ -138,8 +138,8 @@ class CrossingSearch {
       const Point c = at(response, upper ? m.angle + 0.4 * (b.angle - m.angle)
                                          : m.angle - 0.4 * (m.angle - a.angle));
       if (on_both_sides(c, m)) {
-        narrow(response, upper ? m : a, c);  // across, and
-        narrow(response, c, upper ? b : m);  // back
+        narrow(response, upper ? m : a, c);  // crossing
+        narrow(response, c, upper ? b : m);  // return
         return;
       }
       if (away(c) < away(m)) {
@@ -151,8 +151,8 @@ class CrossingSearch {
     }
   }
 
-  /// Offers where Im L/Re L is zero, if it is: by the Illinois rule, secants that never leave the
-  /// bracket.
+  /// Offers the root of Im L/Re L, if there is one, by the Illinois rule: secants that never leave
+  /// the bracket.
   template <class Response>
   void narrow(const Response& response, Point a, Point b) {
     if (!on_both_sides(a, b))
@@ -181,7 +181,7 @@ class CrossingSearch {
   double start_, longest_step_;
   std::array<double, kMaxStops> stops_{};  ///< 0: none
   int stops_count_ = 0;
-  Point before_{};  ///< the last step's first point
+  Point before_{};  ///< first point of the last step
   Crossing best_;
 };
 

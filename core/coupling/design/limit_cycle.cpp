@@ -13,9 +13,9 @@ namespace voxtouch::coupling::design {
 namespace {
 
 using Law = LoopController::Law;
-constexpr int kSpan = 4096;  ///< samples looked at together
+constexpr int kSpan = 4096;  ///< samples per span
 constexpr int kMaxSpans = 6;
-constexpr double kRest = 1e-6;  ///< a span that adds less than this fraction ends the sum
+constexpr double kRest = 1e-6;  ///< the sum ends at a span that adds less than this fraction
 
 /// The law and the injected damping, sample by sample.
 class Steps {
@@ -62,14 +62,14 @@ class Steps {
   std::array<double, window_span(kMaxVelocityWindow)> differences_{};
 };
 
-/// Sum of |x[n]| after an error of the first position sample and an effort in addition to the first
+/// Sum of |x[n]| after an error of the first position sample and an effort added to the first
 /// command.
 double gain_of(const LoopPlant& p, const LoopController& law, double contact_stiffness,
                double position_error, double effort) {
   const SampledPlant plant = sample_plant(p);
   Steps steps(law, contact_stiffness, p.period_s);
   const std::size_t places = static_cast<std::size_t>(plant.whole_delay) + 2;
-  std::vector<double> commands(places, 0.0);  // ring of the last ones
+  std::vector<double> commands(places, 0.0);  // ring buffer of the last commands
   Eigen::Vector3d state = Eigen::Vector3d::Zero();
   double sum = 0.0, before = 0.0;
   std::size_t now = 0;
@@ -88,7 +88,7 @@ double gain_of(const LoopPlant& p, const LoopController& law, double contact_sti
     sum += part;
     if (part <= kRest * sum)
       return sum;
-    // What is left decays from span to span by the same ratio.
+    // The remainder decays from span to span by the same ratio.
     if (span + 1 == kMaxSpans && part < before)
       return sum + part * part / (before - part);
     before = part;

@@ -10,7 +10,7 @@ namespace {
 
 using Law = LoopController::Law;
 
-/// Numerator and denominator of the parts, each up to the factor z - 1 that is named.
+/// Numerator and denominator of the parts, each up to the named factor z - 1.
 class Fraction {
  public:
   Fraction(const LoopPlant& p, const LoopController& c)
@@ -34,7 +34,7 @@ class Fraction {
     CircleValue n = plant_.effort_unit * (arc.times(slower, x) + e(0, 1) * v);
     if (plant_.whole_delay > 0)
       n = arc.times(n, arc.delay(plant_.whole_delay));
-    // Without a hand's spring e00 = e10 = 0, and z - 1 is a factor of the plant's denominator.
+    // Without the hand's spring e00 = e10 = 0, and z - 1 is a factor of the plant's denominator.
     CircleValue d = arc.times(
         plain, integrates_ ? slower
                            : shifted(arc.times(shifted(q, -e(0, 0)), slower), -e(0, 1) * e(1, 0)));
@@ -46,7 +46,7 @@ class Fraction {
  private:
   static CircleValue shifted(const CircleValue& a, double k) { return {a.even + k, a.odd}; }
 
-  /// What a command does to one state.
+  /// Effect of a command on one state.
   CircleValue late(const Arc& arc, int row) const {
     if (plant_.older[row] == 0.0)
       return arc.constant(plant_.newer[row]);

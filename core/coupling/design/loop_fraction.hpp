@@ -1,11 +1,14 @@
 #pragma once
 /// The loop of sampled_loop.hpp as a fraction of two polynomials in z, over an arc of the unit
-/// circle with a proven bound.
+/// circle with a proven bound. Internal to this folder.
 ///
-/// On the circle, z = e^{j angle} and s = 2 sin(angle/2), a function with real coefficients is even
-/// + j s odd, where `even` and `odd` are even in the angle and smooth at 0. Kept as this pair,
-/// nothing cancels near z = 1, where a slow loop has all its poles: z - 1 is the pair (-s^2/2,
-/// cos(angle/2)). For this folder's own functions.
+/// On the circle, with z = e^{j angle} and s = 2 sin(angle/2), a function with real coefficients
+/// has the form
+///
+///     even + j s odd
+///
+/// with `even` and `odd` even in the angle and smooth at 0. This pair avoids cancellation near z =
+/// 1, where a slow loop has all its poles: z - 1 is the pair (-s^2/2, cos(angle/2)).
 #include <complex>
 #include <functional>
 
@@ -33,7 +36,7 @@ class Arc {
   const CircleValue& z_less_one() const noexcept { return z_less_one_; }
 
   CircleValue constant(double k) const noexcept { return {{k, 0.0, 0.0}, {}}; }
-  /// z^-k for a whole k of any sign.
+  /// z^-k for an integer k of any sign.
   CircleValue delay(int k) const noexcept;
   TaylorModel times(const TaylorModel& a, const TaylorModel& b) const noexcept {
     return product(a, b, half_);
@@ -41,7 +44,7 @@ class Arc {
   CircleValue times(const CircleValue& a, const CircleValue& b) const noexcept;
   /// The square of the modulus.
   TaylorModel norm(const CircleValue& a) const noexcept;
-  /// The value in the middle.
+  /// The value at the middle angle.
   std::complex<double> at_middle(const CircleValue& a) const noexcept {
     return {a.even.value, s_.value * a.odd.value};
   }
@@ -62,8 +65,8 @@ inline CircleValue operator*(double k, const CircleValue& a) noexcept {
   return {k * a.even, k * a.odd};
 }
 
-/// L = numerator / denominator, or numerator / ((z - 1) denominator) where the loop integrates:
-/// where the device is released.
+/// L = numerator / denominator. If the loop integrates, because the device is released, L =
+/// numerator / ((z - 1) denominator).
 struct LoopFraction {
   CircleValue numerator, denominator;
   bool integrates = false;

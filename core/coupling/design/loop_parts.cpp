@@ -16,8 +16,8 @@ const std::string kOrZeroText = fmt::format("from 0 to {}", kMaxQuantity);
 const std::string kZeroOrText = "0, or " + kRangeText;
 const std::string kNoLimitText = fmt::format("{} or above, infinity for no limit", kMinQuantity);
 
-/// Collects sentences about fields whose names begin with `prefix`. A comparison with NaN is false,
-/// so NaN keeps no rule.
+/// Collects sentences about fields whose names begin with `prefix`. Comparisons with NaN are false,
+/// so NaN satisfies no rule.
 class Findings {
  public:
   Findings(std::string prefix, std::vector<std::string>& out)
@@ -27,7 +27,7 @@ class Findings {
   void positive(std::string_view field, double value) {
     rule(value >= kMinQuantity && value <= kMaxQuantity, field, value, kRangeText);
   }
-  /// For times, which are differences of others: rounding may leave next to nothing of them.
+  /// For times that are differences of others: rounding may leave a tiny remainder.
   void not_negative(std::string_view field, double value) {
     rule(value >= 0.0 && value <= kMaxQuantity, field, value, kOrZeroText);
   }

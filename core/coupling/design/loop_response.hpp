@@ -1,10 +1,9 @@
 #pragma once
-/// The parts of the sampled loop on the unit circle, from their factors. For this folder's own
-/// functions.
+/// The parts of the sampled loop on the unit circle, from their factors. Internal to this folder.
 ///
-/// All that is small near z = 1 (z - 1, the plant's step less one, 1 - a) is computed as such and
-/// never as a difference of numbers near 1: a device that moves at 1 rad/s under a 4 kHz loop loses
-/// no digit.
+/// Quantities that are small near z = 1 (z - 1, the plant's step less one, 1 - a) are computed
+/// directly, without differences of numbers near 1. A device that moves at 1 rad/s under a 4 kHz
+/// loop loses no digit.
 #include <array>
 #include <cmath>
 #include <complex>
@@ -17,13 +16,14 @@ namespace voxtouch::coupling::design {
 
 using Complex = std::complex<double>;
 
-/// a/b for numbers whose squares are in range; the library's operator pays for those whose are not.
+/// a/b for numbers whose squares are in range; the operator of the library is slower, because it
+/// handles all numbers.
 inline Complex quotient(const Complex& a, const Complex& b) noexcept {
   return a * std::conj(b) / std::norm(b);
 }
 
-/// z = e^{j angle} and what is needed of it; 0 < angle <= pi [rad per sample]. A complex angle is a
-/// z that is not on the unit circle.
+/// z = e^{j angle} and derived values; 0 < angle <= pi [rad per sample]. A complex angle gives a z
+/// off the unit circle.
 template <class Angle>
 struct BasicPhasor {
   explicit BasicPhasor(Angle angle_rad) noexcept
@@ -38,8 +38,8 @@ struct BasicPhasor {
   Complex z_inverse, z_less_one;
 };
 using Phasor = BasicPhasor<double>;
-/// z = e^{s T} on the line of one damping ratio: s T = angle (j - ratio / sqrt(1 - ratio^2)), 0 <=
-/// ratio < 1.
+/// z = e^{s T} on the line of one damping ratio, 0 <= ratio < 1:
+///     s T = angle (j - ratio / sqrt(1 - ratio^2))
 struct DecayingPhasor : BasicPhasor<Complex> {
   DecayingPhasor(double angle_rad, double ratio) noexcept
       : BasicPhasor(Complex(angle_rad, angle_rad * ratio / std::sqrt(1.0 - ratio * ratio))) {}
@@ -62,8 +62,9 @@ Complex plant_response(const SampledPlant& plant, const BasicPhasor<Angle>& p) n
   return plant.effort_unit * one_sample * std::exp(Complex(0.0, -plant.whole_delay) * p.angle);
 }
 
-/// V(z) = (1 - a)(1 - z^-1)/(T (1 - a z^-1)), or (1 - z^-1)/T times the window's weights: the
-/// estimated velocity per position.
+/// The estimated velocity per position, for the filter
+///     V(z) = (1 - a)(1 - z^-1)/(T (1 - a z^-1))
+/// and for a window (1 - z^-1)/T times its weights.
 class VelocityResponse {
  public:
   VelocityResponse(double period_s, double filter_rad_per_s, int window = 0) noexcept
@@ -85,41 +86,45 @@ class VelocityResponse {
   int window_;
 };
 
-/// H(z) of the shaping filter for K = 1: g^2/(r^2 + 2 d g r + g^2) with r = (z - 1)/(z + 1) = j
-/// tan(angle/2).
+/// H(z) of the shaping filter for K = 1, with r = (z - 1)/(z + 1) = j tan(angle/2):
+///     g^2/(r^2 + 2 d g r + g^2)
 template <class Angle>
 Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>& p) noexcept {
   const Angle low = g * g * p.c * p.c;
   return quotient(low, low - p.s * p.s + Complex(0.0, 2.0 * damping_ratio * g) * p.s * p.c);
 }
 
-/// What is left of a damper's damping in a swing that leaves the contact, where it adds no more
-/// than the ratio s of the law's force and takes no more than all of it: of its fundamental the
-/// part that is ahead of the force, over what it would be without those bounds. `ratio`: the
-/// damper's response over the law's at the frequency of the swing, D = x + j y.
+/// Remaining ratio of a damper's effect in an oscillation that leaves the contact. The damper adds
+/// no more than the ratio s of the law's force and takes no more than all of it. The ratio compares
+/// the part of its fundamental that is ahead of the force with that of an unbounded damper.
+/// `ratio`: response of the damper over that of the law at the frequency of the oscillation, D = x
+/// + j y.
 ///
-/// Over the half of the period in which the law pushes, as cos p, the damper wants x cos p - y sin
-/// p and is held between -cos p and s cos p. Where it is held changes at tan p = (x - s)/y and (1 +
-/// x)/y; the integral of its product with -sin p over (pi/2) y is (atan((s - x)/y) + atan((1 +
-/// x)/y)) / pi. A describing function, not a proof; a smaller swing, which stays in contact, keeps
+/// The law pushes over half of the period, as cos p. There the unbounded damper gives x cos p - y
+/// sin p, which is clamped between -cos p and s cos p. The clamping changes at tan p = (x - s)/y
+/// and (1 + x)/y. The integral of the product with -sin p over (pi/2) y is
+///
+///     (atan((s - x)/y) + atan((1 + x)/y)) / pi
+///
+/// This is a describing function, not a proof. A smaller oscillation, which stays in contact, keeps
 /// more.
 inline double residual_damping(const Complex& ratio, double fraction) noexcept {
   if (!(ratio.imag() > 0.0))
-    return 1.0;  // too late to damp at all
+    return 1.0;  // too late to damp
   return (std::atan((fraction - ratio.real()) / ratio.imag()) +
           std::atan((1.0 + ratio.real()) / ratio.imag())) /
          std::numbers::pi;
 }
 
-/// Parts of a bounded damper, in addition to all of it, with which a loop has to be stable where no
-/// more than `up_to` of it is left.
+/// Partial dampings with which a loop must also be stable, if at most `up_to` of a bounded damper
+/// remains.
 struct DamperPart {
   double part, up_to;
 };
 inline constexpr std::array<DamperPart, 6> kDamperParts{
     {{0.9, 0.95}, {0.75, 0.825}, {0.5, 0.625}, {0.25, 0.375}, {0.1, 0.175}, {0.03, 0.065}}};
 
-/// L(z) of 1 + k L(z) = 0, the closed loop's equation.
+/// L(z) of 1 + k L(z) = 0, the equation of the closed loop.
 class LoopResponse {
  public:
   LoopResponse(const LoopPlant& p, const LoopController& c)
@@ -139,8 +144,7 @@ class LoopResponse {
       return g;
     return quotient(g, 1.0 + c_.injected_damping * g * velocity_(p));
   }
-  /// `residual_damping` of this loop's damper, before a contact of that stiffness; not for a
-  /// spring-damper.
+  /// `residual_damping` of this loop's damper for that contact stiffness; not for a spring-damper.
   double residual_damping(double contact_stiffness, double fraction,
                           const Phasor& p) const noexcept {
     const Complex shape = c_.law == LoopController::Law::kShapingFilter
@@ -150,7 +154,7 @@ class LoopResponse {
         quotient(c_.injected_damping * velocity_(p), c_.gain * contact_stiffness * shape),
         fraction);
   }
-  /// L from the damped plant's response.
+  /// L from the response of the damped plant.
   Complex of(const Complex& g, const Phasor& p) const noexcept {
     switch (c_.law) {
       case LoopController::Law::kShapingFilter:

@@ -10,7 +10,7 @@ namespace voxtouch::coupling::design {
 namespace {
 
 constexpr std::size_t kPoints = 320;
-/// Lowest frequency [rad/s]. Loops that become unstable below it have no stiffness worth a design.
+/// Lowest frequency [rad/s]. Loops that become unstable below it have no useful stiffness.
 constexpr double kLowest = 0.05;
 
 std::vector<DecayingPhasor> grid(double period_s, double damping_ratio) {
@@ -83,8 +83,8 @@ void LoopTable::use(const LoopLaw& law) {
   }
 }
 
-/// Im L, times a number above 0, is Im loop + B c with c = Im(loop conj(unit)), so it changes its
-/// sign at one B at most. Where rounding might decide about a sign, the step counts for every B.
+/// Im L, times a positive number, is Im loop + B c with c = Im(loop conj(unit)), so it changes sign
+/// at no more than one B. If rounding could decide a sign, the step counts for every B.
 std::vector<LoopTable::Crossing> LoopTable::crossings_of(const Response& loop,
                                                          const Response& unit) {
   constexpr double kNever = std::numeric_limits<double>::infinity(), kCancelled = 1e-9,
@@ -115,8 +115,8 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
   const bool damped = injected_damping > 0.0;
   const Response& unit = damped ? one.damped[velocity] : one.plant;
   const double b = damped ? injected_damping : 0.0;
-  // L = loop / (1 + B unit); its real and imaginary part, times |1 + B unit|^2 > 0, which spares
-  // the divisions.
+  // L = loop / (1 + B unit). Its real and imaginary parts are computed times |1 + B unit|^2 > 0,
+  // which avoids the divisions.
   const auto re = [&](std::size_t i) {
     return one.loop.re[i] * (1.0 + b * unit.re[i]) + one.loop.im[i] * b * unit.im[i];
   };
@@ -128,8 +128,8 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
     return x * x + y * y;
   };
   double lowest = std::numeric_limits<double>::infinity();
-  // Past -180 degrees at the lowest frequency already: unstable from the beginning, or from a
-  // stiffness below all interest.
+  // Beyond -180 degrees at the lowest frequency: unstable from the start, or from a negligible
+  // stiffness on.
   if (im(0) > 0.0 && re(0) < 0.0)
     return 0.0;
   const auto look = [&](std::size_t i) {

@@ -1,6 +1,6 @@
 #pragma once
 /// Frequency responses of all cases, tabulated once, so that thousands of couplings can be compared
-/// in some tens of milliseconds. Interpolated: good to about a percent. It proposes;
+/// in tens of milliseconds. Interpolated, accurate to about one percent. The table proposes;
 /// `critical_stiffness` certifies.
 #include <functional>
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace voxtouch::coupling::design {
 
-/// What a stiffness may not pass: the loop grows; or a swing of it, also one that is not the
-/// slowest, has less than the case's `least_damping_ratio` (cases without one are left out).
+/// Limit of a stiffness: the loop becomes unstable; or any of its oscillations falls below
+/// `least_damping_ratio` of the case (cases without a minimum are skipped).
 enum class LoopLimit { kStable, kDamped };
 
 class LoopTable {
@@ -21,17 +21,17 @@ class LoopTable {
   LoopTable(const std::vector<DesignCase>& cases, std::span<const VelocityEstimate> velocities,
             LoopLimit limit = LoopLimit::kStable);
 
-  /// The law for the following questions: effort for a unit of position, at a point of a loop with
+  /// Sets the law of the following calls: effort per unit of position, at a point of a loop with
   /// period [s].
   using LoopLaw = std::function<Complex(const DecayingPhasor& at, double period_s)>;
   void use(const LoopLaw& law);
 
-  /// Factor on the law at which the worst case passes the limit (for a law of unit stiffness: K k),
-  /// with injected damping B on the velocity of that index. Where a case lies below `enough`, the
-  /// rest is not looked at, and the answer is some number below; the case that fell short last is
-  /// looked at first. B has to keep the inner loop stable. `damping_force_ratio`: B adds no more
-  /// than that of the law's force, and the same is asked with the parts of B that may be left of it
-  /// (`residual_damping`), times `large_swing`; 0: not bounded. Infinity: no crossing.
+  /// Factor on the law at which the worst case reaches the limit (for a law of unit stiffness: K
+  /// k), with injected damping B on the velocity of that index. Infinity: no crossing.
+  /// If a case lies below `enough`, the search stops and returns some smaller number; the last
+  /// failing case is checked first. B must keep the inner loop stable. `damping_force_ratio`: B
+  /// adds no more than that ratio of the law's force, and the remaining parts of B
+  /// (`residual_damping`), times `large_swing`, are checked too; 0: no bound.
   double critical(std::size_t velocity, double injected_damping, double enough = 0.0,
                   double damping_force_ratio = 0.0, double large_swing = 1.0);
 
@@ -39,7 +39,7 @@ class LoopTable {
   struct Response {
     std::vector<double> re, im;
   };
-  /// Between the points before `end` and `end` the loop may cross the real axis while B is between
+  /// Between the point ahead of `end` and `end` the loop may cross the real axis if B is between
   /// `least` and `most`.
   struct Crossing {
     double least, most;
@@ -49,12 +49,12 @@ class LoopTable {
     std::size_t timing;
     Response plant, loop;
     std::vector<Response>
-        damped;  ///< plant times a unit of injected damping, for each velocity estimate
+        damped;  ///< plant times unit injected damping, for each velocity estimate
     std::vector<std::vector<Crossing>>
-        crossings;  ///< of each velocity estimate, in order; empty: not yet looked for
+        crossings;  ///< of each velocity estimate, in order; empty: not yet computed
   };
-  /// Of a damper of which no more than `up_to` has to be left for a crossing to count; and over
-  /// `large_swing` it has to be below `lowest`.
+  /// Bound of a damper. A crossing counts only if at most `up_to` of the damper remains, and over
+  /// `large_swing` it must be below `lowest`.
   struct Bound {
     double whole, fraction, up_to, large_swing, lowest;
   };
@@ -72,7 +72,7 @@ class LoopTable {
                           std::span<const VelocityEstimate> velocities);
   std::vector<Timing> timings_;
   std::vector<Case> cases_;
-  std::size_t first_ = 0;  ///< case that fell short last
+  std::size_t first_ = 0;  ///< the last failing case
 };
 
 }  // namespace voxtouch::coupling::design

@@ -17,7 +17,7 @@ using Complex = std::complex<double>;
 constexpr double kPi = std::numbers::pi;
 constexpr int kReach = Multiplier::kReach;
 
-/// Least M(1) of a multiplier that is looked for, whose weights and M(1) sum up to 1.
+/// Smallest M(1) of a searched multiplier, whose weights and M(1) sum to 1.
 constexpr double kLeastAtRest = 1e-7;
 
 /// 1 - e^{-j i angle}, without cancellation.
@@ -53,16 +53,17 @@ CircleValue over_arc(const Multiplier& m, const Arc& arc) {
   return sum;
 }
 
-/// Re{M (1/K + L)} - floor |M|, times the square of the modulus of L's denominator.
+/// Re{M (1/K + L)} - floor |M|, times the squared modulus of L's denominator.
 TaylorModel above_floor(const CircleValue& m, const ContactLoop& one, const Arc& arc) {
   const LoopFraction loop = one.loop(arc);
   const CircleValue conjugate{loop.denominator.even, -1.0 * loop.denominator.odd};
   const CircleValue turned = arc.times(arc.times(m, loop.numerator), conjugate);
-  // A denominator (z - 1) d: conj(z - 1) = -s (s/2 + j cos(a/2)), and s^2 is a factor of all terms,
-  // which goes.
+  // For a denominator (z - 1) d: conj(z - 1) = -s (s/2 + j cos(a/2)). The common factor s^2 of all
+  // terms is dropped.
   const TaylorModel of_loop =
       loop.integrates ? arc.times(arc.half_cosine(), turned.odd) - 0.5 * turned.even : turned.even;
-  // |M| <= (|M|^2/c + c)/2 for any c > 0; with equality in the middle for that of the middle.
+  // |M| <= (|M|^2/c + c)/2 for any c > 0, with equality for c = |M|; c is |M| at the middle of the
+  // arc.
   const double c = std::abs(arc.at_middle(m));
   const TaylorModel most = 0.5 / c * arc.norm(m) + 0.5 * c;
   return of_loop +
@@ -85,7 +86,7 @@ class Proof {
   }
 
  private:
-  /// Proves the loops `open` on one arc, and those that are not proven there on its halves.
+  /// Proves the loops `open` on one arc. Loops that are not proven there are tried on its halves.
   void divide(double middle, double half, const std::vector<std::size_t>& open) {
     constexpr double kShortest = 1e-7;
     const Arc arc(middle, half);
@@ -123,7 +124,7 @@ bool is_multiplier(const Multiplier& m) {
          std::ranges::all_of(m.future, allowed);
 }
 
-/// A point of a loop that the linear programme looks at.
+/// A point of a loop in the linear programme.
 struct Sample {
   double angle;
   Complex value;  ///< 1/K + L
@@ -135,8 +136,8 @@ Sample sample(const ContactLoop& one, double angle) {
   return {angle, one.compliance + value_in_the_middle(one.loop(point), point), one.floor};
 }
 
-/// Angles of the grid: equal ratios while these are the smaller steps, then equal steps. A coarse
-/// one is enough, since the proof adds the angles that it lacks.
+/// Angles of the grid: equal ratios while these give the smaller steps, then equal steps. A coarse
+/// grid is sufficient, since the proof adds missing angles.
 std::vector<double> grid() {
   constexpr double kLowest = 1e-6;
   constexpr double kRatio = 2.0;
@@ -150,10 +151,10 @@ std::vector<double> grid() {
 
 struct Candidate {
   Multiplier multiplier;
-  double floors = 0.0;  ///< how many floors the real part keeps on the samples
+  double floors = 0.0;  ///< number of floors that the real part keeps on the samples
 };
 
-/// The rows of a linear programme, all entries kept.
+/// The rows of a dense linear programme.
 template <std::size_t kColumns>
 class Rows {
  public:
@@ -167,8 +168,8 @@ class Rows {
     most_.push_back(most);
   }
 
-  /// The columns >= 0 that keep all rows with the largest value of column `aim`. None: no columns
-  /// do.
+  /// The columns >= 0 that satisfy all rows with the largest value of column `aim`; nothing if the
+  /// rows are infeasible.
   std::optional<std::array<double, kColumns>> maximise(std::size_t aim) const {
     const std::unique_ptr<Clp_Simplex, void (*)(Clp_Simplex*)> model(Clp_newModel(),
                                                                      Clp_deleteModel);
@@ -196,11 +197,11 @@ class Rows {
   std::vector<int> index_, start_{0};
 };
 
-/// Maximises t in Re{M (1/K + L)} >= t floor |M'| over the samples. M' is the multiplier before,
+/// Maximises t in Re{M (1/K + L)} >= t floor |M'| over the samples. M' is the previous multiplier,
 /// which makes the row linear.
 std::optional<Candidate> solve(const std::vector<Sample>& samples, const Multiplier& before) {
   constexpr std::size_t kWeights = 2 * kReach;  // past, then future
-  constexpr std::size_t kAtRest = kWeights;     // what M(1) is above its least
+  constexpr std::size_t kAtRest = kWeights;     // M(1) above its minimum
   constexpr std::size_t kFloors = kWeights + 1;
   Rows<kWeights + 2> rows;
   std::array<double, kWeights + 2> row{};
@@ -259,7 +260,7 @@ std::optional<Multiplier> find_multiplier(std::span<const ContactLoop> loops) {
     for (const ContactLoop& one : loops)
       samples.push_back(sample(one, angle));
   Candidate last;
-  last.multiplier.at_rest = 1e-3;  // and 1 - z^-1, which is what most loops need at low frequencies
+  last.multiplier.at_rest = 1e-3;  // starts from 1 - z^-1, which most loops need at low frequencies
   last.multiplier.past[0] = 1.0;
   for (int round = 0; round < kMostRounds; ++round) {
     const std::optional<Candidate> next = solve(samples, last.multiplier);

@@ -1,17 +1,21 @@
 #pragma once
-/// Multipliers that prove a loop stable with any contact whose force never falls with the
+/// Multipliers that prove a loop stable with any contact whose force never decreases with
 /// penetration.
 ///
-/// A contact force phi(x) that is monotone with slopes in [0, K] (any gap, softening, hardening,
-/// several walls) keeps the loop 1 + k L = 0 of sampled_loop.hpp stable if a multiplier
+/// Let a contact force phi(x) be monotone with slopes in [0, K] (any gap, softening, hardening,
+/// several walls). The loop 1 + k L = 0 of sampled_loop.hpp is stable with it if there is a
+/// multiplier
 ///
 ///     M(z) = 1 - sum h_i z^-i,   i = +-1 .. +-N,   h_i >= 0,   sum h_i < 1
 ///
-/// exists with Re{ M(e^{j w}) (1/K + L(e^{j w})) } > 0 for all w. Sources: Zames, Falb 1968;
-/// Willems, Brockett 1968 (discrete time); Carrasco, Heath, Zhang, Ahmad, Wang 2020 (search for
-/// finite sums); Jonsson, Megretski 2000 (L with a pole at z = 1).
+/// with
 ///
-/// Arithmetic for the time of designing: it allocates. The same input gives the same result.
+///     Re{ M(e^{j w}) (1/K + L(e^{j w})) } > 0   for all w.
+///
+/// Sources: Zames, Falb 1968; Willems, Brockett 1968 (discrete time); Carrasco, Heath, Zhang,
+/// Ahmad, Wang 2020 (search for finite sums); Jonsson, Megretski 2000 (L with a pole at z = 1).
+///
+/// For design time only: the functions allocate. Equal inputs give equal results.
 #include <array>
 #include <optional>
 #include <span>
@@ -21,7 +25,7 @@
 
 namespace voxtouch::coupling::design {
 
-/// M(z) = at_rest + sum weight_i (1 - z^-i): the M above times a positive number, h_i being
+/// M(z) = at_rest + sum weight_i (1 - z^-i): the M above times a positive number, with h_i equal to
 /// weight_i over the sum of all.
 struct Multiplier {
   static constexpr int kReach = 20;  ///< N
@@ -29,22 +33,23 @@ struct Multiplier {
   double at_rest = 1.0;      ///< M(1) > 0
   Weights past{}, future{};  ///< of i = 1 .. N and of i = -1 .. -N, >= 0
 };
-/// Of the h_i of i = 1 .. N and i = -1 .. -N. `prove` refuses it where they are not as above.
+/// Multiplier from the h_i of i = 1 .. N and i = -1 .. -N. `prove` refuses it if they violate the
+/// conditions above.
 Multiplier multiplier_of(const Multiplier::Weights& past,
                          const Multiplier::Weights& future) noexcept;
 
-/// A loop and the contact that it has to bear.
+/// A loop and the stiffest contact that it must be stable with.
 struct ContactLoop {
   LoopOverArc loop;
   double compliance = 0.0;  ///< 1/K >= 0; 0: a contact of any stiffness
-  double floor = 0.0;       ///< what Re{M (1/K + L)} / |M| has to stay above, > 0
+  double floor = 0.0;       ///< lower bound of Re{M (1/K + L)} / |M| to prove, > 0
 };
 
-/// Floor of a certificate as a ratio of 1/K. The proof holds as well for every loop whose L differs
+/// Floor of a certificate as a ratio of 1/K. The proof also holds for every loop whose L differs
 /// from the model's by less than this at all frequencies; rounding is a million times smaller.
 inline constexpr double kMultiplierFloor = 2e-4;
 
-/// Outcome of `prove`.
+/// Result of `prove`.
 struct MultiplierProof {
   struct Refuted {
     std::size_t loop;
@@ -53,17 +58,17 @@ struct MultiplierProof {
   bool is_multiplier = false;  ///< M(1) > 0 and no weight is negative
   std::vector<Refuted>
       refuted;   ///< loops for which the inequality is not proven, with one angle of each
-  int arcs = 0;  ///< that the circle was divided into
+  int arcs = 0;  ///< number of arcs of the circle
   bool holds() const noexcept { return is_multiplier && refuted.empty(); }
 };
 /// Whether M is a multiplier and the inequality holds with its floor on the whole unit circle,
-/// between all points: on each arc a Taylor model bounds the real part from below. An arc that is
-/// not proven is halved, until its middle refutes it or it is too short.
+/// including between grid points. On each arc a Taylor model bounds the real part from below. An
+/// arc without proof is halved until its middle refutes the inequality or the arc is too short.
 MultiplierProof prove(const Multiplier& multiplier, std::span<const ContactLoop> loops);
 
-/// One multiplier that serves all of the loops, proven. It comes from a linear programme over a
-/// grid of angles, to which the angles are added where the proof fails. None: there is none, or
-/// none was found in 12 rounds. It takes 1 to 20 ms for each loop.
+/// Finds one proven multiplier for all loops, or nothing after 12 rounds. A linear programme over a
+/// grid of angles proposes it, and the angles where the proof fails are added to the grid. Takes 1
+/// to 20 ms for each loop.
 std::optional<Multiplier> find_multiplier(std::span<const ContactLoop> loops);
 
 }  // namespace voxtouch::coupling::design

@@ -17,9 +17,9 @@ using Eigen::MatrixXd;
 using Row = Eigen::RowVectorXd;
 using Law = LoopController::Law;
 
-/// The loop's matrix, built row by row: every signal of this instant is a row vector over the
-/// states, every state's next value a sum of signals. States: [x, T v, (f)] | commands of the past
-/// | controller | velocity filter. Efforts are in m/T^2.
+/// The matrix of the loop, built row by row. Every present signal is a row vector over the states,
+/// and every next state is a sum of signals. States: [x, T v, (f)] | past commands | controller |
+/// velocity filter. Efforts are in m/T^2.
 class LoopMatrix {
  public:
   LoopMatrix(const LoopPlant& p, const LoopController& c, double contact_stiffness)
@@ -37,8 +37,8 @@ class LoopMatrix {
       command -=
           c.velocity_window > 0 ? window_damper(p, c, estimator_at) : damper(p, c, estimator_at);
     move(command);
-    // The estimator's state is the last difference of the position, not the last position: a
-    // position that only adds up then stands alone in the matrix (see without_integrators).
+    // The state of the estimator is the last difference of the position, not the last position. A
+    // purely integrating position is then isolated in the matrix (see without_integrators).
     if (damps)
       next_.row(difference_at) = next_.row(0) - state(0);
   }
@@ -47,7 +47,7 @@ class LoopMatrix {
  private:
   Row state(Index i) const { return Row::Unit(next_.cols(), i); }
 
-  /// The law's effort now; fills in the next values of its states.
+  /// Present effort of the law; fills in the next values of its states.
   Row law(const LoopPlant& p, const LoopController& c, double contact_stiffness, Index at) {
     const double k = contact_stiffness * plant_.effort_unit;
     if (c.law == Law::kDirect)
@@ -57,9 +57,9 @@ class LoopMatrix {
     return shaping_filter(p, c, c.gain * k * state(0), at);
   }
 
-  /// Trapezoid rule on y' = w0 v, v' = w0 (u - y - 2 d v), u already times K. What is kept is the
-  /// part of the new y and v that is known before the new input: z = (1 + g A) X + g B u, with
-  /// which X = (1 - g A)^-1 (z + g B u).
+  /// Trapezoid rule on y' = w0 v, v' = w0 (u - y - 2 d v), with u already times K. The state is the
+  /// part of the new y and v that is known ahead of the new input:
+  ///     z = (1 + g A) X + g B u,   X = (1 - g A)^-1 (z + g B u)
   Row shaping_filter(const LoopPlant& p, const LoopController& c, const Row& u, Index at) {
     const double g = 0.5 * c.w0_rad_per_s * p.period_s, d2g = 2.0 * c.damping_ratio * g;
     const double scale = 1.0 / (1.0 + d2g + g * g);
@@ -71,8 +71,8 @@ class LoopMatrix {
     return y;
   }
 
-  /// The object's displacement (k x + r/T last)/(k + c + r/T) is the state; the effort is k (x -
-  /// displacement), written so that a stiff contact does not cancel.
+  /// The displacement of the object, (k x + r/T last)/(k + c + r/T), is the state. The effort is k
+  /// (x - displacement), in a form without cancellation for a stiff contact.
   Row spring_damper(const LoopPlant& p, const LoopController& c, double k, Index at) {
     const double spring = c.stiffness * plant_.effort_unit,
                  damper = c.damping / p.period_s * plant_.effort_unit;
@@ -83,8 +83,8 @@ class LoopMatrix {
     return k / all * ((spring + damper) * state(0) - damper * state(at));
   }
 
-  /// Injected damping's effort now, from the position's last difference (state at + 1) and the last
-  /// velocity (state at).
+  /// Present effort of the injected damping, from the last difference of the position (state at +
+  /// 1) and the last velocity (state at).
   Row damper(const LoopPlant& p, const LoopController& c, Index at) {
     const double w = c.velocity_filter_rad_per_s;
     const double fresh = w > 0.0 ? -std::expm1(-w * p.period_s) : 1.0;
@@ -92,7 +92,7 @@ class LoopMatrix {
     return c.injected_damping / p.period_s * plant_.effort_unit * next_.row(at);
   }
 
-  /// The same of a window: its states are the last differences, the newest first.
+  /// The same for a window: its states are the last differences, the newest first.
   Row window_damper(const LoopPlant& p, const LoopController& c, Index at) {
     Row sum = Row::Zero(next_.cols());
     for (int ago = 0; ago < window_span(c.velocity_window); ++ago) {
@@ -125,8 +125,8 @@ class LoopMatrix {
   MatrixXd next_;
 };
 
-/// Takes off leading states that nothing depends on but they themselves, with weight 1; true if
-/// there were any.
+/// Removes leading states that depend only on themselves with weight 1 and that no other state
+/// depends on. Returns true if there were any.
 bool without_integrators(MatrixXd& a) {
   bool any = false;
   while (a.cols() > 0 && a.col(0) == MatrixXd::Identity(a.rows(), 1)) {
@@ -136,10 +136,11 @@ bool without_integrators(MatrixXd& a) {
   return any;
 }
 
-/// Scales the states by powers of two until rows and columns weigh alike (Parlett, Reinsch 1969):
-/// Eigen's solver does not, and a stiff contact or a slow filter sets the states far apart. Exact.
+/// Scales the states by powers of two until rows and columns have similar norms (Parlett, Reinsch
+/// 1969). Eigen's solver does not, and a stiff contact or a slow filter gives states of very
+/// different size. Exact.
 void balance(MatrixXd& a) {
-  constexpr int kMaxRounds = 100;  // a handful do
+  constexpr int kMaxRounds = 100;  // a handful suffices
   bool changed = true;
   for (int round = 0; changed && round < kMaxRounds; ++round) {
     changed = false;
@@ -158,8 +159,9 @@ void balance(MatrixXd& a) {
   }
 }
 
-/// The real solver gives up on about one loop in 50 000 (four states, two of them commands of the
-/// past); the complex one, three times slower, shifts otherwise and has been seen to solve them.
+/// The real solver does not converge for about one loop in 50 000 (four states, two of them past
+/// commands). The complex solver is three times slower, uses different shifts and has solved all of
+/// these.
 Eigen::VectorXcd eigenvalues_of(const MatrixXd& a) {
   const Eigen::EigenSolver<MatrixXd> real(a, false);
   if (real.info() == Eigen::Success)
@@ -170,7 +172,7 @@ Eigen::VectorXcd eigenvalues_of(const MatrixXd& a) {
   return complex.eigenvalues();
 }
 
-/// Eigenvalues of the closed loop without those of free integrators; `integrators` says whether
+/// Eigenvalues of the closed loop except those of free integrators; `integrators` returns whether
 /// there were any.
 Eigen::VectorXcd loop_eigenvalues(const LoopPlant& plant, const LoopController& controller,
                                   double contact_stiffness, bool& integrators) {

@@ -1,17 +1,21 @@
 #pragma once
-/// The linear sampled-data model of the loop, exact between the samples.
+/// The linear sampled-data model of the loop, exact at the samples.
 ///
-///   (m + m_h) x'' + (b + b_h) x' + k_h x = f            continuous
-///   f: zero-order hold of u[n] T, `delay_s` later (any fraction of T), then a first-order lag
-///   `effort_lag_s` u[n] = -(controller(k x)[n] + B v^[n]),   v^[n] = a v^[n-1] + (1 - a) (x[n] -
-///   x[n-1]) / T,   a = exp(-w_v T), 0 where w_v = 0;
-///     or, with a window, the sum of velocity_window.hpp
+/// Continuous part:
 ///
-/// Contact bilateral, nothing quantised. State-space by the matrix exponential.
+///     (m + m_h) x'' + (b + b_h) x' + k_h x = f
 ///
-/// All functions are pure arithmetic for the time of designing, and may allocate. Numbers are taken
-/// as `check` (loop_parts.hpp) and `validate` (coupling_spec.hpp) leave them: finite, of the right
-/// sign.
+/// f is the zero-order hold of u[n] over T, `delay_s` later (any fraction of T), then a first-order
+/// lag `effort_lag_s`. Discrete part:
+///
+///     u[n]  = -(controller(k x)[n] + B v^[n])
+///     v^[n] = a v^[n-1] + (1 - a) (x[n] - x[n-1]) / T,   a = exp(-w_v T), 0 if w_v = 0
+///
+/// With a window, v^ is the sum of velocity_window.hpp. The contact is bilateral and nothing is
+/// quantised. The state space follows from the matrix exponential.
+///
+/// For design time only: the functions may allocate. Numbers must satisfy `check` (loop_parts.hpp)
+/// and `validate` (coupling_spec.hpp): finite, with the right sign.
 #include <limits>
 #include <numbers>
 
@@ -20,7 +24,7 @@
 
 namespace voxtouch::coupling::design {
 
-/// A velocity that damping may act on.
+/// A velocity estimate that damping may act on.
 struct VelocityEstimate {
   double filter_hz = 100.0;  ///< of the first-order filter, > 0; without a window
   int window = 0;            ///< n of velocity_window.hpp; 0: the first-order filter
@@ -30,12 +34,12 @@ inline VelocityEstimate velocity_of(const CouplingSpec& spec) noexcept {
   return {spec.velocity_filter_hz, static_cast<int>(spec.velocity_window)};
 }
 
-/// What stands between contact and device, as a linear law.
+/// The linear law between contact and device.
 struct LoopController {
   enum class Law { kShapingFilter, kSpringDamper, kDirect };
   Law law = Law::kShapingFilter;
   double w0_rad_per_s = 0.0,
-         damping_ratio = 1.0;  ///< shaping filter: > 0 both; the filter of core/coupling/pt2.hpp
+         damping_ratio = 1.0;  ///< shaping filter: both > 0; the filter of core/coupling/pt2.hpp
   double gain = 1.0;           ///< shaping filter and direct; K, dimensionless, of any sign
   double stiffness = 0.0,
          damping = 0.0;           ///< spring-damper: c and r, massless object, backward difference
@@ -47,7 +51,7 @@ struct LoopController {
   }
 };
 
-/// One device in one hand with one timing. All >= 0; mass + hand_mass and period_s > 0.
+/// One device in one hand with one timing. All values >= 0; mass + hand_mass and period_s > 0.
 struct LoopPlant {
   double mass = 0.0, damping = 0.0;  ///< device
   double hand_mass = 0.0, hand_damping = 0.0, hand_stiffness = 0.0;
@@ -55,42 +59,48 @@ struct LoopPlant {
   bool operator==(const LoopPlant&) const = default;
 };
 
-/// Largest modulus of the closed loop's eigenvalues with contact stiffness `contact_stiffness`; < 1
-/// means stable. A loop that integrates freely (the device is released and no contact reaches it:
-/// k = 0 or K = 0) has modulus 1: its position stays where it is. That eigenvalue is taken out
-/// before the others are computed, as is that of an undamped free velocity: together they are a
-/// double root, which rounding would spread by 1e-8 to either side. With any k > 0 nothing is taken
-/// out. 10 to 100 us, the more the longer the delay. Throws std::invalid_argument where the numbers
-/// are too far apart for a matrix.
+/// Spectral radius of the closed loop with contact stiffness `contact_stiffness`; < 1 means stable.
+/// Takes 10 to 100 us, increasing with the delay. Throws std::invalid_argument if the numbers are
+/// too far apart for a matrix.
+/// A freely integrating loop (the device is released and no contact acts: k = 0 or K = 0) has
+/// modulus 1: its position stays constant. That eigenvalue is removed first, and so is that of an
+/// undamped free velocity. Together they would be a double root, which rounding would spread by
+/// 1e-8 to either side. With any k > 0 nothing is removed.
 double spectral_radius(const LoopPlant& plant, const LoopController& controller,
                        double contact_stiffness);
 
-/// Damping ratio -Re s / |s|, s = ln z / T, of the slowest motion that swings: of the closed loop's
-/// eigenvalues z that are not on the positive real axis the one of largest modulus. 1 where nothing
-/// swings, 0 where a swing stays, below 0 where it grows. Cost and errors as `spectral_radius`.
+/// Damping ratio of the dominant oscillating mode: of the eigenvalues z that are not on the
+/// positive real axis, the one of largest modulus.
+///     -Re s / |s|,   s = ln z / T
+/// Returns 1 if no mode oscillates, 0 for a constant oscillation and a negative ratio for a growing
+/// one. Cost and errors as `spectral_radius`.
 double slowest_damping_ratio(const LoopPlant& plant, const LoopController& controller,
                              double contact_stiffness);
 
-/// Where the loop becomes unstable.
+/// The stability limit of the loop.
 struct CriticalStiffness {
-  double stiffness = 0.0;  ///< stable for all 0 < k < stiffness; 0: unstable from the softest k on;
-                           ///< infinity: stable for all
+  /// Stable for all 0 < k < stiffness; 0: unstable for any k; infinity: stable for all.
+  double stiffness = 0.0;
   double frequency_rad_per_s =
-      0.0;  ///< of the oscillation that begins there; 0 where stiffness is 0 or infinite
+      0.0;  ///< of the oscillation at the limit; 0 if stiffness is 0 or infinite
 };
 
-/// Nyquist's criterion. For every law the closed loop is 1 + k L(z) = 0 with an L that does not
-/// depend on k: C(z) G'(z) behind a filter or nothing, 1/Z(z) + G'(z) for the spring-damper with Z
-/// = c + r (1 - z^-1)/T (from F = k x Z/(k + Z)), where G' = G/(1 + G B V) is the plant with its
-/// injected damping. The result is the least -1/L over the frequencies where L is real and
-/// negative. L comes from its factors, not from matrices of the loop; some microseconds. Injected
-/// damping at or above `critical_damping` gives 0.
+/// Critical stiffness by the Nyquist criterion. Takes some microseconds.
+/// For every law the closed loop is 1 + k L(z) = 0 with an L that does not depend on k:
+///
+///     filter or direct:  L = C(z) G'(z)
+///     spring-damper:     L = 1/Z(z) + G'(z),   Z = c + r (1 - z^-1)/T   (from F = k x Z/(k + Z))
+///     G' = G/(1 + G B V), the plant with its injected damping
+///
+/// The result is the least -1/L over the frequencies where L is real and negative. L is computed
+/// from its factors, not from matrices of the loop. Injected damping at or above `critical_damping`
+/// gives 0.
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& controller);
 
-/// Where the inner loop (injected damping alone, no contact) becomes unstable.
+/// The stability limit of the inner loop (injected damping alone, no contact).
 struct InnerLimit {
   double damping = std::numeric_limits<double>::infinity();  ///< stable for all 0 < B < damping
-  double angle = 0.0;  ///< of the oscillation that begins there [rad per sample]
+  double angle = 0.0;  ///< of the oscillation at the limit [rad per sample]
 };
 InnerLimit inner_limit(const LoopPlant& plant, double velocity_filter_rad_per_s,
                        int velocity_window = 0);
@@ -98,8 +108,8 @@ InnerLimit inner_limit(const LoopPlant& plant, double velocity_filter_rad_per_s,
 double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s,
                         int velocity_window = 0);
 
-/// `critical_stiffness` for who knows the plant's `inner_limit` on the controller's velocity, which
-/// is not looked at without injected damping.
+/// `critical_stiffness` with an already computed `inner_limit` of the plant on the controller's
+/// velocity. It is unused without injected damping.
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& controller,
                                      const InnerLimit& inner);
 

@@ -7,16 +7,17 @@ namespace {
 
 using Eigen::Matrix4d;
 
-/// A delay this close to whole periods [periods] is whole: a state less.
+/// A delay this close to whole periods [periods] is rounded, which saves a state.
 constexpr double kWholeDelay = 1e-9;
 
-/// A lag this short [periods] is none: the doublings of its exponential would not end.
+/// A shorter lag [periods] is ignored: the doublings of its exponential would not terminate.
 constexpr double kNoLag = 1e-9;
 
-/// exp(a) - 1, by Taylor on a small fraction of `a` and doubling, e(2 a) = 2 e(a) + e(a)^2. Columns
-/// of zero stay zero exactly.
+/// exp(a) - 1, by a Taylor series of a small fraction of `a` and doubling:
+///     e(2 a) = 2 e(a) + e(a)^2
+/// Zero columns stay exactly zero.
 Matrix4d exp_less_one(const Matrix4d& a) {
-  constexpr int kTerms = 14;  // 0.5^15 / 15! is below the rounding
+  constexpr int kTerms = 14;  // 0.5^15 / 15! is below rounding
   const double size = a.cwiseAbs().colwise().sum().maxCoeff();
   const int doublings = size > 0.5 ? static_cast<int>(std::ceil(std::log2(size / 0.5))) : 0;
   const Matrix4d fraction = std::ldexp(1.0, -doublings) * a;
@@ -54,7 +55,7 @@ SampledPlant sample_plant(double mass, double damping, double stiffness, double 
   const double delay = delay_s / period_s;
   out.whole_delay = static_cast<int>(std::floor(delay + kWholeDelay));
   double late =
-      delay - out.whole_delay;  // fraction of the period that still has the command before
+      delay - out.whole_delay;  // fraction of the period in which the previous command still acts
   if (late < kWholeDelay)
     late = 0.0;
   const Matrix4d last = exp_less_one((1.0 - late) * rate);

@@ -7,8 +7,8 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-/// What is tried [Hz], the slowest first; all below the slowest velocity that is certified in full,
-/// 50 Hz.
+/// Candidates [Hz], the slowest first; all below 50 Hz, the slowest velocity that is certified in
+/// full.
 constexpr std::array kSlowHz{8.0, 10.0, 12.5, 16.0, 20.0, 25.0, 32.0};
 
 }  // namespace

@@ -1,23 +1,23 @@
 #pragma once
-/// The slower velocity that small movements are damped on, so that less of the encoder's steps is
-/// displayed.
+/// A slow velocity estimate for small movements, which reduces the displayed encoder noise of the
+/// damping.
 #include "core/coupling/design/axis_verdict.hpp"
 
 namespace voxtouch::coupling::design {
 
-/// What translation keeps of the margin, and of the floors of its cases, while damping acts on the
-/// slow velocity of `spec` alone, as it does in movements that stay within the band: kLargeSwing,
-/// and all where the band is wider than the encoder's steps explain.
+/// Ratio of the margin and of the minimum damping ratios that translation must keep on the slow
+/// velocity of `spec` alone. Damping acts on it for movements within the band. It is kLargeSwing,
+/// or 1 if the band is wider than encoder quantisation explains.
 double slow_ratio(const AxisProblem& translation, const CouplingSpec& spec);
 
-/// Whether that holds for `displayed` in all cases; never for a spring-damper. True where `spec`
-/// damps on no slow velocity.
+/// Whether all cases keep that ratio at `displayed`; always false for a spring-damper. True if
+/// `spec` uses no slow velocity.
 bool holds_on_slow_velocity(const AxisProblem& translation, const CouplingSpec& spec,
                             const DisplayedStiffness& displayed);
 
-/// Gives `spec` the slowest velocity for which it holds, and the band of the encoder's steps, if
-/// what these make of injected damping may be perceived. Where none holds, or a step of the encoder
-/// is not perceived, `spec` stays as it is.
+/// Gives `spec` the slowest velocity that keeps the ratio, with the band of the encoder steps, if
+/// their effect on the injected damping is perceptible. If no velocity keeps it, or an encoder step
+/// is imperceptible, `spec` is unchanged.
 void choose_slow_velocity(const AxisProblem& translation, const DisplayedStiffness& displayed,
                           CouplingSpec& spec);
 

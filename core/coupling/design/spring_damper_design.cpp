@@ -14,13 +14,13 @@ namespace {
 /// r / c in periods.
 constexpr std::array kLeads{0.0, 0.25, 0.5, 0.75, 1.0,  1.5,  2.0, 3.0,
                             4.0, 6.0,  8.0, 12.0, 16.0, 24.0, 32.0};
-/// Contact over coupling stiffness at which the table is asked; in between, the exact check sees to
-/// it.
+/// Ratios of contact to coupling stiffness at which the table is evaluated; the exact check covers
+/// the values between them.
 constexpr std::array kContacts{kInfinity, 10.0, 3.0, 1.0, 0.3, 0.1};
 constexpr double kShrink = 0.97;
 constexpr int kMaxBackoffs = 24;
 
-/// The law of a unit of stiffness and `lead` of damping, before a contact of `contact` units.
+/// The law of unit stiffness and `lead` of damping, with a contact of `contact` units.
 Complex series_at(double lead_s, double contact, const DecayingPhasor& at, double period_s) {
   const Complex own = 1.0 + lead_s / period_s * at.z_less_one * at.z_inverse;
   return std::isinf(contact) ? own : contact * own / (contact + own);
@@ -30,7 +30,7 @@ bool passive_only(const std::vector<AxisProblem>& problems) {
   return std::ranges::any_of(problems, [](const AxisProblem& a) { return a.hand.any_passive; });
 }
 
-/// What one law of translation means to the axis, per unit.
+/// Effect of one law of translation on the axis, per unit.
 double arm_of(const DesignProblem& request, std::size_t axis) {
   return axis == 0 ? 1.0 : arm_squared(request);
 }
@@ -64,7 +64,7 @@ bool holds(const DesignProblem& request, const std::vector<AxisProblem>& problem
   return true;
 }
 
-/// The stiffest on the cases, by the table and then made sure of.
+/// The stiffest pair for the cases, by the table and then verified.
 SpringDamperPair ranged_pair(const DesignProblem& request,
                              const std::vector<AxisProblem>& problems) {
   std::vector<LoopTable> tables;
@@ -98,7 +98,7 @@ SpringDamperPair ranged_pair(const DesignProblem& request,
   return {};
 }
 
-/// c with which the contact's stiffest shows as much as the device can: c k / (c + k) at its limit.
+/// c with which the stiffest contact displays the device's limit c k / (c + k).
 double most_stiffness(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   double most = kInfinity;
   for (std::size_t a = 0; a < problems.size(); ++a) {

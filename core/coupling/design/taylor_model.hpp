@@ -1,10 +1,14 @@
 #pragma once
-/// Functions of one real variable over a short interval, with a proven bound of what is left out.
+/// Functions of one real variable over a short interval, with a proven remainder bound. Internal to
+/// this folder.
 ///
-/// A model holds f(m + x) = value + slope x + r(x) with |r(x)| <= rest for all |x| <= half, half
-/// being the same for all operands (Makino, Berz 2003: Taylor models, here of first order). Sums
-/// and products keep the bound; the rounding of double precision, some 1e-15 of the operands, is
-/// not in it. For this folder's own functions.
+/// A model holds
+///
+///     f(m + x) = value + slope x + r(x),   |r(x)| <= rest for all |x| <= half
+///
+/// with the same half for all operands (Makino, Berz 2003: Taylor models, here of first order).
+/// Sums and products keep the bound. It excludes the rounding of double precision, about 1e-15 of
+/// the operands.
 #include <cmath>
 
 namespace voxtouch::coupling::design {
@@ -36,7 +40,7 @@ inline TaylorModel product(const TaylorModel& a, const TaylorModel& b, double ha
           std::abs(a.slope * b.slope) * half * half + a.rest * (most_b + b.rest) + b.rest * most_a};
 }
 
-/// The least that the function can be over |x| <= half.
+/// Lower bound of the function over |x| <= half.
 inline double least(const TaylorModel& a, double half) noexcept {
   return a.value - std::abs(a.slope) * half - a.rest;
 }

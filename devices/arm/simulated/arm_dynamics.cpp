@@ -6,8 +6,8 @@ namespace voxtouch::arm_sim {
 namespace {
 
 /// Spatial inertia about the base's origin, in base axes: mass, first moment, rotational inertia.
-/// Those of bodies that move as one add up. (Featherstone's spatial notation; motions are [angular;
-/// velocity of the point at the base's origin].)
+/// Inertias of rigidly connected bodies add up. (Featherstone's spatial notation; motions are
+/// [angular; velocity of the point at the base's origin].)
 struct Inertia {
   double mass = 0.0;
   Vec3 moment = Vec3::Zero();
@@ -100,8 +100,7 @@ ArmDynamics::Terms ArmDynamics::at(const arm::Joints& q, const arm::Joints& rate
   terms.tool = Pose{frames[6].origin, Quat(frames[6].rotation)} * pose_FT_;
   const Vec3& tip = terms.tool.position;
 
-  // Outward: velocities, and the accelerations that they alone ask for (recursive Newton-Euler with
-  // q'' = 0).
+  // Outward: velocities and their accelerations (recursive Newton-Euler with q'' = 0).
   std::array<Spatial, 7> axes, forces;
   std::array<Inertia, 7> bodies;
   Spatial velocity, acceleration;
@@ -121,7 +120,7 @@ ArmDynamics::Terms ArmDynamics::at(const arm::Joints& q, const arm::Joints& rate
   }
   terms.twist = {velocity.linear + velocity.angular.cross(tip), velocity.angular};
 
-  // Inward: forces add up to c, weights to g, bodies to the composites of M.
+  // Inward: forces sum to c, weights to g, bodies to the composites of M.
   Spatial force;
   Inertia arm, composite;
   composite.add(load.mass_kg, tip, load.inertia_kg_m2 * Mat3::Identity());

@@ -1,6 +1,6 @@
 #pragma once
-/// Rigid-body dynamics of an arm of seven joints: M(q) q'' + c(q, q') + g(q) = torque. Arithmetic,
-/// real-time safe throughout.
+/// Rigid-body dynamics of an arm with seven joints: M(q) q'' + c(q, q') + g(q) = torque. All
+/// functions are real-time safe.
 #include <array>
 #include <cstdint>
 
@@ -21,12 +21,12 @@ struct Link {
   Mat3 axes = Mat3::Identity();       ///< of the principal inertia, in the link
 };
 
-/// What a joint turns about at q = 0, in the base.
+/// Axis of a joint at q = 0, in the base.
 enum class Axis : std::uint8_t { kZ, kMinusZ, kY, kMinusY };
 
 struct JointPlace {
-  Vec3 from_last_m = Vec3::Zero();  ///< from the joint before (the base's origin) to this one, in
-                                    ///< the frame of the link before
+  /// From the previous joint (the base's origin) to this one, in the frame of the previous link.
+  Vec3 from_last_m = Vec3::Zero();
   Axis axis = Axis::kZ;
 };
 
@@ -36,26 +36,26 @@ struct ArmBodies {
   arm::Joints rotor_kg_m2 = arm::Joints::Zero();  ///< added to the diagonal of M
 };
 
-/// What moves with the tool's origin and is not the arm's: a hand. It carries its own weight, so it
-/// adds to M and c, not to g.
+/// A load at the tool's origin that is not part of the arm: a hand. It supports its own weight, so
+/// it adds to M and c, not to g.
 struct TipLoad {
   double mass_kg = 0.0;
-  double inertia_kg_m2 = 0.0;  ///< the same about any axis
+  double inertia_kg_m2 = 0.0;  ///< equal about any axis
 };
 
 class ArmDynamics {
  public:
-  /// `bodies`: such as can be. `pose_FT`: the frame T in the last link, whose origin carries the
-  /// load.
+  /// `bodies`: physically consistent. `pose_FT`: the frame T in the last link, whose origin carries
+  /// the load.
   explicit ArmDynamics(const ArmBodies& bodies, const Pose& pose_FT = {}) noexcept
       : bodies_(bodies),
         pose_FT_(pose_FT) {}
 
-  /// All that one state gives.
+  /// All results for one state.
   struct Terms {
     JointMatrix mass;        ///< M(q), rotors and load included [kg m^2]
     arm::Joints coriolis;    ///< c(q, q') [Nm]
-    arm::Joints gravity;     ///< g(q): the torque that holds the arm still [Nm]
+    arm::Joints gravity;     ///< g(q): the torque that balances gravity [Nm]
     Pose tool;               ///< T in the base
     arm::Jacobian jacobian;  ///< of the tool's origin, base axes, linear first
     Twist twist;             ///< of the tool
@@ -63,13 +63,13 @@ class ArmDynamics {
   /// At the joints `q` [rad], `rate` [rad/s], with `load` at the tip. Real-time safe.
   Terms at(const arm::Joints& q, const arm::Joints& rate, const TipLoad& load = {}) const noexcept;
 
-  /// Where a link is: a point of it in the base is rotation * point + origin.
+  /// Pose of a link: a point of it in the base is rotation * point + origin.
   struct Frame {
     Mat3 rotation;
     Vec3 origin;  ///< on the joint's axis
     Vec3 axis;    ///< of the joint, in the base
   };
-  /// Where the links stand at the joints `q` [rad].
+  /// Poses of the links at the joints `q` [rad].
   std::array<Frame, 7> links(const arm::Joints& q) const noexcept;
 
   const ArmBodies& bodies() const noexcept { return bodies_; }

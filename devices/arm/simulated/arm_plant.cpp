@@ -58,12 +58,12 @@ arm::Joints ArmPlant::sticking_impulse(const JointMatrix& mass, const arm::Joint
   }
   if (low.isZero(0.0) && high.isZero(0.0))
     return arm::Joints::Zero();
-  const arm::Joints full = -(mass * rate);  // brings all joints to rest
+  const arm::Joints full = -(mass * rate);  // stops all joints
   if ((full.array() >= low.array()).all() && (full.array() <= high.array()).all())
     return full;
 
-  // Projected Gauss-Seidel on the joints' rates: each joint in turn takes what brings it to rest,
-  // as far as its bounds allow.
+  // Projected Gauss-Seidel on the joint rates: each joint in turn receives the impulse that stops
+  // it, within its bounds.
   const JointMatrix mobility = mass.llt().solve(JointMatrix::Identity());
   arm::Joints impulse = arm::Joints::Zero(), left = rate;
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -102,7 +102,7 @@ void ArmPlant::step(const arm::Joints& torque, Drives drives, const hand::HandAc
   if (!impulse.isZero(0.0)) {
     const arm::Joints change = start.mass.llt().solve(impulse);
     arm::Joints stuck = rate + change;
-    // Rounding is no motion: what friction holds stays exactly where it is.
+    // Removes rounding: a joint held by friction stays exactly in place.
     for (int i = 0; i < 7; ++i)
       if (std::abs(stuck[i]) < 1e-12 && std::abs(before[i]) < 1e-12)
         stuck[i] = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-/// The arm as mechanics: state, integration in time, dry friction, brakes, stops, and a hand at the
+/// Mechanics of the arm: state, time integration, dry friction, brakes, stops, and a hand at the
 /// tool.
 #include <limits>
 
@@ -8,34 +8,34 @@
 
 namespace voxtouch::arm_sim {
 
-/// What torque control leaves of the drives at the tool, and where the arm ends.
+/// Properties of the drives under torque control, and the joint limits.
 struct PlantParameters {
   ArmBodies bodies;
   Pose pose_FT;
   arm::Joints viscous_nms_per_rad = arm::Joints::Zero();
   arm::Joints coulomb_nm = arm::Joints::Zero();
-  arm::Joints brake_nm = arm::Joints::Zero();  ///< most that a closed brake holds
+  arm::Joints brake_nm = arm::Joints::Zero();  ///< largest holding torque of a closed brake
   arm::Joints torque_limit_nm = arm::Joints::Constant(
       std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
-  arm::Joints highest_rad = arm::Joints::Constant(
-      std::numeric_limits<double>::infinity());  ///< a stop that takes all speed
-  arm::Joints lowest_rad = -highest_rad;         ///< likewise
+  arm::Joints highest_rad =
+      arm::Joints::Constant(std::numeric_limits<double>::infinity());  ///< an inelastic stop
+  arm::Joints lowest_rad = -highest_rad;                               ///< an inelastic stop
 };
 
 enum class Drives {
-  kTorque,  ///< what is commanded, and gravity in addition
+  kTorque,  ///< the commanded torque plus gravity
   kBraked,  ///< no torque, brakes closed
 };
 
 class ArmPlant {
  public:
-  /// At rest at `q`.
+  /// Starts at rest at `q`.
   ArmPlant(const PlantParameters& parameters, const arm::Joints& q);
 
-  /// Moves on by `dt_s` with `torque` held (beyond gravity, which the drives carry exactly; the sum
-  /// is cut to the drives' limits). `hand`: over this step, in the base. Classical Runge-Kutta of
-  /// fourth order for all smooth forces; then dry friction, brakes and stops as impulses that take
-  /// speed and never give any: a joint under less than its friction stays exactly where it is.
+  /// Advances by `dt_s` with constant `torque`, in addition to gravity, which the drives compensate
+  /// exactly; the sum is limited to the drives. `hand`: over this step, in the base. Smooth forces
+  /// use the classical fourth-order Runge-Kutta method. Dry friction, brakes and stops follow as
+  /// impulses that only reduce speed: a joint loaded below its friction stays exactly in place.
   /// Real-time safe.
   void step(const arm::Joints& torque, Drives drives, const hand::HandAction& hand,
             double dt_s) noexcept;
@@ -43,12 +43,11 @@ class ArmPlant {
   const arm::Joints& q() const noexcept { return q_; }
   const arm::Joints& rate() const noexcept { return rate_; }
   void set_state(const arm::Joints& q, const arm::Joints& rate) noexcept { q_ = q, rate_ = rate; }
-  /// What sensors between drives and links measured in the last step: drives, friction and brakes
-  /// [Nm].
+  /// Torques measured between drives and links in the last step: drives, friction and brakes [Nm].
   const arm::Joints& sensed_torque() const noexcept { return sensed_; }
-  /// On the tool in the last step: the hand at its start.
+  /// Wrench of the hand on the tool at the start of the last step.
   const Wrench& hand_wrench() const noexcept { return hand_wrench_; }
-  /// A stop held a joint in the last step.
+  /// Whether a stop held a joint in the last step.
   bool at_stop() const noexcept { return at_stop_; }
   ArmDynamics::Terms terms(const TipLoad& load = {}) const noexcept {
     return dynamics_.at(q_, rate_, load);
@@ -67,8 +66,8 @@ class ArmPlant {
   Slope slope(const Step& step, const arm::Joints& q, const arm::Joints& rate,
               ArmDynamics::Terms& terms) const noexcept;
   arm::Joints drive_torque(const Step& step, const arm::Joints& gravity) const noexcept;
-  /// Friction, brakes and stops: the impulse at each joint, within its bounds, that brings the
-  /// step's end nearest to rest.
+  /// Friction, brakes and stops: the impulse at each joint, within its bounds, that minimises the
+  /// speed at the end of the step.
   arm::Joints sticking_impulse(const JointMatrix& mass, const arm::Joints& q,
                                const arm::Joints& rate, Drives drives, double dt_s) noexcept;
 

@@ -6,10 +6,10 @@
 namespace voxtouch::arm_sim {
 namespace {
 
-constexpr double kRegular = 1e-6;  // [1/kg] keeps Lambda finite where the arm is stretched
+constexpr double kRegular = 1e-6;  // [1/kg] keeps Lambda finite for a stretched arm
 
 /// Double diagonalisation: D = 2 L sqrt(L^-1 K L^-T) L^T with M = L L^T damps every mode of (M, K)
-/// critically; fractions of it enter by their roots from both sides, so that D stays positive
+/// critically. Fractions of it enter by their roots from both sides, so that D stays positive
 /// semidefinite (Albu-Schaeffer et al. on damping design).
 JointMatrix damping(const JointMatrix& mass, const arm::Joints& stiffness,
                     const arm::Joints& fraction) noexcept {

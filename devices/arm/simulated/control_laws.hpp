@@ -1,11 +1,11 @@
 #pragma once
-/// The controller's laws: from a set point and a state to joint torques beyond gravity. Real-time
-/// safe.
+/// Control laws of the controller: from a set point and a state to joint torques in addition to
+/// gravity. Real-time safe.
 #include "devices/arm/simulated/arm_dynamics.hpp"
 
 namespace voxtouch::arm_sim {
 
-/// What the arm shall do now.
+/// Present set point of the arm.
 struct Setpoint {
   arm::Joints position = arm::Joints::Zero();   ///< qFRI [rad]
   arm::Joints torque = arm::Joints::Zero();     ///< tauFRI [Nm]
@@ -13,10 +13,11 @@ struct Setpoint {
   arm::Joints damping = arm::Joints::Zero();    ///< fraction of critical
 };
 
-/// Assumed throughout: the real controller's inner gains are not published.
+/// All values are assumed: the inner gains of the real controller are not published.
 struct LawParameters {
   double position_bandwidth_rad_s = 100.0;  ///< of position control, critically damped
-  bool compensates_coriolis = true;  ///< f_dyn: the model's velocity terms are added to the torque
+  /// f_dyn: the velocity terms of the model are added to the torque.
+  bool compensates_coriolis = true;
   bool task_frame_is_tool = true;  ///< $STIFFNESS.TASKFRAME: the tool's axes; otherwise the base's
 };
 
@@ -32,8 +33,8 @@ inline Mat3 task_axes(const LawParameters& p, const ArmDynamics::Terms& terms) n
 /// The Jacobian with its rows along `axes`.
 arm::Jacobian in_axes(const Mat3& axes, const arm::Jacobian& jacobian) noexcept;
 
-/// Impedance of the joints without the overlaid torque: K (q_d - q) - D q'. Gains change slowly, so
-/// the damping matrix is made once a tick (`prepare`) and the torque at each step (`torque`).
+/// Joint impedance without the additional torque: K (q_d - q) - D q'. Gains change slowly, so the
+/// damping matrix is computed once per tick (`prepare`) and the torque at each step (`torque`).
 class Impedance {
  public:
   explicit Impedance(const LawParameters& parameters = {}) noexcept : parameters_(parameters) {}
@@ -50,8 +51,8 @@ class Impedance {
   JointMatrix damping_ = JointMatrix::Zero();
 };
 
-/// The force and torque at the tool that `torque` amounts to: Lambda J M^-1 torque (Khatib's
-/// dynamically consistent inverse).
+/// Force and torque at the tool equivalent to `torque`: Lambda J M^-1 torque (Khatib's dynamically
+/// consistent inverse).
 Wrench tool_wrench(const ArmDynamics::Terms& terms, const arm::Joints& torque) noexcept;
 
 }  // namespace voxtouch::arm_sim

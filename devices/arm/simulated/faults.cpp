@@ -16,7 +16,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct FaultRow {
   std::string_view name;
-  double usual, least, most;  ///< of the value
+  double usual, least, most;  ///< default and range of the value
   bool whole;
 };
 
@@ -53,7 +53,7 @@ double number(std::string_view text, std::string_view part, std::string_view nam
   return *value;
 }
 
-/// The part up to the next colon; takes it off `rest`.
+/// The part up to the next colon, which is removed from `rest`.
 std::string_view split_off_part(std::string_view& rest) {
   const std::size_t colon = rest.find(':');
   const std::string_view part = rest.substr(0, colon);

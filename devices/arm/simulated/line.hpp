@@ -1,6 +1,5 @@
 #pragma once
-/// The network between controller and remote side, as bad as the schedule says. No socket: what
-/// goes in comes out, or not.
+/// The network between controller and remote side, with the scheduled faults. It uses no socket.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -14,9 +13,9 @@
 
 namespace voxtouch::arm_sim {
 
-/// Measurements on their way, ordered by when they leave. Random decisions come from one generator
-/// a kind of fault, so that one fault does not change another's; the same seed and calls give the
-/// same decisions. Real-time safe after construction.
+/// Measurements in transit, ordered by their send time. Random decisions use one generator per kind
+/// of fault, so that faults are independent; equal seeds and calls give equal decisions. Real-time
+/// safe after construction.
 template <class Payload>
 class Line {
  public:
@@ -33,7 +32,7 @@ class Line {
 
   struct Packet {
     double due_s = 0.0;
-    double sent_s = 0.0;  ///< when it would have left
+    double sent_s = 0.0;  ///< regular send time
     Payload msr{};
   };
   struct Counts {
@@ -62,7 +61,7 @@ class Line {
     ++counts_.duplicated;
     queue(msr, now_s, delay);
   }
-  /// The next one that leaves before `until_s`; null: none. Valid until the next call.
+  /// The next one with a send time below `until_s`; null without one. Valid until the next call.
   const Packet* take(double until_s) noexcept {
     if (waiting_.empty() || !(waiting_.front().due_s < until_s))
       return nullptr;
@@ -70,11 +69,11 @@ class Line {
     waiting_.erase(waiting_.begin());
     return &taken_;
   }
-  /// When the next one leaves; infinity: none waits.
+  /// Send time of the next one; infinity if none waits.
   double next_due_s() const noexcept {
     return waiting_.empty() ? std::numeric_limits<double>::infinity() : waiting_.front().due_s;
   }
-  /// Does an answer that arrives now get lost?
+  /// Whether a reply that arrives now is lost.
   bool loses_answer(double now_s) noexcept {
     if (!happens(FaultKind::kAnswerLoss, now_s))
       return false;
@@ -87,7 +86,7 @@ class Line {
   const Counts& counts() const noexcept { return counts_; }
 
  private:
-  static constexpr std::size_t kCapacity = 2048;  // a second late at 1 kHz, twice
+  static constexpr std::size_t kCapacity = 2048;  // a second late at 1 kHz, duplicated
 
   double uniform(FaultKind kind) noexcept {
     return static_cast<double>(random_[static_cast<std::size_t>(kind)]() >> 11) * 0x1p-53;

@@ -1,6 +1,6 @@
 #pragma once
-/// A simulated controller on the network, whatever it enabled: real time by its own clock, or
-/// virtual time by the answers that come.
+/// Network loop of any simulated controller: real time by its own clock, or virtual time by the
+/// received replies.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -20,23 +20,23 @@ namespace voxtouch::arm_sim {
 
 struct NetworkConfig {
   std::string address = "127.0.0.1";  ///< own, dotted
-  std::uint16_t port = 0;             ///< own; 0: one that is free
-  std::optional<double> duration_s;   ///< of the controller's time; absent: until it is stopped
-  double patience_s = 5.0;            ///< virtual time: wall time to wait for an answer
+  std::uint16_t port = 0;             ///< own; 0: a free one
+  std::optional<double> duration_s;   ///< of the controller's time; absent: until stopped
+  double patience_s = 5.0;            ///< virtual time: wall time to wait for a reply
 };
 
 enum class Ending : std::uint8_t {
-  kStopped,  ///< as it was set
+  kStopped,  ///< as requested
   kDuration,
-  kNoAnswer,  ///< virtual time: patience is over
-  kDiverged,  ///< the mechanics left the numbers
+  kNoAnswer,  ///< virtual time: no reply within the patience
+  kDiverged,  ///< the mechanics are not finite
 };
 
 struct NetworkCounts {
   std::uint64_t sent = 0, send_errors = 0;
-  std::uint64_t received = 0, foreign = 0;  ///< foreign: from another address, not looked at
+  std::uint64_t received = 0, foreign = 0;  ///< foreign: from another address, ignored
   std::uint64_t overruns =
-      0;  ///< real time: periods that this process was too late for; its clock waited
+      0;  ///< real time: periods missed by this process; its clock was suspended
 };
 
 inline std::int64_t now_ns() {
@@ -48,12 +48,12 @@ inline std::chrono::nanoseconds seconds_as_ns(double s) {
   return std::chrono::nanoseconds(std::llround(1e9 * s));
 }
 
-/// A stop is noticed after this, at the latest.
+/// Longest time until a stop is noticed.
 inline constexpr std::chrono::nanoseconds kPollPeriod = std::chrono::milliseconds(50);
 
-/// In real time a measurement leaves at each deadline of the steady clock, whatever the remote side
-/// does; where this process is more than a period late, the deadlines move on (no burst follows). A
-/// front gives the rules of its protocol, and virtual time.
+/// In real time a measurement is sent at each deadline of the steady clock, independent of the
+/// remote side. If this process is more than a period late, the deadlines are shifted, without a
+/// burst. A derived class implements its protocol and virtual time.
 template <class Controller, class Payload>
 class NetworkLoop {
  public:
@@ -63,7 +63,7 @@ class NetworkLoop {
   /// Called after each period; may throw.
   std::function<void(const Controller&)> after_period;
 
-  /// Until stopped, or the end of the duration or of patience.
+  /// Runs until stopped, or until the duration or the patience ends.
   Ending run(const std::atomic<bool>& stop) {
     const std::int64_t period_ns = seconds_as_ns(period_s_).count();
     std::int64_t deadline_ns = now_ns();
@@ -79,7 +79,7 @@ class NetworkLoop {
       } else {
         deadline_ns += period_ns;
         if (now_ns() >
-            deadline_ns) {  // a whole period late: the clock waits rather than hurry after
+            deadline_ns) {  // a whole period late: the clock is suspended instead of catching up
           ++counts_.overruns;
           deadline_ns = now_ns() + period_ns;
         }
@@ -111,14 +111,14 @@ class NetworkLoop {
         period_s_(period_s),
         virtual_time_(virtual_time) {}
 
-  // What a front's protocol says.
-  /// One period's answers are there; false: it ends, `ending` says why.
+  // Protocol of the derived class.
+  /// Waits for the replies of one period; returns false at the end, with the reason in `ending`.
   virtual bool virtual_period(const std::atomic<bool>& stop, Ending& ending) = 0;
   virtual std::span<const std::byte> encode(const Payload& payload) noexcept = 0;
-  /// Which measurement a datagram answers; nothing where it is none that could.
+  /// The measurement that a datagram replies to; empty if it is not a reply.
   virtual std::optional<std::uint64_t> answered(
       std::span<const std::byte> datagram) const noexcept = 0;
-  /// `age`: how long the datagram lay in the kernel.
+  /// `age`: waiting time of the datagram in the kernel.
   virtual void receive(std::span<const std::byte> datagram,
                        std::chrono::nanoseconds age) noexcept = 0;
   virtual bool serving() const noexcept { return true; }
@@ -131,7 +131,7 @@ class NetworkLoop {
     ++(gone ? counts_.sent : counts_.send_errors);
     return gone;
   }
-  /// What leaves before `until_s` leaves now; `left` receives each.
+  /// Sends all packets due earlier than `until_s`; `left` receives each.
   template <class Left>
   void send_due(double until_s, Left&& left) noexcept {
     while (const typename Line::Packet* packet = line_.take(until_s)) {
@@ -139,7 +139,7 @@ class NetworkLoop {
       left(*packet);
     }
   }
-  /// Takes in everything that waits; true: an answer to `awaited` was among it.
+  /// Processes all waiting datagrams; returns true if a reply to `awaited` was among them.
   bool drain(std::optional<std::uint64_t> awaited = std::nullopt) noexcept {
     std::array<std::byte, 2048> buffer;
     bool found = false;
@@ -167,7 +167,7 @@ class NetworkLoop {
   arm::UdpSocket socket_;
   arm::UdpEndpoint remote_;
   NetworkCounts counts_;
-  std::int64_t sent_ns_ = 0;  ///< real time: when this period's measurement was made
+  std::int64_t sent_ns_ = 0;  ///< real time: time of this period's measurement
 
  private:
   void real_period(std::int64_t deadline_ns) noexcept {

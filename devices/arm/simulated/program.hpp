@@ -1,6 +1,6 @@
 #pragma once
-/// What the programs of the simulated controllers share: options, faults, the hand, signals, the
-/// end.
+/// Common parts of the programs of the simulated controllers: options, faults, the hand, signals,
+/// the end.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
@@ -29,14 +29,14 @@ struct ProgramOptions {
   std::vector<double> posture_deg;
   std::optional<std::uint64_t> seed;
 
-  /// The tool's frame in the flange's: its axes.
+  /// The tool's frame in that of the flange, with parallel axes.
   Pose tool() const {
     Pose pose;
     if (!tool_m.empty())
       pose.position = Eigen::Map<const Vec3>(tool_m.data());
     return pose;
   }
-  /// Throws std::runtime_error that names the fault that cannot be read.
+  /// Throws std::runtime_error that names the invalid fault.
   FaultSchedule schedule(const ControllerFaults& known) const {
     std::vector<Fault> all;
     for (const std::string& text : faults)
@@ -45,7 +45,7 @@ struct ProgramOptions {
   }
 };
 
-/// The options that every controller has.
+/// Declares the options of every controller.
 inline void declare(CLI::App& app, ProgramOptions& o, NetworkConfig& network, bool& virtual_time,
                     const ControllerFaults& known) {
   app.add_option("--address", network.address, "Own address")->capture_default_str();
@@ -71,13 +71,13 @@ inline void declare(CLI::App& app, ProgramOptions& o, NetworkConfig& network, bo
       "KIND@START[:DURATION[:VALUE]] [s]; repeatable. Kinds: " + std::string(known.kinds));
 }
 
-/// What an arm's drag is at the tool, for a hand that has learned it: residual friction over a
-/// forearm's lever; assumed.
+/// Drag of an arm at the tool, for a hand that compensates it: residual friction over the lever of
+/// a forearm; assumed.
 inline constexpr hand::ToolDrag kDrag{1.0, 0.5};
 
-/// The operator of the hand file, and in `config` the posture that the arm has for it and the seed;
-/// without a file the tool is released. Throws std::runtime_error: the file cannot be read, or the
-/// arm cannot reach where the motion starts.
+/// The operator of the hand file, and in `config` the posture of the arm for it and the seed;
+/// without a file the tool is released. Throws std::runtime_error if the file is unreadable or the
+/// start of the motion is out of reach.
 template <class Arm>
 hand::Hand make_hand(const ProgramOptions& o, const Arm& arm, ArmConfig& config) {
   hand::HandFile file;
@@ -108,7 +108,7 @@ hand::Hand make_hand(const ProgramOptions& o, const Arm& arm, ArmConfig& config)
   return hand;
 }
 
-/// For the counts that a program says at its end.
+/// Text for the counts that a program prints at its end.
 template <class LineCounts>
 std::string line_text(const LineCounts& l, std::uint64_t send_errors) {
   return fmt::format(
@@ -116,7 +116,7 @@ std::string line_text(const LineCounts& l, std::uint64_t send_errors) {
       l.lost, l.delayed, l.reordered, l.duplicated, l.answers_lost, send_errors);
 }
 
-/// Throws std::runtime_error where a run did not end as it was set to.
+/// Throws std::runtime_error if a run did not end as requested.
 inline void require_good(Ending ending, double patience_s) {
   if (ending == Ending::kNoAnswer)
     throw std::runtime_error(fmt::format(
@@ -126,8 +126,8 @@ inline void require_good(Ending ending, double patience_s) {
         "the simulation of the arm diverged: reduce the hand's stiffness or the gains");
 }
 
-/// Parses the command line, sets its flag at SIGINT, SIGTERM and SIGHUP, and runs `run(stop)`; the
-/// program's exit status. What `run` throws is said on stderr.
+/// Parses the command line, sets the flag on SIGINT, SIGTERM and SIGHUP, and calls `run(stop)`;
+/// returns the exit status. Exceptions of `run` are printed on stderr.
 template <class Run>
 int program_main(CLI::App& app, int argc, char** argv, const char* name, Run&& run) {
   static constinit std::atomic<bool> stop_asked{false};

@@ -30,7 +30,7 @@ SimulatedArm::SimulatedArm(const ArmConfig& config, hand::Hand hand, FaultSchedu
       faults_(std::move(faults)),
       hand_holds_(!config.hand_waits),
       angle_resolution_rad_(config.angle_resolution_rad),
-      // Pade(1,1) of 1 - exp(-dt / lag): no library function.
+      // Pade(1,1) of 1 - exp(-dt / lag): independent of the math library.
       follow_(std::min(1.0, kSubstep / (config.torque_lag_s + 0.5 * kSubstep))),
       delay_(static_cast<std::size_t>(config.torque_delay_ticks)) {
   line_.fill(arm::Joints::Zero());

@@ -1,6 +1,5 @@
 #pragma once
-/// Arm, drives and operator of a simulated controller: what does not depend on the protocol in
-/// front of it.
+/// Arm, drives and operator of a simulated controller: the parts independent of its protocol.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -21,10 +20,11 @@ struct ArmConfig {
   arm::Joints start_rad = arm::Joints::Zero();
   LawParameters laws;
   int torque_delay_ticks =
-      1;  ///< of commanded torques in addition to the period that a command waits; assumed
-  double torque_lag_s = 0.003;         ///< first-order lag of them, by the torque loop; assumed
+      1;  ///< of commanded torques, in addition to the waiting period of a command; assumed
+  double torque_lag_s = 0.003;         ///< their first-order lag by the torque loop; assumed
   double angle_resolution_rad = 2e-5;  ///< of the measured angles; assumed
-  bool hand_waits = true;  ///< the hand takes the tool, and its clock starts, with the first motion
+  /// The hand grips the tool, and its clock starts, with the first motion.
+  bool hand_waits = true;
   std::uint64_t seed = 0;
 
   /// Throws std::runtime_error that names field and rule.
@@ -34,27 +34,27 @@ struct ArmConfig {
 /// Throws std::runtime_error, "simulated controller: FIELD has to be RULE", unless `good`.
 void require(bool good, const char* field, const char* rule);
 
-/// Time is a count of ticks: the same seed and calls give bit-identical results. Real-time safe
-/// after construction.
+/// Time is a count of ticks: equal seeds and calls give bit-identical results. Real-time safe after
+/// construction.
 class SimulatedArm {
  public:
   const ArmPlant& plant() const noexcept { return plant_; }
   const FaultSchedule& faults() const noexcept { return faults_; }
-  /// False: the arm's mechanics have left the numbers, and the simulation is of no more use.
+  /// False: the mechanics are not finite, and the simulation must end.
   bool finite() const noexcept { return plant_.q().allFinite() && plant_.rate().allFinite(); }
 
  protected:
-  /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
+  /// Throws std::runtime_error for a configuration, hand or motion that cannot be simulated.
   SimulatedArm(const ArmConfig& config, hand::Hand hand, FaultSchedule faults);
   ~SimulatedArm() = default;
 
-  /// The joints' angles as their sensors report them.
+  /// The joint angles as measured by their sensors.
   arm::Joints measured_rad() const noexcept;
-  /// No commanded torque is on its way any more, or acts.
+  /// Discards all commanded torques, in transit and acting.
   void drop_torque() noexcept;
-  /// One millisecond: `commanded` goes into the delay line, and what comes out of it is followed
-  /// with the lag while `in_motion`. The drives give `law(torque)` beyond gravity, with the torque
-  /// that has come through; nothing while `braked`.
+  /// Advances one millisecond. `commanded` enters the delay line; its output is followed with the
+  /// lag while `in_motion`. The drives give `law(torque)` in addition to gravity, with the delayed
+  /// torque; nothing while `braked`.
   template <class Law>
   void tick(const arm::Joints& commanded, bool in_motion, bool braked, Law&& law) noexcept {
     line_[next_] = commanded;
@@ -73,12 +73,12 @@ class SimulatedArm {
   hand::Hand hand_;
   FaultSchedule faults_;
   bool hand_holds_;
-  arm::Joints torque_ = arm::Joints::Zero();  ///< commanded, as the joints feel it
-  arm::Joints drive_ = arm::Joints::Zero();   ///< beyond gravity, in the last substep
+  arm::Joints torque_ = arm::Joints::Zero();  ///< commanded, as it acts on the joints
+  arm::Joints drive_ = arm::Joints::Zero();   ///< in addition to gravity, in the last substep
 
  private:
   double angle_resolution_rad_, follow_;
-  std::array<arm::Joints, ArmConfig::kMaxDelayTicks + 1> line_;  ///< torques on their way
+  std::array<arm::Joints, ArmConfig::kMaxDelayTicks + 1> line_;  ///< torques in transit
   std::size_t delay_, next_ = 0;
 };
 

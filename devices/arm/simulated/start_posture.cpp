@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kIterations = 500;
 constexpr double kReached = 1e-9;     // [m] and [rad]
-constexpr double kLongestStep = 0.2;  // [rad] of the joints together
+constexpr double kLongestStep = 0.2;  // [rad] norm over the joints
 constexpr double kMargin = 0.999;     // of a joint's limit
 
 Vec6 displacement_to(const Pose& requested, const Pose& tool) {
@@ -28,7 +28,7 @@ Vec6 displacement_to(const Pose& requested, const Pose& tool) {
 arm::Joints start_posture(const std::function<Reach(const arm::Joints&)>& arm,
                           const Pose& requested, const arm::Joints& posture,
                           const arm::Joints& lowest_rad, const arm::Joints& highest_rad) {
-  // A margin of the way from the middle, so that a start at a stop is none.
+  // A margin from the limits, so that no start is at a stop.
   const arm::Joints middle = 0.5 * (lowest_rad + highest_rad),
                     half = kMargin * (0.5 * (highest_rad - lowest_rad));
   const arm::Joints low = middle - half, high = middle + half;

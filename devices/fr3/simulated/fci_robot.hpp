@@ -1,5 +1,5 @@
 #pragma once
-/// The simulated robot: arm, controller and the operator at it; everything but the network.
+/// The simulated robot: arm, controller and operator; everything except the network.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -17,12 +17,12 @@ inline constexpr arm_sim::ControllerFaults kFaults{
     "closed",
     7.0};
 
-/// What makes the robot stop itself.
+/// Limits at which the robot stops itself.
 struct Limits {
   arm::Joints torque_nm = (arm::Joints() << 87, 87, 87, 87, 12, 12, 12).finished();
   arm::Joints speed_rad_s = fr3_speed_limit();
-  double torque_step_nm = 1.0;  ///< from one command to the next: 1000 Nm/s
-  int lost_in_a_row = 20;       ///< commands, as the maker's manual says
+  double torque_step_nm = 1.0;  ///< between two commands: 1000 Nm/s
+  int lost_in_a_row = 20;       ///< commands, as in the manufacturer's manual
 };
 
 struct RobotConfig : arm_sim::ArmConfig {
@@ -41,30 +41,30 @@ struct RobotConfig : arm_sim::ArmConfig {
 };
 
 struct RobotCounts {
-  std::uint64_t commands = 0;  ///< taken, in time
-  std::uint64_t missed = 0;    ///< milliseconds of a motion without one
+  std::uint64_t commands = 0;  ///< accepted, in time
+  std::uint64_t missed = 0;    ///< milliseconds of a motion without a command
   std::uint64_t length = 0, stale = 0, not_finite = 0, idle = 0;
   std::uint64_t motions = 0, reflexes = 0;
 };
 
-/// One millisecond: `measure`, any number of `receive`, `advance`. A command that comes between
-/// acts from the next millisecond on; where none does, the last one goes on. Time is a count: the
-/// same seed and calls give bit-identical results. Real-time safe after construction.
+/// One millisecond: `measure`, any number of `receive`, `advance`. A command received in between
+/// acts from the next millisecond on; without one the last continues. Time is a count: equal seeds
+/// and calls give bit-identical results. Real-time safe after construction.
 class FciRobot final : public arm_sim::SimulatedArm {
  public:
-  /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
+  /// Throws std::runtime_error for a configuration, hand or motion that cannot be simulated.
   FciRobot(const RobotConfig& config, hand::Hand hand, FaultSchedule faults = FaultSchedule());
 
-  /// The state that this millisecond begins with.
+  /// The state at the start of this millisecond.
   const fr3::fci::State& measure() noexcept;
   void receive(std::span<const std::byte> datagram) noexcept;
   void advance() noexcept;
 
-  /// What comes over the command channel, and the answer to it at once.
+  /// Processes a request of the command channel and returns the reply.
   fr3::fci::Outcome request(fr3::fci::Request request, const fr3::fci::Received& body) noexcept;
-  /// How the motion ended since the last call, which Move is answered with.
+  /// The end of the motion since the last call, for the reply to Move.
   std::optional<fr3::fci::Outcome> motion_ended() noexcept;
-  /// The client has gone: a motion ends.
+  /// The client has disconnected: a motion ends.
   void abandoned() noexcept;
 
   double time_s() const noexcept { return static_cast<double>(ticks_) * kTick; }
@@ -73,7 +73,7 @@ class FciRobot final : public arm_sim::SimulatedArm {
   bool in_motion() const noexcept { return state_.mode == fr3::fci::RobotMode::kMove; }
   const RobotCounts& counts() const noexcept { return counts_; }
   const RobotConfig& config() const noexcept { return config_; }
-  /// Force and torque that the drives give at the tool beyond carrying and holding the arm, over
+  /// Force and torque of the drives at the tool, in addition to carrying and holding the arm, over
   /// the last millisecond, in the base.
   Wrench applied() const noexcept;
 
@@ -89,17 +89,17 @@ class FciRobot final : public arm_sim::SimulatedArm {
   const fr3::fci::Dialect* dialect_;
   std::uint64_t ticks_ = 0;
   fr3::fci::State state_;
-  arm::Joints held_rad_;  // what the robot's own controller holds
+  arm::Joints held_rad_;  // position held by the robot's own controller
   arm::Joints commanded_ = arm::Joints::Zero();
   arm::Joints measured_ =
-      arm::Joints::Zero();  // the last of the torques that pushed over the last millisecond
+      arm::Joints::Zero();  // last torque that gave force over the last millisecond
   std::optional<fr3::fci::Command> pending_;
   bool not_finite_ = false;
-  bool armed_ = false;  // the remote side has begun to answer
+  bool armed_ = false;  // the remote side has begun to reply
   bool reflex_done_ = false;
   int lost_in_a_row_ = 0;
-  std::array<bool, 100> window_{};  // of the last milliseconds of a motion: answered in time
-  double worst_hand_n_ = 20.0;      // what SetCollisionBehavior allows; before it, assumed
+  std::array<bool, 100> window_{};  // the last milliseconds of a motion: answered in time
+  double worst_hand_n_ = 20.0;      // allowed by SetCollisionBehavior; assumed until then
   std::optional<fr3::fci::Outcome> ended_;
   RobotCounts counts_;
 };

@@ -89,7 +89,7 @@ void FciServer::send_message(const fr3::fci::Message& message) noexcept {
     (void)::send(client_, message.span().data(), message.size, MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-/// Who has gone is noticed before who comes: one program after the other is not two at a time.
+/// Departures are processed first: consecutive programs do not count as simultaneous.
 void FciServer::read_channel() noexcept {
   read_client();
   accept_clients();
@@ -162,7 +162,7 @@ std::optional<std::uint64_t> FciServer::answered(
 }
 
 void FciServer::wait_for_input(nanoseconds most) noexcept {
-  // The UDP socket waits for itself; the channel is looked at often enough next to it.
+  // The UDP socket blocks on its own; the channel is polled often enough in between.
   if (serving())
     return void(socket_.wait(std::min(most, kMillisecond)));
   std::array<pollfd, 2> files{{{listener_, POLLIN, 0}, {client_, POLLIN, 0}}};
@@ -175,7 +175,7 @@ bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
     if (stop.load(std::memory_order_relaxed))
       return false;
     if (client_ < 0 &&
-        connected_once_) {  // after the last one has gone the arm's time goes on by the clock
+        connected_once_) {  // after the last client has left, the time of the arm follows the clock
       std::this_thread::sleep_for(kMillisecond);
       read_channel();
       if (client_ < 0)
@@ -213,7 +213,7 @@ bool FciServer::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
     if (serving())
       wait_for_input(arm_sim::kPollPeriod);
   }
-  read_channel();  // what was asked for before the command was sent
+  read_channel();  // requests sent earlier than the command
   return true;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// The simulated robot on the network: one command channel (TCP), states out and commands in (UDP);
-/// real time by its own clock, or virtual time by the commands that come.
+/// The simulated robot on the network: one command channel (TCP), states out and commands in (UDP).
+/// Real time by its own clock, or virtual time by the received commands.
 #include <array>
 #include <memory>
 
@@ -16,13 +16,13 @@ struct ServerConfig : arm_sim::NetworkConfig {  ///< the port is that of TCP
   bool virtual_time = false;
 };
 
-/// One remote side at a time: whoever comes second is turned away. In real time a state leaves at
-/// each millisecond of the steady clock while a client is connected. In virtual time nothing waits
-/// but for commands: after each newest state the command that names it is awaited, in a motion or
-/// not; where none can come because the line lost it, time goes on at once.
+/// Serves one client at a time; a second one is refused. In real time a state is sent at each
+/// millisecond of the steady clock while a client is connected. In virtual time only commands are
+/// waited for: after each newest state the server waits for its command, in a motion or not. If the
+/// line lost the state, time continues at once.
 class FciServer final : public arm_sim::NetworkLoop<FciRobot, fr3::fci::State> {
  public:
-  /// Listens. Throws DeviceOpenError with a sentence.
+  /// Starts listening. Throws DeviceOpenError with a sentence.
   FciServer(const ServerConfig& config, FciRobot& robot, Line line);
   ~FciServer();
   FciServer(const FciServer&) = delete;
@@ -52,8 +52,8 @@ class FciServer final : public arm_sim::NetworkLoop<FciRobot, fr3::fci::State> {
   int listener_ = -1, client_ = -1;
   std::uint16_t port_ = 0;
   std::unique_ptr<fr3::fci::StreamReader> reader_;
-  std::optional<std::uint32_t> motion_;  // the Move that runs
-  std::optional<std::uint64_t> newest_;  // the newest state that left
+  std::optional<std::uint32_t> motion_;  // the running Move
+  std::optional<std::uint64_t> newest_;  // the newest state sent
   bool connected_once_ = false, closed_done_ = false;
   std::array<std::byte, fr3::fci::kMaxStateBytes> bytes_;
 };

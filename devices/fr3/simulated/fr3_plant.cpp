@@ -7,12 +7,13 @@ namespace {
 
 using arm_sim::Axis;
 
-/// A link as the description has it: in the joint's own frame, whose x axis is the base's at q = 0.
+/// A link as in the description: in the joint's own frame, whose x axis is that of the base at q =
+/// 0.
 struct Described {
   double mass_kg;
   Vec3 centre_m;
   double xx, xy, xz, yy, yz, zz;
-  int quarter_turns;  ///< about x, of the joint's frame against the base at q = 0
+  int quarter_turns;  ///< about x, of the joint's frame relative to the base at q = 0
 };
 
 Mat3 turned_about_x(int quarters) {
@@ -79,7 +80,7 @@ arm::Joints fr3_speed_limit() noexcept {
 arm_sim::PlantParameters fr3_plant(const Pose& pose_FT, double torque_feedback_gain) {
   arm_sim::PlantParameters p;
   p.bodies = fr3_bodies(torque_feedback_gain);
-  // The last link's frame is the base's at q = 0; the flange hangs below it, upside down.
+  // The last link's frame is that of the base at q = 0; the flange is below it, upside down.
   p.pose_FT = Pose{Vec3(0.0, 0.0, -fr3::Fr3Arm::kFlange), Quat(0.0, 1.0, 0.0, 0.0)} * pose_FT;
   p.viscous_nms_per_rad << 0.6, 0.6, 0.4, 0.4, 0.2, 0.15, 0.1;
   p.coulomb_nm << 0.3, 0.3, 0.25, 0.25, 0.12, 0.1, 0.06;

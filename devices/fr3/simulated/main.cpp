@@ -1,4 +1,4 @@
-// voxtouch_fci_robot: a Franka arm and an operator, simulated, behind the real protocol on TCP and
+// voxtouch_fci_robot: a simulated Franka arm with an operator, behind the real protocol on TCP and
 // UDP.
 #include "devices/arm/simulated/program.hpp"
 #include "devices/fr3/simulated/fci_server.hpp"

@@ -1,12 +1,12 @@
 #pragma once
-/// From one answer a period to set points every millisecond.
+/// Converts one reply per period to set points every millisecond.
 #include "devices/lwr/simulated/lwr_plant.hpp"
 
 namespace voxtouch::lwr_sim {
 
-/// Fine interpolation of longer periods, and extrapolation over misses. Positions
-/// of a missed period go on as in the last one, for at most `kExtrapolated` misses in a row; forces
-/// stay as they are. Real-time safe.
+/// Fine interpolation of longer periods, and extrapolation over missing replies. Positions of a
+/// missed period continue as in the last one, for at most `kExtrapolated` consecutive misses;
+/// forces are held. Real-time safe.
 class CommandPath {
  public:
   static constexpr int kExtrapolated = 3;  ///< assumed
@@ -14,16 +14,16 @@ class CommandPath {
   /// `ticks_per_period` of 1 ms each.
   explicit CommandPath(int ticks_per_period) noexcept;
 
-  /// Begins anew: rests at `start`.
+  /// Restarts at rest at `start`.
   void start(const Setpoint& start) noexcept;
-  /// An answer at the begin of a period: reached at its end.
+  /// A reply at the start of a period: reached at its end.
   void answer(const Setpoint& requested) noexcept;
-  /// No answer came for this period.
+  /// No reply for this period.
   void miss() noexcept;
-  /// The set point over the next millisecond. Gains are the last answer's.
+  /// The set point over the next millisecond, with the gains of the last reply.
   Setpoint tick() noexcept;
 
-  /// Where the last answer, or what replaced it, requested to go.
+  /// Goal of the last reply or of its replacement.
   const Setpoint& goal() const noexcept { return to_; }
 
  private:

@@ -63,7 +63,7 @@ Setpoint FriController::resting() const noexcept {
   return s;
 }
 
-/// What the flags leave out is the KRL side's.
+/// Fields without a flag come from the KRL side.
 Setpoint FriController::setpoint_of(const lwr::fri::Command& c) const noexcept {
   Setpoint s = resting();
   const auto has = [&](std::uint32_t flag) { return (c.cmd_flags & flag) != 0; };
@@ -102,8 +102,8 @@ void FriController::command_here() noexcept {
   path_.start(resting());
 }
 
-/// Command mode ends. Unasked, the brakes close; a violation leaves error bits, a bad link warning
-/// bits (it is no drive's error).
+/// Ends command mode. Unless requested, the brakes close. A violation sets error bits; a bad link
+/// sets warning bits, since it is not an error of a drive.
 void FriController::leave(const Violation& why) noexcept {
   const State from = std::exchange(state_, State::kMon);
   command_here();
@@ -121,8 +121,8 @@ void FriController::leave(const Violation& why) noexcept {
     error_ = bits;
 }
 
-/// Emergency stop and drives, as the schedule has them now. Power comes back by itself, the brakes
-/// stay until the next start.
+/// Updates emergency stop and drives by the schedule. Power returns by itself; the brakes stay
+/// closed until the next start.
 void FriController::watch_power() noexcept {
   const double now = time_s();
   const bool stop = faults_.active(FaultKind::kEmergencyStop, now).has_value();
@@ -241,7 +241,7 @@ void FriController::judge_answer() noexcept {
   if (answer_.command.cmd_flags != flags_)
     return leave({Reason::kFlagsChanged, 0});
   const Setpoint requested = setpoint_of(answer_.command);
-  // What stood in for missed answers moved the goal on, so the time is that since the last goal.
+  // Replacements of missing replies moved the goal, so the time is that since the last goal.
   const double elapsed_s = periods_since_answer_ * config_.period_s;
   if (const Violation why =
           check_command(config_.safety, path_.goal(), requested, elapsed_s, plant_.q()))
@@ -351,7 +351,7 @@ void FriController::fill_measured(const ArmDynamics::Terms& terms) noexcept {
   const Wrench& hand = plant_.hand_wrench();
   const lwr::LwrJoints outer = lwr::joint_torque(terms.jacobian, hand);
   for (int i = 0; i < 7; ++i) {
-    const double error = noise();  // one sensor, one error: it shows in both
+    const double error = noise();  // one sensor, one error: it appears in both
     d.jnt_trq[static_cast<std::size_t>(i)] = static_cast<float>(plant_.sensed_torque()[i] + error);
     d.est_ext_jnt_trq[static_cast<std::size_t>(i)] = static_cast<float>(outer[i] + error);
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// The simulated robot controller with its arm and the operator at it: everything but the network.
+/// The simulated robot controller with its arm and operator; everything except the network.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -28,13 +28,13 @@ struct ControllerConfig : arm_sim::ArmConfig {
     plant = lwr_plant();
     start_rad = lwr::lwr_rest_posture();
   }
-  double period_s = 0.001;     ///< argument of friOpen: 1 to 100 ms, whole milliseconds
+  double period_s = 0.001;     ///< argument of friOpen: 1 to 100 ms, integer milliseconds
   double safety_limits = 1.0;  ///< argument of friStart: fraction of the joints' speed, in (0, 1]
   SafetyRules safety;
   double torque_noise_nm = 0.05;  ///< standard deviation of each torque sensor; assumed
   lwr::LwrJoints krl_stiffness_nm_per_rad =
-      lwr::LwrJoints::Constant(1000.0);  ///< where no flag brings one, as in published programs;
-  double krl_damping = 0.7;              ///< likewise
+      lwr::LwrJoints::Constant(1000.0);  ///< used without a flag, as in published programs;
+  double krl_damping = 0.7;              ///< used without a flag, as in published programs
   double script_pause_s = 0.05;          ///< of the KRL program's loop, as in a published one
   bool first_start_keeps_strategy = false;
   bool virtual_time = false;  ///< announced in $FRI_TO_INT[16]
@@ -43,18 +43,18 @@ struct ControllerConfig : arm_sim::ArmConfig {
   void validate() const;
 };
 
-/// What came in, by what became of it.
+/// Received datagrams by result.
 struct AnswerCounts {
   std::uint64_t accepted = 0;                        ///< in time
-  std::uint64_t length = 0, id = 0, size_field = 0;  ///< no command packet
+  std::uint64_t length = 0, id = 0, size_field = 0;  ///< not a command packet
   std::uint64_t not_finite = 0;
-  std::uint64_t stale = 0;  ///< does not answer the last measurement
+  std::uint64_t stale = 0;  ///< does not reply to the last measurement
   std::uint64_t replaced =
-      0;  ///< answers it once more with a newer count: accepted in place of the one before
-  std::uint64_t doubled = 0;  ///< answers it once more with the same or an older count
+      0;  ///< replies to it again with a newer count: accepted in place of the previous one
+  std::uint64_t doubled = 0;  ///< replies to it again with the same or an older count
 };
 
-/// What happened to the state.
+/// A change of the state.
 struct Event {
   double time_s = 0.0;
   lwr::fri::State from = lwr::fri::State::kMon, to = lwr::fri::State::kMon;
@@ -68,23 +68,23 @@ struct TraceRow {
   lwr::fri::Quality quality = lwr::fri::Quality::kUnacceptable;
   bool braked = false;
   Vec3 tip_m = Vec3::Zero(), velocity_m_s = Vec3::Zero();
-  Wrench applied;  ///< what the drives push with at the tool, beyond carrying the arm; zero where
-                   ///< brakes hold it
-  Wrench hand;     ///< of the operator on the tool
-  Vec3 target_m = Vec3::Zero();  ///< where the hand wants to be
+  /// Force of the drives at the tool in addition to carrying the arm; zero while brakes hold it.
+  Wrench applied;
+  Wrench hand;                   ///< of the operator on the tool
+  Vec3 target_m = Vec3::Zero();  ///< goal of the hand
 };
 
-/// One period: `measure`, any number of `receive`, `advance`. An answer that comes between acts
-/// from the next period on. Time is a count of periods; there is no clock, so the same seed and
-/// answers give bit-identical results. State OFF stands before the first measurement and after
-/// `close`. Real-time safe after construction.
+/// One period: `measure`, any number of `receive`, `advance`. A reply received in between acts from
+/// the next period on. Time is a count of periods without a clock, so equal seeds and replies give
+/// bit-identical results. The state is OFF until the first measurement and after `close`. Real-time
+/// safe after construction.
 class FriController final : public arm_sim::SimulatedArm {
  public:
-  /// Throws std::runtime_error where the configuration, the hand or the motion cannot be simulated.
+  /// Throws std::runtime_error for a configuration, hand or motion that cannot be simulated.
   FriController(const ControllerConfig& config, hand::Hand hand,
                 FaultSchedule faults = FaultSchedule());
 
-  /// The measurement that this period begins with.
+  /// The measurement at the start of this period.
   const lwr::fri::MsrPacket& measure() noexcept;
   enum class Verdict : std::uint8_t {
     kAccepted,
@@ -96,11 +96,11 @@ class FriController final : public arm_sim::SimulatedArm {
     kReplaced,
     kDoubled
   };
-  /// A datagram that came in this period, `latency_s` after its measurement left.
+  /// Processes a datagram of this period, `latency_s` after its measurement was sent.
   Verdict receive(std::span<const std::byte> datagram, double latency_s) noexcept;
-  /// Moves on by one period; then judges the answer or its absence, and motion and link.
+  /// Advances by one period; then checks the reply or its absence, motion and link.
   void advance() noexcept;
-  /// friStop and friClose: the measurement to say so. Brakes close.
+  /// friStop and friClose: returns the final measurement. Brakes close.
   const lwr::fri::MsrPacket& close() noexcept;
 
   double time_s() const noexcept { return static_cast<double>(period_) * config_.period_s; }
@@ -112,9 +112,9 @@ class FriController final : public arm_sim::SimulatedArm {
   const LinkQuality& link() const noexcept { return link_; }
   const ControllerConfig& config() const noexcept { return config_; }
   std::uint64_t starts() const noexcept { return starts_; }
-  std::uint64_t drops() const noexcept { return drops_; }  ///< times command mode ended unasked
+  std::uint64_t drops() const noexcept { return drops_; }  ///< times command mode ended by itself
   TraceRow row() const noexcept;
-  /// What happened since the last call, oldest first; refused starts among it (from == to).
+  /// Events since the last call, oldest first, including refused starts (from == to).
   std::optional<Event> take_event() noexcept;
 
  private:

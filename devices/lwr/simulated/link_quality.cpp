@@ -6,11 +6,11 @@ namespace voxtouch::lwr_sim {
 
 namespace {
 
-// The real controller's thresholds are not published: all of these are assumed.
-constexpr int kOkAfter = 10;         // answers in time in a row
-constexpr int kPerfectAfter = 20;    // likewise
-constexpr int kMissesInARow = 5;     // that many make the link UNACCEPTABLE
-constexpr int kMissesInWindow = 10;  // more than that of the last 100 make it BAD
+// The thresholds of the real controller are not published: all of these are assumed.
+constexpr int kOkAfter = 10;         // consecutive replies in time
+constexpr int kPerfectAfter = 20;    // consecutive replies in time
+constexpr int kMissesInARow = 5;     // consecutive misses that make the link UNACCEPTABLE
+constexpr int kMissesInWindow = 10;  // more misses than this in the last 100 make it BAD
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 #pragma once
-/// How well the remote side answers: what the controller's statistics say, and the quality it makes
-/// of them.
+/// Quality of the remote side's replies: the statistics of the controller, and the quality derived
+/// from them.
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -9,20 +9,20 @@
 
 namespace voxtouch::lwr_sim {
 
-/// Counts one answer or miss a period. Quality rises through a run of answers in time and falls
-/// through misses; one lost answer does not change it, two in a row make PERFECT to OK. Rising to
-/// PERFECT forgives the misses before. Real-time safe.
+/// Counts one reply or miss per period. Quality rises by a run of replies in time and falls by
+/// misses. A single lost reply does not change it; two consecutive ones reduce PERFECT to OK.
+/// Rising to PERFECT clears the earlier misses. Real-time safe.
 class LinkQuality {
  public:
   static constexpr std::size_t kWindow = 100;
-  /// This period's answer came in time, `latency_s` [s] after the measurement.
+  /// The reply of this period arrived in time, `latency_s` [s] after the measurement.
   void answered(double latency_s) noexcept;
-  /// None did.
+  /// This period had no reply.
   void missed() noexcept;
 
   lwr::fri::Quality quality() const noexcept { return quality_; }
-  /// Of the last 100 periods: answers per period, mean latency, latest less earliest, misses per
-  /// period; all misses so far.
+  /// Over the last 100 periods: replies per period, mean latency, latest minus earliest, misses per
+  /// period; and all misses so far.
   lwr::fri::Statistics statistics() const noexcept;
 
  private:
@@ -33,7 +33,7 @@ class LinkQuality {
   std::size_t count_ = 0, next_ = 0;
   int answered_run_ = 0, missed_run_ = 0, missed_in_window_ = 0;
   std::uint32_t misses_ = 0;
-  lwr::fri::Quality quality_ = lwr::fri::Quality::kUnacceptable;  // no answer has come yet
+  lwr::fri::Quality quality_ = lwr::fri::Quality::kUnacceptable;  // no reply yet
 };
 
 }  // namespace voxtouch::lwr_sim

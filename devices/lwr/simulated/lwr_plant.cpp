@@ -13,7 +13,7 @@ ArmBodies lwr_bodies(double torque_feedback_gain) {
                                          torque_feedback_gain));
   using arm_sim::Axis;
   ArmBodies arm;
-  // From one joint to the next, up the stretched arm [m], and what each turns about.
+  // From one joint to the next along the stretched arm [m], and the axis of each.
   arm.joints = {{{Vec3(0.0, 0.0, 0.11), Axis::kZ},
                  {Vec3(0.0, 0.0, 0.2005), Axis::kMinusY},
                  {Vec3(0.0, 0.0, 0.20), Axis::kZ},

@@ -1,5 +1,5 @@
 #pragma once
-/// The light-weight robot's bodies and drives, for the mechanics that all arms share.
+/// Bodies and drives of the light-weight robot, for the mechanics common to all arms.
 #include "devices/arm/simulated/arm_plant.hpp"
 #include "devices/arm/simulated/control_laws.hpp"
 #include "devices/lwr/lwr_arm.hpp"
@@ -24,12 +24,12 @@ using arm_sim::TipLoad;
 using arm_sim::tool_wrench;
 
 /// Links: the physically consistent set of published robot descriptions (confirmed). Rotors:
-/// reflected motor inertia (unconfirmed), divided by `torque_feedback_gain`: a torque loop that
+/// reflected motor inertia (unconfirmed), divided by `torque_feedback_gain`. A torque loop that
 /// feeds back k times the torque error makes the motor appear (1 + k) times lighter; 4 is assumed.
 ArmBodies lwr_bodies(double torque_feedback_gain = 4.0);
 
-/// Published drive friction, divided by the gain of the torque feedback, which hides it as it hides
-/// the rotors (assumed); brakes of twice the drives' torque (assumed); published limits.
+/// Published drive friction, divided by the gain of the torque feedback, which reduces it like the
+/// rotors (assumed); brakes of twice the drives' torque (assumed); published limits.
 PlantParameters lwr_plant(double torque_feedback_gain = 4.0);
 
 }  // namespace voxtouch::lwr_sim

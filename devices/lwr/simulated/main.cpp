@@ -1,4 +1,4 @@
-// voxtouch_fri_controller: the robot controller with its arm and an operator, simulated, behind the
+// voxtouch_fri_controller: the simulated robot controller with its arm and an operator, behind the
 // real protocol on UDP.
 #include <memory>
 

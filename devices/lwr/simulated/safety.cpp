@@ -5,10 +5,10 @@
 namespace voxtouch::lwr_sim {
 namespace {
 
-/// Rounding of floats on the wire must not make a command over its limit.
+/// Rounding of floats on the wire must not violate a limit.
 constexpr double kSlack = 1.0 + 1e-5;
 
-/// The joints whose |value| is over its limit; NaN is over any.
+/// The joints whose |value| exceeds its limit; NaN exceeds any.
 std::uint16_t over(const lwr::LwrJoints& value, const lwr::LwrJoints& limit) noexcept {
   std::uint16_t bits = 0;
   for (int i = 0; i < 7; ++i)
@@ -66,7 +66,7 @@ Violation check_command(const SafetyRules& rules, const Setpoint& before, const 
   const lwr::LwrJoints all_deviation = lwr::LwrJoints::Constant(rules.max_deviation_rad);
   if (const auto j = over(now.position, rules.max_position_rad))
     return {Reason::kCommandPosition, j};
-  // The wire rounds positions to floats: a rounding step in a millisecond is no speed.
+  // The wire rounds positions to floats: a rounding step in a millisecond is not a speed.
   const lwr::LwrJoints most = rules.max_speed_rad_s * elapsed_s + lwr::LwrJoints::Constant(1e-6);
   if (const auto j = over(now.position - before.position, most))
     return {Reason::kCommandSpeed, j};

@@ -1,5 +1,5 @@
 #pragma once
-/// What the controller does not let pass: limits on commands and on motion. Real-time safe.
+/// Limits of the controller on commands and motion. Real-time safe.
 #include <cstdint>
 #include <numbers>
 #include <string_view>
@@ -14,24 +14,24 @@ enum class Reason : std::uint8_t {
   kNone,
   kAsked,            ///< friStop
   kClosed,           ///< friClose
-  kMisses,           ///< too many answers were missing
-  kNotFinite,        ///< a command held NaN or Inf
+  kMisses,           ///< too many missing replies
+  kNotFinite,        ///< a command contained NaN or Inf
   kFlagsChanged,     ///< cmdFlags changed in command mode
   kJump,             ///< the first command was not the mirrored position
-  kCommandSpeed,     ///< a commanded position moved faster than the joint may
+  kCommandSpeed,     ///< a commanded position moved faster than the joint's limit
   kCommandPosition,  ///< a commanded position outside the joint's range
   kDeviation,        ///< a commanded position too far from the measured one
   kTorque,           ///< an overlaid torque over its limit
   kGains,            ///< stiffness or damping out of range
-  kJointSpeed,       ///< a joint was faster than it may
+  kJointSpeed,       ///< a joint exceeded its speed limit
   kEmergencyStop,
   kDrivesOff,
-  kQualityForced,  ///< by a fault of the simulation
+  kQualityForced,  ///< by an injected fault
 };
-/// For people: why the controller left command mode, or does not enter it.
+/// The reason as a sentence.
 std::string_view sentence_of(Reason reason) noexcept;
 
-/// A reason with the joints that it is about, one bit each (0: none in particular).
+/// A reason with the joints that it refers to, one bit each (0: none in particular).
 struct Violation {
   Reason reason = Reason::kNone;
   std::uint16_t joints = 0;
@@ -49,13 +49,13 @@ struct SafetyRules {
   double jump_rad = 0.01;                    ///< at the entry to command mode; assumed
 };
 
-/// What an answer asks for, against what it asked for `elapsed_s` ago and the arm as it is.
+/// Checks a reply against the previous one, `elapsed_s` earlier, and the present state of the arm.
 Violation check_command(const SafetyRules& rules, const Setpoint& before, const Setpoint& now,
                         double elapsed_s, const lwr::LwrJoints& q) noexcept;
-/// How fast the joints are.
+/// Checks the speed of the joints.
 Violation check_motion(const SafetyRules& rules, const lwr::LwrJoints& rate) noexcept;
-/// May command mode begin? `mirrored`: the last commanded position; `expected`: the controller's
-/// own.
+/// Whether command mode may begin. `mirrored`: the last commanded position; `expected`: the
+/// controller's own.
 Violation check_entry(const SafetyRules& rules, const lwr::LwrJoints& mirrored,
                       const lwr::LwrJoints& expected) noexcept;
 

@@ -13,8 +13,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
 
-/// Virtual time: a measurement without an answer for so long may have gone to a side that
-/// was just being restarted.
+/// Virtual time: a measurement without a reply for this long may have been sent to a side that was
+/// restarting.
 constexpr nanoseconds kRepeatAfter = std::chrono::milliseconds(200);
 
 }  // namespace
@@ -54,8 +54,8 @@ Session::Wait Session::await_answer(std::uint16_t send_seq, const lwr::fri::MsrP
     const nanoseconds left = end - Clock::now();
     if (left <= nanoseconds(0))
       return Wait::kTimeout;
-    // The remote side may not be there yet, or not there again: the same packet goes out once more.
-    // One that has it already takes it for what it is, a duplicate.
+    // The remote side may not be ready, or may be restarting, so the same packet is sent again. A
+    // side that has received it treats it as a duplicate.
     if (!socket_.wait(std::min(left, arm_sim::kPollPeriod)) && repeat &&
         (counts_.received == 0 || Clock::now() - begin > kRepeatAfter))
       send(*repeat);
@@ -63,8 +63,8 @@ Session::Wait Session::await_answer(std::uint16_t send_seq, const lwr::fri::MsrP
   return Wait::kStopped;
 }
 
-/// All that leaves before the period's end leaves now; then the answer to the newest is awaited, if
-/// the newest left.
+/// Sends all packets that are due in this period; then waits for the reply to the newest, if it was
+/// sent.
 bool Session::virtual_period(const std::atomic<bool>& stop, Ending& ending) {
   const double now = controller_.time_s(), end = now + controller_.config().period_s * (1.0 - 1e-6);
   const bool silent = line_.silent(now);

@@ -1,6 +1,6 @@
 #pragma once
 /// The simulated controller on the network: real time by its own clock, or virtual time by the
-/// answers that come.
+/// received replies.
 #include <string>
 
 #include "devices/arm/simulated/network_loop.hpp"
@@ -12,14 +12,14 @@ using Line = arm_sim::Line<lwr::fri::MsrPacket>;
 using arm_sim::Ending;
 
 struct SessionConfig : arm_sim::NetworkConfig {
-  std::string remote_address = "127.0.0.1";  ///< where measurements go, dotted
+  std::string remote_address = "127.0.0.1";  ///< destination of measurements, dotted
   std::uint16_t remote_port = lwr::fri::kDefaultPort;
 };
 
-/// In virtual time nothing waits but for answers: after each newest measurement the answer to it is
-/// awaited; where none can come because the line lost it, time goes on at once, and while the
-/// controller is silent at one period of wall time a period. The very first measurement is repeated
-/// until the remote side is there. At the end one measurement with state OFF is sent.
+/// In virtual time only replies are waited for: after each newest measurement the session waits for
+/// its reply. If the line lost it, time continues at once; while the controller is silent, at one
+/// period of wall time per period. The first measurement is repeated until the remote side is
+/// ready. At the end one measurement with state OFF is sent.
 class Session final : public arm_sim::NetworkLoop<FriController, lwr::fri::MsrPacket> {
  public:
   /// Binds the port. Throws DeviceOpenError with a sentence.

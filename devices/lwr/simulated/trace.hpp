@@ -1,5 +1,5 @@
 #pragma once
-/// What the arm measured, period by period, as a table for tests and people.
+/// Measurements of the arm for each period, as a table for tests and analysis.
 #include <cstdio>
 #include <filesystem>
 #include <string_view>
@@ -8,19 +8,19 @@
 
 namespace voxtouch::lwr_sim {
 
-/// CSV: one header line, one row a period. Base axes; force and torque `applied` by the drives at
-/// the tool beyond carrying the arm (zero where the brakes hold it), `hand` by the operator.
-/// Numbers do not depend on the locale.
+/// CSV: one header line, one row per period. Base axes. Force and torque `applied` are those of the
+/// drives at the tool in addition to carrying the arm (zero while brakes hold it); `hand` are those
+/// of the operator. Numbers do not depend on the locale.
 class Trace {
  public:
-  /// Throws std::runtime_error where the file cannot be made.
+  /// Throws std::runtime_error if the file cannot be created.
   explicit Trace(const std::filesystem::path& file);
   ~Trace();
   Trace(const Trace&) = delete;
   Trace& operator=(const Trace&) = delete;
 
   void write(const TraceRow& row);
-  /// Throws std::runtime_error if not everything reached the file.
+  /// Throws std::runtime_error if the file is incomplete.
   void finish();
 
  private:

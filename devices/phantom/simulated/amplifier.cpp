@@ -7,7 +7,7 @@
 namespace voxtouch::hd_sim {
 namespace {
 
-constexpr double kCool = 0.9;  // a warm motor works again from here: assumed
+constexpr double kCool = 0.9;  // an overheated motor works again below this: assumed
 
 }  // namespace
 
@@ -28,7 +28,7 @@ phantom::hd::HDerror Amplifier::begin_tick(const Reading& reading, double period
   too_fast_ =
       limits.velocity_limit_on && reading.twist.linear.norm() > limits.velocity_limit_m_per_s;
   if (dropping())
-    drop(phantom::hd::kSuccess);  // the ramp starts where the cause is over
+    drop(phantom::hd::kSuccess);  // the ramp starts when the cause has ended
   if (warm_ && !was_warm)
     return phantom::hd::kWarmMotors;
   return too_fast_ && !was_too_fast && limits.force_output ? phantom::hd::kExceededMaxVelocity
@@ -74,8 +74,8 @@ const Vec3& Amplifier::advance(double dt_s) noexcept {
   age_s_ += dt_s;
   if (age_s_ > watchdog_s_ + 0.5 * dt_s)
     release();
-  // The heat of a motor goes with the square of its torque; steady at its continuous torque it
-  // reaches 1.
+  // The heat of a motor is proportional to its squared torque; constant continuous torque converges
+  // to 1.
   const Vec3 heat =
       torque_.cwiseMin(motor_limit_).cwiseMax(-motor_limit_).cwiseQuotient(continuous_).cwiseAbs2();
   temperature_ += (dt_s / thermal_time_s_) * (heat - temperature_);

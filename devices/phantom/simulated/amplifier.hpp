@@ -1,6 +1,5 @@
 #pragma once
-/// From what a frame asked for to the torque of the motors: overrides, limits, ramp, heat,
-/// watchdog.
+/// From the values set in a frame to the motor torques: overrides, limits, ramp, heat, watchdog.
 #include <optional>
 
 #include "devices/phantom/hdapi.hpp"
@@ -10,13 +9,13 @@
 
 namespace voxtouch::hd_sim {
 
-/// What was set between begin and end of a frame. Absent: not set.
+/// Values set between begin and end of a frame. Absent: not set.
 struct Setpoint {
   std::optional<Vec3> force;   ///< [N]
-  std::optional<Vec3> torque;  ///< [Nm]; the arm that is simulated gives none
+  std::optional<Vec3> torque;  ///< [Nm]; the simulated arm gives none
 };
 
-/// What a caller may switch and set. Which are on at first is assumed.
+/// Switches and limits that a caller may set. Their initial state is assumed.
 struct Limits {
   bool force_output = false;
   bool clamping = false;
@@ -30,8 +29,8 @@ struct Limits {
   double ramp_n_per_s = 20.0;
 };
 
-/// One device's electronics. Errors come back as codes, kSuccess where there is none. Real-time
-/// safe.
+/// The electronics of one device. Errors are returned as codes, kSuccess without an error.
+/// Real-time safe.
 class Amplifier {
  public:
   Amplifier(const Model& model, const PlantConfig& plant, double thermal_time_s,
@@ -39,23 +38,23 @@ class Amplifier {
 
   Limits limits;
 
-  /// Once a tick, before anything else: speed, heat, and the ramp by one period.
+  /// Called first in each tick: speed, heat, and one period of the ramp.
   phantom::hd::HDerror begin_tick(const Reading& reading, double period_s) noexcept;
-  /// Takes what a frame asked for; the pose is the one that the frame saw. The torque holds until
-  /// the next flush.
+  /// Applies the values of a frame; the pose is that of the frame. The torque holds until the next
+  /// flush.
   phantom::hd::HDerror flush(const Setpoint& setpoint, const Reading& reading,
                              double period_s) noexcept;
   /// Torque of the motors over the next substep [Nm].
   const Vec3& advance(double dt_s) noexcept;
 
-  /// Zero at once; what was held is forgotten.
+  /// Sets zero torque at once and discards the held value.
   void release() noexcept;
-  /// Zero, and the ramp from its start: what a scheduler's start and a force error come to.
+  /// Sets zero torque and restarts the ramp: effect of a scheduler start and of a force error.
   void restart_ramp() noexcept;
-  /// Off until turned on again: a device that has failed.
+  /// Stays off until turned on again: a failed device.
   void set_power(bool on) noexcept;
 
-  const Vec3& temperature() const noexcept { return temperature_; }  ///< 1: too hot
+  const Vec3& temperature() const noexcept { return temperature_; }  ///< 1: overheated
   void set_temperature(double value) noexcept { temperature_.setConstant(value); }
   bool dropping() const noexcept { return warm_ || too_fast_; }
 

@@ -6,7 +6,7 @@ namespace voxtouch::hd_sim {
 namespace {
 
 constexpr std::uint64_t kAutoCalibrationTicks =
-    50;  // how long an automatic calibration watches the arm first: assumed
+    50;  // initial observation time of an automatic calibration: assumed
 
 }  // namespace
 
@@ -49,7 +49,7 @@ phantom::hd::HDerror Device::end_frame(bool servo_runs) noexcept {
     return phantom::hd::kSuccess;
   }
   if (faults.communication != 0)
-    return phantom::hd::kCommError;  // nothing gets through: the amplifier's watchdog has to see it
+    return phantom::hd::kCommError;  // no message gets through: the amplifier's watchdog must react
   if (!switches.safety) {
     amplifier.release();
     return phantom::hd::kSuccess;
@@ -107,8 +107,8 @@ phantom::hd::HDerror Device::calibrate(phantom::hd::HDenum style, bool servo_run
   if (servo_runs && amplifier.limits.force_output)
     return phantom::hd::kInvalidOperation;
   if (style == phantom::hd::kCalibrationEncoderReset) {
-    // Before time has begun the operator does what he is asked to, and holds the links at right
-    // angles for it. Later the encoders are zeroed wherever the arm is, as they would be.
+    // At time zero the simulated operator follows the request and holds the links at right angles.
+    // Later the encoders are zeroed at the present pose, as on a real device.
     sensors_.zero_at(ticks == 0 ? settings_.reset_error_rad : plant.joints());
   } else {
     if (!servo_runs || calibration() == phantom::hd::kCalibrationNeedsManualInput)

@@ -1,6 +1,6 @@
 #pragma once
-/// One simulated Phantom: arm, encoders, electronics, and the rules of frames and calibration. No
-/// clock and no thread: whoever owns it makes its ticks.
+/// One simulated Phantom: arm, encoders, electronics, and the rules of frames and calibration. It
+/// has no clock or thread; its owner makes its ticks.
 #include <cstdint>
 
 #include "devices/phantom/simulated/amplifier.hpp"
@@ -11,22 +11,22 @@
 namespace voxtouch::hd_sim {
 
 inline constexpr phantom::hd::HHD kHandle =
-    0;  // the vendor's first handle is 0 as well: no driver may take it for "none"
+    0;  // the vendor's first handle is also 0: a driver must not treat it as "none"
 
 struct Switches {
   int buttons = 0;
   bool safety = true, inkwell = false;
 };
 
-/// What a frame saw.
+/// State captured by a frame.
 struct Frame {
   Reading reading;
   Switches switches;
   Setpoint setpoint;
-  bool position_lost = false;  ///< planted: positions read as NaN
+  bool position_lost = false;  ///< injected: positions read as NaN
 };
 
-/// How many ticks each fault has yet to go; negative: for good.
+/// Remaining ticks of each fault; negative: permanent.
 struct Faults {
   long communication = 0, device = 0, lost_position = 0;
 };
@@ -36,46 +36,46 @@ class Device {
   /// Throws as PhantomPlant does.
   explicit Device(const Settings& settings);
 
-  // --- frames; all real-time safe. `servo_runs`: the servo loop ticks, so that what is set takes
+  // --- frames; all real-time safe. `servo_runs`: the servo loop ticks, so that set values take
   // effect.
-  /// Takes the snapshot that the frame shows. kIllegalBegin: one is open, or has been in this tick.
+  /// Takes the snapshot for the frame. kIllegalBegin: a frame is open, or there was one in this
+  /// tick.
   phantom::hd::HDerror begin_frame(bool servo_runs) noexcept;
-  /// Gives what was set to the amplifier. kIllegalEnd: no frame is open.
+  /// Passes the set values to the amplifier. kIllegalEnd: no frame is open.
   phantom::hd::HDerror end_frame(bool servo_runs) noexcept;
   bool frame_open() const noexcept { return frame_open_; }
   const Frame& current() const noexcept {
     return current_;
-  }  ///< of this frame, or the last where none is open
-  /// For sets; only while a frame is open.
+  }  ///< of this frame, or of the last one if none is open
+  /// For set calls; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
-  /// Ends a frame that was left open; what was set in it is lost.
+  /// Ends an open frame; its set values are lost.
   void close_frame() noexcept { frame_open_ = false; }
-  /// What switching force output comes to. No order reaches an amplifier that communication is lost
-  /// to.
+  /// Effect of switching force output. Without communication, no command reaches the amplifier.
   void restart_ramp() noexcept {
     if (faults.communication == 0)
       amplifier.restart_ramp();
   }
 
-  // --- time. A tick is begin_tick, the callbacks, end_tick; the first is left out where the servo
+  // --- time. A tick is begin_tick, the callbacks, end_tick; begin_tick is omitted if the servo
   // loop missed it.
-  /// Reads the sensors and judges heat and speed; what is wrong goes to `errors`. Real-time safe,
-  /// like the next three.
+  /// Reads the sensors and checks heat and speed; errors go to `errors`. Real-time safe, like the
+  /// next three.
   void begin_tick(ErrorStack& errors) noexcept;
-  /// The arm moves on by a period, and faults on a count of ticks come nearer to their end.
+  /// Advances the arm by one period, and faults counted in ticks towards their end.
   void end_tick() noexcept;
-  /// The arm moves on under what the amplifier holds.
+  /// Advances the arm under the torque held by the amplifier.
   void advance(int substeps) noexcept;
-  /// Of the arm in a tick: the tick's length. The velocity starts anew.
+  /// Sets the substeps of the arm per tick, which is the tick's length. The velocity restarts.
   void set_substeps(int substeps) noexcept;
   int substeps() const noexcept { return substeps_; }
   double period_s() const noexcept { return substeps_ * kSubstep; }  ///< of a tick [s]
 
   // --- calibration
-  /// What it needs next: nothing, an update, or a hand.
+  /// The next calibration step: none, an update, or a manual one.
   phantom::hd::HDenum calibration() const noexcept;
-  /// kInvalidValue: not this model's style. kInvalidOperation: forces are on, or the arm does not
-  /// stand as it must.
+  /// kInvalidValue: not the style of this model. kInvalidOperation: forces are on, or the pose of
+  /// the arm is wrong.
   phantom::hd::HDerror calibrate(phantom::hd::HDenum style, bool servo_runs) noexcept;
 
   PhantomPlant plant;

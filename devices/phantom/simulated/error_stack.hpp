@@ -1,5 +1,5 @@
 #pragma once
-/// Errors wait here until they are read: the newest comes first.
+/// Errors wait here until they are read, the newest first.
 #include <array>
 #include <cstddef>
 
@@ -7,19 +7,19 @@
 
 namespace voxtouch::hd_sim {
 
-/// Of fixed size: where it is full the oldest entry is lost. Real-time safe.
+/// Fixed size: when full, the oldest entry is lost. Real-time safe.
 class ErrorStack {
  public:
   static constexpr std::size_t kCapacity = 128;
 
-  /// `internal`: the vendor's second number, which says nothing here.
+  /// `internal`: the vendor's second number, unused here.
   void push(phantom::hd::HDerror code, phantom::hd::HHD device, int internal = 0) noexcept {
     top_ = (top_ + 1) % kCapacity;
     entries_[top_] = {code, internal, device};
     if (count_ < kCapacity)
       ++count_;
   }
-  /// The newest, taken off; kSuccess where there is none.
+  /// Removes and returns the newest; kSuccess if empty.
   phantom::hd::HDErrorInfo pop() noexcept {
     if (count_ == 0)
       return {};
@@ -28,7 +28,7 @@ class ErrorStack {
     --count_;
     return newest;
   }
-  std::size_t size() const noexcept { return count_; }  ///< how many wait
+  std::size_t size() const noexcept { return count_; }  ///< number of waiting errors
 
  private:
   std::array<phantom::hd::HDErrorInfo, kCapacity> entries_{};

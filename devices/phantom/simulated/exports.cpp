@@ -1,10 +1,10 @@
-// Those functions of the vendor's library that the driver calls.
+// The functions of the vendor's library that the driver calls.
 #include <algorithm>
 #include <type_traits>
 
 #include "devices/phantom/simulated/library.hpp"
 
-// NOLINTBEGIN: names are the interface's
+// NOLINTBEGIN: the names belong to the interface
 using namespace voxtouch::phantom::hd;
 namespace hd_sim = voxtouch::hd_sim;
 

@@ -1,4 +1,4 @@
-// The hooks of hdsim.h: C in, a sentence out where something cannot be.
+// The hooks of hdsim.h: C functions that return a sentence on failure.
 #include <fmt/format.h>
 
 #include <stdexcept>

@@ -1,5 +1,5 @@
 #pragma once
-/// The one state behind the exported functions: settings, device, servo loop, errors.
+/// The state behind the exported functions: settings, device, servo loop, errors.
 #include <chrono>
 #include <memory>
 #include <mutex>
@@ -13,65 +13,65 @@
 
 namespace voxtouch::hd_sim {
 
-/// Every public function may be called from any thread, callbacks included; it takes the library's
-/// lock, so none is real-time safe. Simulated time passes in ticks only: while the scheduler stands
-/// the arm stands. Units are the interface's: mm, N, mNm, rad. What goes wrong is left on the stack
-/// of errors, unless it says else.
+/// Any thread, including callbacks, may call any public function. Each takes the library's lock, so
+/// none is real-time safe. Simulated time passes in ticks only: while the scheduler is stopped the
+/// arm does not move. Units are those of the interface: mm, N, mNm, rad. Errors are left on the
+/// error stack, unless stated otherwise.
 class Library {
  public:
-  /// Made at the first call and never destroyed: a servo thread may outlive main.
+  /// Created at the first call and never destroyed: a servo thread may outlive main.
   static Library& instance();
 
   // --- device
-  /// Opens the one device there is, by one of its usual names or null. kInvalidHandle: no such
-  /// name, open already, or a fault was planted.
+  /// Opens the only device, by one of its usual names or null. kInvalidHandle: unknown name,
+  /// already open, or an injected fault.
   phantom::hd::HHD init(phantom::hd::HDstring name);
-  /// Forces off, frame closed, handle gone.
+  /// Turns forces off, closes the frame and releases the handle.
   void disable(phantom::hd::HHD device);
-  /// There is one device only: says whether `device` is it.
+  /// There is only one device: checks that `device` is it.
   void make_current(phantom::hd::HHD device);
-  /// kInvalidHandle where none is open.
+  /// kInvalidHandle if no device is open.
   phantom::hd::HHD current_device();
-  /// Takes a snapshot of the device, which all gets show until the next; no force is set yet.
+  /// Takes a snapshot of the device for all get calls until the next one; no force is set yet.
   void begin_frame(phantom::hd::HHD device);
-  /// What was set since `begin_frame` goes to the amplifier.
+  /// Passes the values set since `begin_frame` to the amplifier.
   void end_frame(phantom::hd::HHD device);
   /// hdEnable, hdDisable: force output, clamping, ramping, limits.
   void set_capability(phantom::hd::HDenum name, bool on);
   /// hdIsEnabled.
   bool capability_on(phantom::hd::HDenum name);
-  /// A parameter's values; none of them where it cannot be read as `type`.
+  /// The values of a parameter; empty if it cannot be read as `type`.
   Values get(phantom::hd::HDenum name, Type type);
-  /// 0 where this cannot be set; the error is noted then.
+  /// 0 if this parameter cannot be set; the error is then recorded.
   int count_of_set(phantom::hd::HDenum name);
-  /// Sets a parameter, of as many values as `count_of_set` says.
+  /// Sets a parameter with `count_of_set` values.
   void set(phantom::hd::HDenum name, const Values& values);
-  /// Null where there is no string of that name. Lives as long as the process.
+  /// Null for an unknown name. Valid until the process ends.
   phantom::hd::HDstring string(phantom::hd::HDenum name);
-  /// What the calibration needs next.
+  /// The next calibration step.
   phantom::hd::HDenum calibration();
-  /// Calibrates, if the model does it so and its arm stands as it must for it.
+  /// Calibrates, if the model supports the style and the arm is in the required pose.
   void calibrate(phantom::hd::HDenum style);
-  /// The newest error, taken off the stack; kSuccess: there is none.
+  /// Removes and returns the newest error; kSuccess if there is none.
   phantom::hd::HDErrorInfo pop_error();
-  /// Leaves an error that the caller has found.
+  /// Records an error found by the caller.
   void fail(phantom::hd::HDerror code);
 
   // --- scheduler
   /// Starts the servo loop: a thread, or in virtual time ticks by `step`.
   void start();
-  /// Ends it after the tick that runs; not from a callback.
+  /// Ends it after the present tick; not from a callback.
   void stop();
-  /// Ticks a second, of those that the model's bus has [Hz].
+  /// Rate of the ticks, one of those of the model's bus [Hz].
   void set_rate(phantom::hd::HDulong rate_hz);
-  /// Runs `callback` each tick until it says that it is done. 0: there is no room.
+  /// Runs `callback` in each tick until it returns done. 0: no room.
   phantom::hd::HDSchedulerHandle schedule_asynchronous(phantom::hd::HDSchedulerCallback callback,
                                                        void* data, phantom::hd::HDushort priority);
-  /// Takes a callback out, and waits until it is not running.
+  /// Removes a callback, and waits until it is not running.
   void unschedule(phantom::hd::HDSchedulerHandle handle);
 
   // --- hooks. Throw std::runtime_error with a sentence.
-  /// Changes settings and switches the device off and on again.
+  /// Changes settings and power-cycles the device.
   template <class Change>
   void configure(Change change) {
     const Lock lock(mutex_);
@@ -79,16 +79,16 @@ class Library {
     change(candidate);
     power_on(candidate);
   }
-  /// Where the hand goes, in the device's frame [m]: before the first tick the arm is put at its
-  /// start, later the hand goes on from there.
+  /// Sets the motion of the hand, in the device's frame [m]. Until the first tick the arm is moved
+  /// to its start; later the hand continues from its pose.
   void set_motion(const Motion& motion);
-  /// Another grip, from now on.
+  /// Changes the grip from now on.
   void set_hand(const sim::OperatorConfig& hand);
-  /// Buttons, safety switch and inkwell, from the next frame on.
+  /// Sets buttons, safety switch and inkwell, from the next frame on.
   void set_switches(const Switches& switches);
-  /// One tick of virtual time; false: it passed without callbacks.
+  /// Makes one tick of virtual time; returns false if it had no callbacks.
   bool step();
-  /// A fault of hdsim.h, with what its amount means there.
+  /// Injects a fault of hdsim.h with its amount.
   void inject(int fault, double amount);
   /// The true state, in SI units.
   void read_state(hdsim_state& state);
@@ -111,7 +111,7 @@ class Library {
   std::recursive_mutex mutex_;
   Settings settings_;
   std::unique_ptr<Device> device_;
-  std::string broken_;  // what was wrong with the environment variable
+  std::string broken_;  // error in the environment variable
   bool open_ = false;
   ErrorStack errors_;
 

@@ -1,4 +1,4 @@
-// What Library does for its hooks.
+// Implementation of the hooks in Library.
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -10,7 +10,7 @@ namespace {
 
 void copy(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to); }
 
-/// Ticks of a fault: negative is for good.
+/// Ticks of a fault; negative is permanent.
 long ticks_of(double amount) {
   if (!(std::abs(amount) <= 1e9))
     throw std::runtime_error("simulated Phantom: the amount of a fault must be a number of ticks");
@@ -31,7 +31,7 @@ void Library::set_motion(const Motion& motion) {
   candidate.motion = motion;
   if (device_->ticks > 0) {
     device_->plant.follow(motion);
-  } else {  // no time has passed: the arm can still be put there
+  } else {  // no time has passed: the arm can still be moved there
     device_->plant = PhantomPlant(candidate.plant, candidate.hand, motion, candidate.seed,
                                   candidate.hand_bandwidth_hz);
   }

@@ -6,9 +6,9 @@
 namespace voxtouch::hd_sim {
 namespace {
 
-// Type strings but the first are as seen in drivers; that of the plain Premium 1.5 is assumed.
-// Forces are data-sheet figures from memory but for the maxima 8.5, 7.9, 3.3 N and the stiffness
-// 0.8, 1.0, 0.7 N/mm, which CHAI3D's model table has.
+// Type strings are as seen in drivers, except the first; that of the plain Premium 1.5 is assumed.
+// Forces are data-sheet figures recalled from memory. The maxima 8.5, 7.9, 3.3 N and the stiffness
+// 0.8, 1.0, 0.7 N/mm are in CHAI3D's model table.
 constexpr std::array kModels{
     Model{"premium", "PHANTOM Premium 1.5", Bus::kParallelPort,
           phantom::hd::kCalibrationEncoderReset, 3, 8.5, 1.4, 0.8},
@@ -33,7 +33,7 @@ std::string_view model_keys() noexcept { return "premium, premium-6dof, desktop,
 int substeps_at(const Model& model, phantom::hd::HDulong rate_hz) noexcept {
   if (model.bus == Bus::kParallelPort)
     return rate_hz == 500 || rate_hz == 1000 || rate_hz == 2000 ? int(8000 / rate_hz) : 0;
-  // floor(8000 / N + 0.5) in whole numbers. Slower than 500 Hz no model goes.
+  // floor(8000 / N + 0.5) in integers. No model runs below 500 Hz.
   for (unsigned n = 1; n <= 16; ++n)
     if ((16000 + n) / (2 * n) == rate_hz)
       return static_cast<int>(n);

@@ -1,6 +1,6 @@
 #pragma once
-/// Which product the simulated library says that it is. The arm is a Premium 1.5's in all of them:
-/// what differs is what a driver has to ask for and to keep to.
+/// Product identities of the simulated library. The arm is always that of a Premium 1.5; models
+/// differ in calls and limits that a driver must handle.
 #include <string_view>
 
 #include "devices/phantom/hdapi.hpp"
@@ -10,8 +10,8 @@ namespace voxtouch::hd_sim {
 enum class Bus { kParallelPort, kFireWire };
 
 struct Model {
-  std::string_view key;        ///< what tests and people call it
-  phantom::hd::HDstring type;  ///< what the library answers for the model type
+  std::string_view key;        ///< name in tests and settings
+  phantom::hd::HDstring type;  ///< reported model type
   Bus bus;
   phantom::hd::HDenum calibration;  ///< one style
   int output_dof;
@@ -24,8 +24,8 @@ const Model* find_model(std::string_view key) noexcept;
 /// The keys, separated by ", ".
 std::string_view model_keys() noexcept;
 
-/// Substeps of the plant in one tick at `rate_hz`; 0 where the model's bus has no such rate: 500,
-/// 1000, 2000 Hz over a parallel port, 8000 / N rounded over FireWire.
+/// Substeps of the plant in one tick at `rate_hz`; 0 if the model's bus does not have that rate:
+/// 500, 1000, 2000 Hz over a parallel port, 8000 / N rounded over FireWire.
 int substeps_at(const Model& model, phantom::hd::HDulong rate_hz) noexcept;
 
 }  // namespace voxtouch::hd_sim

@@ -6,7 +6,7 @@
 namespace voxtouch::hd_sim {
 namespace {
 
-constexpr double kMilli = 1000.0;  // mm in a metre, mNm in a newton metre
+constexpr double kMilli = 1000.0;  // mm per metre, mNm per newton metre
 
 struct Shown {
   Type type = Type::kNone;
@@ -31,14 +31,14 @@ Vec3 position_of(const Frame& f) {
 Values transform(const Frame& f) {
   Values v;
   v.count = 16;
-  Eigen::Map<Eigen::Matrix4d> m(v.value.data());  // column-major, as the interface has it
+  Eigen::Map<Eigen::Matrix4d> m(v.value.data());  // column-major, as in the interface
   m.setIdentity();
   m.topLeftCorner<3, 3>() = f.reading.pose.orientation.toRotationMatrix();
   m.topRightCorner<3, 1>() = kMilli * position_of(f);
   return v;
 }
 
-/// What a frame saw.
+/// Values captured by a frame.
 Shown of_frame(const Frame& f, phantom::hd::HDenum name) {
   switch (name) {
     case phantom::hd::kCurrentButtons:
@@ -76,7 +76,7 @@ Shown of_device(const Device& d, double mean_rate_hz, phantom::hd::HDenum name) 
     case phantom::hd::kNominalMaxContinuousForce:
       return {Type::kDouble, list({m.continuous_force_n})};
     case phantom::hd::kNominalMaxTorqueForce:
-      return {Type::kDouble, list({0.0})};  // the arm that is simulated gives no torque
+      return {Type::kDouble, list({0.0})};  // the simulated arm gives no torque
     case phantom::hd::kMotorTemperature: {
       Values v = vector(d.amplifier.temperature());
       v.count = m.output_dof;  // motors of a gimbal stay cold
@@ -96,7 +96,7 @@ phantom::hd::HDerror set_positive(double& out, double value) {
   return phantom::hd::kSuccess;
 }
 
-/// Of the frame that is open.
+/// Sets a value of the open frame.
 phantom::hd::HDerror set_output(Device& device, phantom::hd::HDenum name, const Values& in) {
   if (!device.frame_open())
     return phantom::hd::kFrameError;

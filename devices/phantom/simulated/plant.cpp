@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLightestArm = 0.03;  // [kg] apparent mass at the tip, over the workspace
 constexpr int kFrictionSweeps =
-    20;  // the mass matrix is nearly diagonal: the projection has converged long before
+    20;  // the mass matrix is nearly diagonal: the projection converges much earlier
 
 void require_in(double value, double low, double high, std::string_view field) {
   if (value >= low && value <= high)
@@ -22,7 +22,7 @@ void require_in(double value, double low, double high, std::string_view field) {
       fmt::format("simulated Phantom: {} is {}, limits [{}, {}]", field, value, low, high));
 }
 
-/// The explicit step is stable for these only.
+/// The explicit step is stable for these grips only.
 const sim::OperatorConfig& checked(const sim::OperatorConfig& hand) {
   hand::checked_grip(hand);
   if (hand.released)
@@ -61,7 +61,7 @@ PhantomPlant::PhantomPlant(const PlantConfig& config, const sim::OperatorConfig&
 
 void PhantomPlant::set_hand(const sim::OperatorConfig& hand) { hand_.grip_as(checked(hand)); }
 
-/// A stop pushes back only, also while it is left.
+/// An end stop only pushes back, also while the joint leaves it.
 Vec3 PhantomPlant::stop_torque(const Vec3& q, const Vec3& v) const noexcept {
   const auto push = [this](double depth, double speed) {
     return depth > 0.0
@@ -80,7 +80,8 @@ Vec3 PhantomPlant::stop_torque(const Vec3& q, const Vec3& v) const noexcept {
 Vec3 PhantomPlant::acceleration(const Vec3& q, const Vec3& v, const Load& load,
                                 Mat3* mobility) const noexcept {
   const Mat3 j = phantom::phantom_jacobian(config_.geometry, q);
-  // The hand's mass rides on the tip: J^T m J in the mass, J^T m J' in what speed does.
+  // The mass of the hand moves with the tip: J^T m J in the mass matrix, J^T m J' in the velocity
+  // terms.
   const Vec3 at_tip =
       load.hand.force(phantom::phantom_tip(config_.geometry, q), j * v) -
       load.hand.mass_kg * (phantom::phantom_jacobian_rate(config_.geometry, q, v) * v);
@@ -102,8 +103,8 @@ Vec3 PhantomPlant::acceleration(const Vec3& q, const Vec3& v, const Load& load,
   return inverse * torque;
 }
 
-/// Impulses of friction, one a joint and each in a box, such that the velocity after the step is
-/// zero where an impulse is inside its box: a projected Gauss-Seidel sweep over three unknowns.
+/// Friction impulses, one per joint within its bounds, such that the velocity after the step is
+/// zero for an impulse inside its bounds: projected Gauss-Seidel over three unknowns.
 PhantomPlant::Locks PhantomPlant::resist(Load& load) const noexcept {
   const double most = config_.coulomb_nm * kSubstep;
   Locks stopping;

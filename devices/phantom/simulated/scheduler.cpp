@@ -39,7 +39,7 @@ void CallbackList::run(Lock& lock) {
   for (std::size_t i = 0; i < round_.size(); ++i) {
     const Entry entry = round_[i];
     if (!contains(entry.handle))
-      continue;  // taken out by one before it
+      continue;  // removed by an earlier callback
     running_ = entry.handle;
     lock.unlock();
     const phantom::hd::HDCallbackCode code = entry.callback(entry.data);

@@ -1,5 +1,5 @@
 #pragma once
-/// Callbacks of the servo loop, in order of their priority.
+/// Callbacks of the servo loop, in order of priority.
 #include <condition_variable>
 #include <mutex>
 #include <vector>
@@ -8,23 +8,25 @@
 
 namespace voxtouch::hd_sim {
 
-/// Guarded by the mutex that the owner gives; functions are called with it held, callbacks run
+/// Guarded by the mutex of the owner. Functions are called with the lock held, callbacks run
 /// without it.
 class CallbackList {
  public:
   static constexpr std::size_t kMaxEntries = 64;
   using Lock = std::unique_lock<std::recursive_mutex>;
 
-  /// Behind those of the same priority. 0: there is no room.
+  /// Inserts it after those of equal priority. 0: no room.
   phantom::hd::HDSchedulerHandle add(phantom::hd::HDSchedulerCallback callback, void* data,
                                      phantom::hd::HDushort priority);
-  std::size_t size() const noexcept { return entries_.size(); }  ///< callbacks that are scheduled
-  /// Takes it out; waits until it is not running, unless `from_servo`. False: there is none.
+  /// Number of scheduled callbacks.
+  std::size_t size() const noexcept { return entries_.size(); }
+  /// Removes a callback, and waits until it is not running, unless `from_servo`. Returns false if
+  /// it is unknown.
   bool remove(phantom::hd::HDSchedulerHandle handle, Lock& lock, bool from_servo);
-  /// Each callback once, in falling priority, the older first among equals. What comes meanwhile
-  /// waits for the next tick.
+  /// Calls each callback once, by decreasing priority, the older first among equals. Callbacks
+  /// added meanwhile wait for the next tick.
   void run(Lock& lock);
-  /// Takes out all; none may be running.
+  /// Removes all; none may be running.
   void clear() noexcept { entries_.clear(); }
 
  private:

@@ -23,8 +23,8 @@ void Sensors::set_period(double period_s) noexcept {
 }
 
 const Reading& Sensors::sample(const Vec3& joints, const Quat& orientation) noexcept {
-  // The gimbal's own angles are those of the true arm; where the arm is not calibrated the
-  // orientation is wrong with it.
+  // The gimbal angles are those of the true arm. If the arm is not calibrated, the orientation has
+  // the same error.
   const Vec3 true_gimbal = phantom::gimbal_angles(joints, orientation);
   Vec3 gimbal;
   for (int i = 0; i < 3; ++i) {

@@ -1,32 +1,32 @@
 #pragma once
-/// What the device knows of its own pose: counts of encoders, and what follows from them.
+/// The measured pose of the device: encoder counts and derived values.
 #include "devices/phantom/phantom_arm.hpp"
 #include "devices/sim/encoder.hpp"
 
 namespace voxtouch::hd_sim {
 
-/// One reading, in SI units and the joints' own signs.
+/// One reading, in SI units and with the signs of the joints.
 struct Reading {
   Vec3 joints = Vec3::Zero();  ///< from the counts [rad]
   Pose pose;                   ///< of the stylus in D, from those angles
-  Twist twist;                 ///< difference from the reading before, low-passed
+  Twist twist;                 ///< difference from the previous reading, low-passed
 };
 
-/// Six encoders that count from where they were zeroed. Real-time safe.
+/// Six encoders that count from their zero position. Real-time safe.
 class Sensors {
  public:
-  /// `resolution_m`: the step of each joint at the end of its link.
+  /// `resolution_m`: step of each joint at the end of its link.
   Sensors(const phantom::PhantomGeometry& geometry, double resolution_m,
           double gimbal_resolution_rad, double velocity_filter_hz) noexcept;
 
-  /// The counts of the three joints are zero at these true angles. The velocity starts anew.
+  /// Sets the counts of the three joints to zero at these true angles. The velocity restarts.
   void zero_at(const Vec3& joints) noexcept;
-  /// Time from one sample to the next. The velocity starts anew.
+  /// Sets the sample period. The velocity restarts.
   void set_period(double period_s) noexcept;
   /// The reading at these true angles [rad] and this orientation of the stylus in D. Valid until
   /// the next call.
   const Reading& sample(const Vec3& joints, const Quat& orientation) noexcept;
-  const Reading& reading() const noexcept { return reading_; }  ///< the last
+  const Reading& reading() const noexcept { return reading_; }  ///< the last one
   const Vec3& step_rad() const noexcept { return step_; }       ///< of the three joints' encoders
 
  private:

@@ -1,4 +1,4 @@
-// The servo loop of Library: a thread of its own in real time, or ticks that a test makes.
+// The servo loop of Library: its own thread in real time, or ticks made by the caller.
 #include <cmath>
 #include <stdexcept>
 #include <system_error>
@@ -19,7 +19,7 @@ struct InServo {
 };
 
 constexpr long kMaxMissed =
-    200;  // periods that the arm catches up at once after a stall of the whole process
+    200;  // periods that the arm makes up for after a stall of the whole process
 
 }  // namespace
 
@@ -119,7 +119,7 @@ bool Library::tick(Lock& lock) {
   return !missed;
 }
 
-/// Periods that have gone by without a tick: the arm went on under the last force.
+/// Advances missed periods: the arm continued under the last force.
 void Library::catch_up(Clock::time_point& due, Clock::duration period) {
   const Clock::time_point now = Clock::now();
   const long missed = (now - due) / period;
