@@ -10,6 +10,7 @@ static_asserts on its layout; OUT_DIR/voxtouch_msgs/python_types.hpp carries the
 Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. Of a service it writes
 OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp.
 """
+
 import pathlib
 import re
 import sys

@@ -1,6 +1,7 @@
 """RIHS01 hashes of message and service types, as REP-2016 says: SHA-256 over the JSON of the type's
 description with all types that it uses.
 """
+
 import hashlib
 import json
 

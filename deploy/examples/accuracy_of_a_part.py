@@ -5,6 +5,7 @@ model against the true force, and prints what to take.
 It calls `voxtouch new` and `voxtouch accuracy --json`, which measures for 10 s to minutes. Needs
 the programs of voxtouch on PATH, or --voxtouch.
 """
+
 import argparse
 import json
 import pathlib

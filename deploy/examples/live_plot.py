@@ -7,13 +7,13 @@ For example:
     voxtouch up cup --motion slide &
     live_plot.py
 """
+
 import argparse
 import collections
 import time
 
 import matplotlib
 import numpy
-
 from voxtouch.types import TOPICS, join
 
 
@@ -47,9 +47,12 @@ def main():
     figure, (upper, lower) = pyplot.subplots(2, 1, sharex=True, figsize=(8, 5))
     lines = [upper.plot([], [], label=name)[0] for name in "xyz"]
     (energy,) = lower.plot([], [], color="black")
-    upper.set_ylabel("commanded force [N]"), upper.legend(loc="upper left"), lower.set_ylabel(
-        "energy [J]"
-    ), lower.set_xlabel("device's time [s]")
+    (
+        upper.set_ylabel("commanded force [N]"),
+        upper.legend(loc="upper left"),
+        lower.set_ylabel("energy [J]"),
+        lower.set_xlabel("device's time [s]"),
+    )
     end = time.monotonic() + o.seconds
     while time.monotonic() < end and (o.save or pyplot.fignum_exists(figure.number)):
         for c in reader.take(N=500):

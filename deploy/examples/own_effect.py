@@ -6,16 +6,16 @@ A scene takes it where it names the topic as an external effect (deploy/scenes s
 then bounds it in force and slew, and lets it fade when it is late. Put your own law into
 `wrench_at`. Needs voxtouch[dds]. Stops on Ctrl-C; what it wrote last fades then.
 """
+
 import argparse
 import time
 
 import numpy
-from cyclonedds.core import ReadCondition, SampleState, ViewState, InstanceState, WaitSet
+from cyclonedds.core import InstanceState, ReadCondition, SampleState, ViewState, WaitSet
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-
 from voxtouch.types import TOPICS, join
 from voxtouch.types.builtin_interfaces import Time
 from voxtouch.types.geometry_msgs import Vector3, Wrench, WrenchStamped

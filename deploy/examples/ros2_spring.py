@@ -3,6 +3,7 @@
 
 Start `voxtouch up cup_external --motion rest` first. The ring limits force, slew rate and energy.
 """
+
 import rclpy
 from geometry_msgs.msg import PoseStamped, WrenchStamped
 

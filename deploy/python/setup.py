@@ -4,6 +4,7 @@
 What is in C++ comes from the tree's build, which CMake makes first: build/, or the folder that
 VOXTOUCH_BUILD names. deploy/setup installs what it needs.
 """
+
 import os
 import pathlib
 import re

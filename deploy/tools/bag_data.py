@@ -4,6 +4,7 @@ idl/msg, where they are written down.
 Reads rosbag2 folders (bag_files.py says which), also of a ring that was killed. Needs numpy, which
 comes with python3-matplotlib.
 """
+
 import functools
 import json
 import pathlib
@@ -11,9 +12,8 @@ import struct
 import sys
 
 import numpy
-from numpy.lib import recfunctions
-
 from bag_files import FileError, files_of, open_file
+from numpy.lib import recfunctions
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "idl"))
@@ -365,10 +365,13 @@ class Bag:
         its end, was not there, or where this is none of its.
         """
         recording = self.file_of("voxtouch_run.json")
-        limits, sentences = recording.get("limits"), [
-            recording.get("problems"),
-            recording.get("notes"),
-        ]
+        limits, sentences = (
+            recording.get("limits"),
+            [
+                recording.get("problems"),
+                recording.get("notes"),
+            ],
+        )
         whole = isinstance(limits, dict) and all(
             isinstance(one, dict)
             and all(

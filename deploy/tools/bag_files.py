@@ -2,6 +2,7 @@
 that was killed. Standard library, and for compressed chunks of an MCAP a zstd: Debian's
 python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on.
 """
+
 import pathlib
 import sqlite3
 import struct
@@ -318,6 +319,8 @@ class McapFile:
                     continue
                 channel, _, time, published = struct.unpack_from("<HIQQ", content)
                 if channel in requested:
-                    yield channel, 0 if (time, published) == (LOG_TIME_OF_ZERO, 0) else time, bytes(
-                        content[22:]
+                    yield (
+                        channel,
+                        0 if (time, published) == (LOG_TIME_OF_ZERO, 0) else time,
+                        bytes(content[22:]),
                     )

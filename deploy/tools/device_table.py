@@ -7,6 +7,7 @@ usage: device_table.py VOXTOUCH             writes the table; VOXTOUCH: the prog
        device_table.py VOXTOUCH --check     compares instead; exit status 1 where the table is
                                             another one, or a design fails
 """
+
 import json
 import pathlib
 import re

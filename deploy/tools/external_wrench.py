@@ -8,6 +8,7 @@ usage: external_wrench.py TYPES [--centre X Y Z] [--spring K] [--topic /sim/wren
 TYPES: the folder that `voxtouch types --python TYPES` wrote; needs `pip install
 cyclonedds==11.0.1`. Ends with Ctrl-C; the force then fades.
 """
+
 import argparse
 import dataclasses
 import pathlib

@@ -5,6 +5,7 @@ verb, and one for each node.
 usage: man_page.py BIN OUT PROGRAM...     BIN: folder of the programs; OUT: folder to write
                                           PROGRAM.1.gz into
 """
+
 import gzip
 import pathlib
 import re
@@ -25,9 +26,12 @@ def said(*words):
 
 
 def escaped(text):
-    r"" r"""For troff: a backslash, a hyphen that is a minus, and a line that begins with a control
+    (
+        r""
+        r"""For troff: a backslash, a hyphen that is a minus, and a line that begins with a control
     character.
     """
+    )
     text = text.replace("\\", "\\e").replace("-", "\\-")
     return re.sub(r"^([.'])", r"\\&\1", text, flags=re.MULTILINE)
 
@@ -70,8 +74,9 @@ def rows(lists):
 
 def page(folder, name):
     program = str(folder / name)
-    version, (about, usage, lists) = said(program, "--version").strip(), parts(
-        said(program, "--help")
+    version, (about, usage, lists) = (
+        said(program, "--version").strip(),
+        parts(said(program, "--help")),
     )
     options, _, verbs = lists.partition("Subcommands:")
     first = re.split(r"(?<=[^A-Z])[.:]\s|\n|\.$", about)[0]

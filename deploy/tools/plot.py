@@ -30,6 +30,7 @@ Where the data come from (each command with --help says more):
 PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 where the picture is
 written; else 1 and a sentence on stderr.
 """
+
 import argparse
 import json
 import math

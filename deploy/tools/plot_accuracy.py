@@ -1,6 +1,7 @@
 """What accuracy costs: of a result of `voxtouch accuracy --json` the errors over the time of a
 frame, and all of it on one page.
 """
+
 import math
 
 from plot_layout import *  # noqa: F403

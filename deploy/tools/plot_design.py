@@ -1,6 +1,7 @@
 """Where a designed coupling is stable: the contact's stiffness over the filter's cut-off, of a
 result of `voxtouch design --json`.
 """
+
 import math
 
 from plot_layout import *  # noqa: F403
@@ -43,7 +44,7 @@ def design_figure(data):
     )
     note = (
         f"{data['device']}; hand: {data['hand']}.\nWorst case of"
-        f" them{'' if law else f', damping ratio %.3g' % coupling['damping_ratio']}; injected"
+        f" them{'' if law else ', damping ratio {:.3g}'.format(coupling['damping_ratio'])}; injected"
         f" damping {axis_design['injected_damping']:.3g} Ns/m, {velocity}."
     )
     useful = (

@@ -1,6 +1,7 @@
 """Forces over time: of a recorded run, of its replay next to it, and of runs side by side, over the
 path of the hand too.
 """
+
 import math
 import pathlib
 import sys

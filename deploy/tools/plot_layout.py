@@ -1,6 +1,7 @@
 """Where things stand on a picture: title and note, legend next to the plane, limits of logarithmic
 axes, names next to their marks.
 """
+
 import math
 import textwrap
 

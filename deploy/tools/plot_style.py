@@ -1,6 +1,7 @@
 """The one style of all pictures: colours, letters, axes, and what becomes of a spike. Where
 matplotlib is missing, NO_MATPLOTLIB says so.
 """
+
 import logging
 import os
 import sys

@@ -1,13 +1,13 @@
 """A recorded run in numbers: which force was displayed and when, on one time axis; its figures, its
 faults, its words. Draws nothing.
 """
+
 import functools
 import math
 import re
 import shlex
 
 import numpy
-
 from bag_data import Bag, BagError, constants, norm, vector
 
 TOUCH_N = 1e-9  # what is less is no force
@@ -68,11 +68,13 @@ class Run:
         )
         self.description = self.last("device/description")
         self.plan, self.design = self.last("rendering/plan"), self.last("coupling/design")
-        self.returned, self.pushed = vector(self.command["wrench"]["force"]), vector(
-            self.contact["contact_wrench"]["force"]
+        self.returned, self.pushed = (
+            vector(self.command["wrench"]["force"]),
+            vector(self.contact["contact_wrench"]["force"]),
         )
-        self.rendered, self.torque = vector(self.contact["wrench"]["force"]), vector(
-            self.command["wrench"]["torque"]
+        self.rendered, self.torque = (
+            vector(self.contact["wrench"]["force"]),
+            vector(self.command["wrench"]["torque"]),
         )
         self.depth_mm, self.gap_mm = (
             1e3 * self.contact["deepest_depth_m"],

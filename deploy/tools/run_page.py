@@ -1,6 +1,7 @@
 """The report of a run as one HTML page that loads nothing: words, tables, and the pictures of
 run_pictures.py.
 """
+
 import html
 import json
 import math
@@ -66,7 +67,7 @@ def table(head, rows, numeric=()):
         return (
             "<tr>"
             + "".join(
-                f'<{tag}{scope}{" class=n" if i in numeric else ""}>{word}</{tag}>'
+                f"<{tag}{scope}{' class=n' if i in numeric else ''}>{word}</{tag}>"
                 for i, word in enumerate(words)
             )
             + "</tr>"
@@ -74,7 +75,7 @@ def table(head, rows, numeric=()):
 
     body = "".join(row("td", words) for words in rows)
     return (
-        f"<div class=\"wide\"><table><thead>{row('th', head)}</thead>"
+        f'<div class="wide"><table><thead>{row("th", head)}</thead>'
         f"<tbody>{body}</tbody></table></div>"
     )
 
@@ -136,10 +137,10 @@ def verdict(run):
         )
     if summary.get("ok") is True and not summary["problems"]:
         return (
-            f'<p class=good><b>PASSED: all {len(summary["limits"])} limits were'
-            f' met.</b></p>{listed(summary["notes"])}'
+            f"<p class=good><b>PASSED: all {len(summary['limits'])} limits were"
+            f" met.</b></p>{listed(summary['notes'])}"
         )
-    return f'<p class=bad><b>FAILED:</b></p>{listed(summary["problems"])}{listed(summary["notes"])}'
+    return f"<p class=bad><b>FAILED:</b></p>{listed(summary['problems'])}{listed(summary['notes'])}"
 
 
 def limit_rows(run):

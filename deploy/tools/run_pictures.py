@@ -1,30 +1,29 @@
 """The pictures of a run's report, each as SVG text whose colours follow the page, light or dark.
 Two runs stand side by side on one scale.
 """
+
 import io
 import math
 import re
 
 import numpy
-
 from bag_data import norm
 from plot_style import (
     CONTACT,
     GREEN,
     INK,
     LINE,
-    ORANGE,
     PURPLE,
     QUIET,
     RED,
     RETURNED,
     STRETCHES,
     STYLE,
+    Figure,
+    FuncFormatter,
     X,
     Y,
     Z,
-    Figure,
-    FuncFormatter,
     curve,
     legend_above,
     log_axis,
@@ -396,7 +395,7 @@ def latency_picture(runs):
                 largest = max(largest, max(r[1] for r in rows))
         if run.lockstep:
             axis.annotate(
-                "not measured in " "lockstep",
+                "not measured in lockstep",
                 (0.5, 0.5),
                 xycoords="axes fraction",
                 ha="center",

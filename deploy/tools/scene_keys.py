@@ -5,6 +5,7 @@ that `voxtouch schema` prints.
 usage: scene_keys.py           writes deploy/scenes/README.md
        scene_keys.py --check   compares instead; exit status 1 where the file is another one
 """
+
 import json
 import pathlib
 import re

@@ -4,6 +4,7 @@ scene:=cup motion:=slide rig:=left
 The programs of voxtouch have to be on the PATH. Whatever `voxtouch up` takes in addition to these
 arguments goes into `more`, as on its command line.
 """
+
 import os
 import shlex
 

@@ -7,6 +7,7 @@ and never by a signal.
 Rows that need root (no /proc, an address that goes) are left out without it, and named. Exit status
 1 if something did not hold.
 """
+
 import argparse
 import contextlib
 import os

@@ -9,6 +9,7 @@ to its end, and judges: `up` ends by itself, no process is lost, the device neve
 than the contact gives, and exit status and named problems agree. The program has to end with 0.
 Exit status 1 if something did not hold.
 """
+
 import argparse
 import json
 import pathlib

@@ -9,6 +9,7 @@ starts while the attack goes on. Counts foreign samples that any reader of a nod
 were refused, and runs that had a problem. The forger at last attacks a plain ring, which has to
 suffer: else it would prove nothing. Exit status 1 if something did not hold.
 """
+
 import argparse
 import json
 import pathlib

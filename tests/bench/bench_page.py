@@ -2,6 +2,7 @@
 """bench_page.py FOLDER: what deploy/bench measured (query.json, meshes.json, build.json,
 instructions.json, ring.json, as far as they are there) as one page, FOLDER/bench.md, with two
 pictures next to it where matplotlib is there."""
+
 import json
 import pathlib
 import statistics
@@ -239,8 +240,9 @@ def build_part(m):
     rows = []
     for size in m.sizes():
         key = ("cup", size)
-        theirs, bytes_of = m.ns("openvdb", *key), lambda what: m.rows.get((what, *key), {}).get(
-            "bytes"
+        theirs, bytes_of = (
+            m.ns("openvdb", *key),
+            lambda what: m.rows.get((what, *key), {}).get("bytes"),
         )
         both = m.ns("voxels and distances", *key)
         rows.append(

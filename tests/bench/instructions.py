@@ -2,6 +2,7 @@
 """instructions.py BUILD RESULT.json: instructions of a frame by place and what is done, as
 callgrind counts them (query_frames): it shows programs a processor with AVX2 at most. The
 processor's own counters would be exact too, and virtual machines rarely have them."""
+
 import json
 import os
 import re

@@ -2,6 +2,7 @@
 """ring_turns.py --build BUILD --out RESULT.json: our ring next to bare rings of Cyclone DDS
 (ring_bench), in turns, so that what else the machine does meets all alike. Times are of a whole
 round, which is three hops. Told, not judged: the machine decides more than the program."""
+
 import argparse
 import json
 import os

@@ -8,6 +8,7 @@ folder and without a compiler cache. Of each the wall time, the processor time o
 processes, and how well the remaining time that it prints after the first minute foretells the
 rest.
 """
+
 import datetime
 import os
 import pathlib

@@ -4,6 +4,7 @@ them; --version of each program.
 
 usage: completion.py ROOT BIN VERSION
 """
+
 import gzip
 import os
 import pathlib

@@ -4,6 +4,7 @@ measured on them; refusals in a sentence.
 
 usage: plot_test.py BIN DEPLOY [arguments of unittest]
 """
+
 import contextlib
 import csv
 import importlib.util
@@ -175,8 +176,9 @@ class Pictures(unittest.TestCase):
         self.assertLessEqual(
             chosen, max(bracket) * 1.001, "the chosen point is not certified in its own region"
         )
-        paper, at_5_hz = data["paper_recipe"], min(
-            range(64), key=lambda i: abs(region["cutoff_hz"][i] - 5.0)
+        paper, at_5_hz = (
+            data["paper_recipe"],
+            min(range(64), key=lambda i: abs(region["cutoff_hz"][i] - 5.0)),
         )
         self.assertGreater(
             paper["stiffness_n_per_m"],

@@ -4,6 +4,7 @@ sample, and what cannot be replayed gets a sentence.
 
 usage: replay_test.py BIN DEPLOY [arguments of unittest]
 """
+
 import json
 import os
 import pathlib

@@ -5,6 +5,7 @@ not whole, not ours or empty it says a sentence.
 
 usage: report_test.py BIN DEPLOY [arguments of unittest]
 """
+
 import html
 import html.parser
 import json
@@ -26,10 +27,10 @@ BIN, DEPLOY = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(DEPLOY / "tools"))
 import plot  # noqa: E402
-from plot_layout import new_figure  # noqa: E402
 import run_data  # noqa: E402
 import run_page  # noqa: E402
 import run_pictures  # noqa: E402
+from plot_layout import new_figure  # noqa: E402
 
 SHELL = {**os.environ, "LC_ALL": "C.UTF-8"}
 

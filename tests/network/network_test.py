@@ -16,6 +16,7 @@ cut_3, _5       beyond DDS's lease of 2 s: zero likewise, the session ends with 
 cut_peers       3 s without multicast
 Exit status 77, with a sentence: this machine allows no network namespaces.
 """
+
 import fcntl
 import json
 import math
@@ -368,8 +369,9 @@ def received_again(bag, healed_at):
         for node in ("rendering", "coupling")
     )
     yield "contacts", first(t for t, _ in topic(bag, "/haptic/rendering/contact"))
-    yield "the session of coupling", first(
-        t for t, name, session in of if name == "coupling" and session
+    yield (
+        "the session of coupling",
+        first(t for t, name, session in of if name == "coupling" and session),
     )
     yield "its design", first(t for t, _ in topic(bag, "/haptic/coupling/design"))
     yield "commands", first(t for t, _ in topic(bag, "/haptic/coupling/command"))

@@ -16,6 +16,7 @@ usage: one_definition.py headers BUILD   quick, a test: all headers of core, dev
                                          source files define.
 Exit status 1 and a sentence for each finding.
 """
+
 import argparse
 import collections
 import json
@@ -45,10 +46,10 @@ class Build:
         self.folder = pathlib.Path(folder).resolve()
         cache = (self.folder / "CMakeCache.txt").read_text().splitlines()
         self.root = pathlib.Path(
-            next(l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_HOME_DIRECTORY"))
+            next(line.split("=", 1)[1] for line in cache if line.startswith("CMAKE_HOME_DIRECTORY"))
         )
         self.compiler = next(
-            l.split("=", 1)[1] for l in cache if l.startswith("CMAKE_CXX_COMPILER:")
+            line.split("=", 1)[1] for line in cache if line.startswith("CMAKE_CXX_COMPILER:")
         )
         self.together = set()  # (source, unit of the build folder that includes it)
         self.entries = []  # (source relative to the root, object, flags)
@@ -128,8 +129,9 @@ def check_headers(build):
         sys.exit(f"{build.folder} has no objects yet: build first (deploy/build).")
     headers = sorted(h for folder in PRODUCTION for h in (build.root / folder).rglob("*.hpp"))
     with tempfile.TemporaryDirectory() as folder:
-        unit, unit_object = pathlib.Path(folder, "all_headers.cpp"), pathlib.Path(
-            folder, "all_headers.o"
+        unit, unit_object = (
+            pathlib.Path(folder, "all_headers.cpp"),
+            pathlib.Path(folder, "all_headers.o"),
         )
         unit.write_text("".join(f'#include "{h}"\n' for h in headers))
         # -O0 and kept: every inline function leaves a symbol. (Templates do so where they are used:
@@ -152,7 +154,9 @@ def check_headers(build):
         )
         if made.returncode:
             lines = [
-                l for l in made.stderr.splitlines() if ": error: " in l or ": note: previous" in l
+                line
+                for line in made.stderr.splitlines()
+                if ": error: " in line or ": note: previous" in line
             ]
             return [
                 "All headers do not compile as one unit: "
@@ -224,9 +228,9 @@ def check_objects(build):
                     + "\n  "
                     + next(
                         (
-                            l
-                            for l in lines[lines.index(warning) :]
-                            if "different type" in l or "note" in l
+                            line
+                            for line in lines[lines.index(warning) :]
+                            if "different type" in line or "note" in line
                         ),
                         other,
                     )

@@ -4,6 +4,7 @@ nothing where there is none.
 
 usage: planted_test.py COMPILER
 """
+
 import json
 import pathlib
 import subprocess

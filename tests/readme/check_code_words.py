@@ -7,6 +7,7 @@ Reads C++, Python and message files in core, devices, nodes, idl, qos and deploy
 lists the words and the exceptions. Prints one sentence for each fault; exit status 1 if there is
 one.
 """
+
 import pathlib
 import re
 import sys

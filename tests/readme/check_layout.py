@@ -1,13 +1,15 @@
 #!/usr/bin/env python3
-"""Checks the layout of every source file: clang-format, black, and lines of at most 100 columns.
+"""Checks the layout of every source file: clang-format, ruff, and lines of at most 100 columns.
 
-usage: check_layout.py ROOT
+usage: check_layout.py ROOT RUFF
 
-C++ and C must pass `clang-format --dry-run -Werror`, Python must pass `black --check -l 100`.
+C++ and C must pass `clang-format --dry-run -Werror`, Python must pass `ruff check` and
+`ruff format --check`.
 Lines of C++, Python, YAML, shell and Markdown have at most 100 columns. Markdown tables and lines
 that hold one link only are exempt. `layout_exceptions.txt` lists the other exceptions.
 Prints one sentence for each fault; exit status 1 if there is one.
 """
+
 import concurrent.futures
 import os
 import pathlib
@@ -105,14 +107,14 @@ def refused(root, command, files, pattern, remedy):
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for result in pool.map(run, batches(files)):
-            names = dict.fromkeys(re.findall(pattern, result.stderr, re.MULTILINE))
+            names = dict.fromkeys(re.findall(pattern, result.stdout + result.stderr, re.MULTILINE))
             if result.returncode and not names:
                 yield f"{command[0]} failed: {result.stderr.strip()[:300]}"
             for name in names:
                 yield f"{os.path.relpath(name, root)} is not formatted; run {remedy} on it."
 
 
-def faults(root, allowed):
+def faults(root, ruff, allowed):
     files = list(sources(root))
     cpp = [file for language, file in files if language == "c++"]
     python = [file for language, file in files if language == "python"]
@@ -126,16 +128,19 @@ def faults(root, allowed):
     )
     yield from refused(
         root,
-        ["black", "--check", "-l", str(COLUMNS), "--workers", "1"],
+        [ruff, "check", "--output-format", "concise"],
         python,
-        r"^(?:would reformat|error: cannot format) ([^:\n]+)",
-        f"black -l {COLUMNS}",
+        r"^(.+?):\d+:\d+: ",
+        "ruff check --fix",
+    )
+    yield from refused(
+        root, [ruff, "format", "--check"], python, r"^ --> (.+?):\d+:\d+$", "ruff format"
     )
 
 
-def main(root):
+def main(root, ruff):
     root = pathlib.Path(root).resolve()
-    found = list(faults(root, exceptions(EXCEPTIONS.read_text(encoding="utf-8"))))
+    found = list(faults(root, ruff, exceptions(EXCEPTIONS.read_text(encoding="utf-8"))))
     print("\n".join(found) or "layout: no faults")
     return 1 if found else 0
 

@@ -9,6 +9,7 @@ looked up in --help; `build/bin/X` may also be a target that is not built yet. T
 `deploy/demo` and `deploy/test` in the top README are held to deploy/results/times.md, if there is
 one. Prints one sentence for each fault; exit status 1 where there is one.
 """
+
 import functools
 import glob
 import pathlib
@@ -178,8 +179,9 @@ def bad_cells(text):
 def retired_words():
     """Pattern, word to use, and files that may use it: tests/readme/retired_words.txt."""
     lines, words = (
-        pathlib.Path(__file__).parent / "retired_words.txt"
-    ).read_text().splitlines(), []
+        (pathlib.Path(__file__).parent / "retired_words.txt").read_text().splitlines(),
+        [],
+    )
     for line in lines:
         if line and not line.startswith("#"):
             pattern, use = line.rsplit(" | ", 1)

@@ -4,6 +4,7 @@ programs, settings, folders.
 
 usage: check_services.py ROOT BIN       BIN: the build's folder of programs
 """
+
 import pathlib
 import re
 import subprocess

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """check_code_words.py finds each word planted in a small tree, and none in a tree without one."""
+
 import pathlib
 import sys
 import tempfile

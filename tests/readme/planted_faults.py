@@ -4,6 +4,7 @@ none.
 
 usage: planted_faults.py BIN
 """
+
 import pathlib
 import sys
 import tempfile

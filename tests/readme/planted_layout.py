@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """check_layout.py finds each fault planted in a small tree, and none in the tree without faults.
 
-usage: planted_layout.py ROOT        ROOT: the source tree, whose .clang-format is used
+usage: planted_layout.py ROOT RUFF     ROOT: the source tree, whose .clang-format and .ruff.toml are
+                                       used; RUFF: the program
 """
+
 import pathlib
 import shutil
 import sys
@@ -30,6 +32,7 @@ PLANTED = {  # fault: (file, text, part of the sentence)
     "unformatted header": ("core/law.hpp", "int law( );\n", "core/law.hpp is not formatted"),
     "unformatted C": ("tests/count.c", "int count(void){}\n", "tests/count.c is not formatted"),
     "unformatted Python": ("deploy/tool.py", "X=1\n", "deploy/tool.py is not formatted"),
+    "unused import": ("deploy/tool.py", "import os\n", "deploy/tool.py is not formatted"),
     "invalid Python": ("deploy/tool.py", "X = = 1\n", "deploy/tool.py is not formatted"),
     "unformatted script": (
         "deploy/other",
@@ -45,21 +48,22 @@ PLANTED = {  # fault: (file, text, part of the sentence)
 }
 
 
-def sentences(source, files):
+def sentences(source, ruff, files):
     with tempfile.TemporaryDirectory() as folder:
         root = pathlib.Path(folder)
-        shutil.copy(source / ".clang-format", root)
+        for settings in (".clang-format", ".ruff.toml"):
+            shutil.copy(source / settings, root)
         for name, content in files.items():
             (root / name).parent.mkdir(exist_ok=True, parents=True)
             (root / name).write_text(content, encoding="utf-8")
-        return list(check_layout.faults(root, check_layout.exceptions(ALLOWED)))
+        return list(check_layout.faults(root, ruff, check_layout.exceptions(ALLOWED)))
 
 
-def main(source):
+def main(source, ruff):
     source = pathlib.Path(source)
-    wrong = [f"without a fault: {sentence}" for sentence in sentences(source, GOOD)]
+    wrong = [f"without a fault: {sentence}" for sentence in sentences(source, ruff, GOOD)]
     for fault, (name, text, expected) in PLANTED.items():
-        found = sentences(source, {**GOOD, name: text})
+        found = sentences(source, ruff, {**GOOD, name: text})
         if len(found) < 1 or not any(expected in sentence for sentence in found):
             wrong.append(f"planted fault '{fault}' was not found; found: {found}")
     print("\n".join(wrong) or f"{len(PLANTED)} planted faults, all found")

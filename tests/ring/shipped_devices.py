@@ -4,6 +4,7 @@ arm, and for a file of one's own, also at 4 kHz.
 
 usage: shipped_devices.py VOXTOUCH DOMAIN
 """
+
 import json
 import pathlib
 import subprocess

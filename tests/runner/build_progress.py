@@ -7,6 +7,7 @@ usage: build_progress.py BUILD TARGET...
 The remaining time is a rate: the time of the steps that compile, by the number of those left. Links
 and copies are left out, since they take a fiftieth of it. Exit status: that of the build.
 """
+
 import os
 import pathlib
 import re

@@ -9,6 +9,7 @@ A test that starts a program of another package passes on a machine that has it 
 on a bare one. With FOLDER as the only entry of PATH it fails everywhere. `run_tests.py` runs all
 tests so.
 """
+
 import pathlib
 import re
 import shutil

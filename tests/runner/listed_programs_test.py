@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Which programs tests find: planted packages, and those of this machine."""
+
 import pathlib
 import tempfile
 import unittest

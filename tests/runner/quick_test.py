@@ -9,6 +9,7 @@ change lies in, then those that take least to compile. What does not fit into th
 left out: `deploy/test` runs everything. Tests of the ring, of timing and long ones are not units
 and not run. Exit status 1 if a test fails or nothing could be built.
 """
+
 import argparse
 import json
 import os

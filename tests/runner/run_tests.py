@@ -14,6 +14,7 @@ failed.
 Tests find the programs of the packages in deploy/packages.txt and no others: PATH is
 BUILD/listed_programs (listed_programs.py).
 """
+
 import concurrent.futures
 import json
 import os

@@ -3,6 +3,7 @@
 
 usage: run_tests_test.py RUN_TESTS
 """
+
 import os
 import pathlib
 import subprocess

@@ -8,6 +8,7 @@ What a target took is the sum over its steps in BUILD/.ninja_log, of the last ti
 made; steps run next to each other, so the sum is about twice the time on the clock of two cores.
 JUNIT_XML is what `ctest --output-junit` wrote.
 """
+
 import argparse
 import collections
 import datetime

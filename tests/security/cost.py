@@ -10,6 +10,7 @@ p50 and p99 are of a whole round, which is three hops; a ratio is of two rounds 
 their medians. Told, not judged, for the machine decides more than the program: read the load next
 to it.
 """
+
 import argparse
 import pathlib
 import re

@@ -8,6 +8,7 @@ Captures loopback while a secured ring runs, and while a plain one does, which h
 Exit status 1: something passed in clear text, or the plain ring showed nothing; 77: this user may
 not capture.
 """
+
 import base64
 import pathlib
 import re
@@ -57,7 +58,7 @@ class Capture:
         while not self.over.is_set():
             try:
                 frame, address = self.socket.recvfrom(70000)
-            except socket.timeout:
+            except TimeoutError:
                 continue
             if (
                 address[2] == socket.PACKET_OUTGOING or len(frame) < 42 or frame[23] != 17

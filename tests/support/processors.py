@@ -1,6 +1,7 @@
 """How much of the machine other programs take: a test judges times only where that is little, and
 reports them with the fraction otherwise.
 """
+
 import os
 import pathlib
 import time

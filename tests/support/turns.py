@@ -1,4 +1,5 @@
 """Latency of a ring measured in turns, so that what else the machine does meets all kinds alike."""
+
 import json
 import os
 import pathlib

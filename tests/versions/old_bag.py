@@ -4,6 +4,7 @@ view` and `report`; one that reports no hashes is read.
 
 usage: old_bag.py VOXTOUCH DOMAIN
 """
+
 import json
 import pathlib
 import subprocess

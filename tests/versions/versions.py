@@ -4,6 +4,7 @@
 usage: versions.py ROOT              compares
        versions.py ROOT --write      writes the table of hashes into the changelog's newest version
 """
+
 import pathlib
 import re
 import sys

@@ -1,6 +1,7 @@
 """The page in a real browser: headless Chromium, driven by Selenium. Its pictures stay in
 VOXTOUCH_PICTURES, to be looked at.
 """
+
 import os
 import pathlib
 import signal
@@ -246,8 +247,10 @@ class InABrowser(unittest.TestCase):
                     "the dead node",
                 )
                 until(
-                    lambda: browser.find("[data-node=coupling] .state").text.strip("✕ ")
-                    in ("hangs", "gone"),
+                    lambda: (
+                        browser.find("[data-node=coupling] .state").text.strip("✕ ")
+                        in ("hangs", "gone")
+                    ),
                     10,
                     "its row",
                 )
@@ -296,8 +299,9 @@ class InABrowser(unittest.TestCase):
                     " document.getElementById('speed').dispatchEvent(new Event('change'))"
                 )
                 until(
-                    lambda: browser.facts()["bag"]["t"]
-                    >= browser.facts()["bag"]["duration"] - 0.01,
+                    lambda: (
+                        browser.facts()["bag"]["t"] >= browser.facts()["bag"]["duration"] - 0.01
+                    ),
                     20,
                     "the end",
                 )

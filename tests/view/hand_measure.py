@@ -6,6 +6,7 @@ first picture whose force has risen, median and 95 %. drags: N random drags (200
 speed: samples in which the tool passed something, of the run's verdict. Needs VOXTOUCH_BIN,
 VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES.
 """
+
 import json
 import random
 import signal

@@ -1,7 +1,7 @@
 """The hand of a simulated device, led from pages: by a plain client, and by the pointer, the wheel,
 the keys, a finger, a pen and a gamepad of headless Chromium.
 """
-import json
+
 import pathlib
 import re
 import signal
@@ -11,9 +11,18 @@ import time
 import unittest
 
 from browser_test import Browser
-from page_client import BIN, DEPLOY, DOMAIN, Process, WebSocket, page, scene, size, state_of, until
-from page_client import until_it_runs
-from selenium.webdriver.common.by import By
+from page_client import (
+    BIN,
+    DEPLOY,
+    DOMAIN,
+    Process,
+    WebSocket,
+    page,
+    scene,
+    size,
+    until,
+    until_it_runs,
+)
 from selenium.webdriver.common.keys import Keys
 
 UP = (0.0, 0.0, 0.0, 1.0)

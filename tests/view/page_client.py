@@ -1,6 +1,7 @@
 """What the tests of the page share: rings and pages as child processes, and a plain HTTP and
 WebSocket client of the standard library.
 """
+
 import base64
 import contextlib
 import json
@@ -179,7 +180,7 @@ class WebSocket:
     def _more(self):
         try:
             part = self.socket.recv(1 << 20)
-        except (ConnectionError, socket.timeout):
+        except (TimeoutError, ConnectionError):
             return False
         self.buffer += part
         return bool(part)

@@ -6,6 +6,7 @@ coupling's write of its command, by DDS's times of writing, read by a tap of thi
 throughout. Needs Python with cyclonedds 11 (build/python/bin/python), VOXTOUCH_BIN,
 VOXTOUCH_DEPLOY.
 """
+
 import json
 import statistics
 import subprocess

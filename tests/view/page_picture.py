@@ -3,6 +3,7 @@
 
 usage: page_picture.py SCENE PICTURE [--motion M] [--after S] [--dark] [--domain N]
 """
+
 import argparse
 import io
 import os
@@ -63,8 +64,9 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("scene"), parser.add_argument("picture")
-    parser.add_argument("--motion", default="slide"), parser.add_argument(
-        "--after", type=float, default=6.0
+    (
+        parser.add_argument("--motion", default="slide"),
+        parser.add_argument("--after", type=float, default=6.0),
     )
     parser.add_argument("--dark", action="store_true"), parser.add_argument("--domain", default="0")
     o = parser.parse_args()

@@ -5,6 +5,7 @@ Prints pictures a second, frames of the server a second, and what a picture cost
 the page's one thread. A browser without a graphics card draws on the same processors that do all
 else. Needs VOXTOUCH_BIN, VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES.
 """
+
 import json
 import pathlib
 import sys

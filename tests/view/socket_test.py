@@ -1,6 +1,7 @@
 """The page's server as a plain client sees it: who is let in, what it may cost, and what of the
 ring comes through.
 """
+
 import contextlib
 import json
 import os
@@ -39,9 +40,11 @@ class Guards(unittest.TestCase):
         self.assertEqual(request(self.address)[0], 200)
         self.assertEqual(request(self.address, "/")[0], 403)
         self.assertEqual(request(self.address, "/?token=" + "0" * 32)[0], 403)
-        with WebSocket(self.address) as good, WebSocket(
-            self.address, token="0" * 32
-        ) as bad, WebSocket(self.address, token="") as none:
+        with (
+            WebSocket(self.address) as good,
+            WebSocket(self.address, token="0" * 32) as bad,
+            WebSocket(self.address, token="") as none,
+        ):
             self.assertEqual(
                 [good.status, bad.status == 101, none.status == 101], [101, False, False]
             )
@@ -152,9 +155,10 @@ class Guards(unittest.TestCase):
         with Process("view", "--domain", DOMAIN, "--port", port) as second:
             self.assertEqual(second.process.wait(10), 1)
             self.assertIn("in use", second.output())
-        with Process("view", "--domain", DOMAIN) as one, Process(
-            "view", "--domain", DOMAIN
-        ) as other:
+        with (
+            Process("view", "--domain", DOMAIN) as one,
+            Process("view", "--domain", DOMAIN) as other,
+        ):
             self.assertNotEqual(
                 urllib.parse.urlsplit(one.address()).port,
                 urllib.parse.urlsplit(other.address()).port,
@@ -251,9 +255,9 @@ class Slices(unittest.TestCase):
             for axis, at in ("z", -0.009), ("x", 0.011), ("z", 0.05):
                 socket.order(slice={"axis": axis, "at": at})
                 cut = socket.wait_for(
-                    lambda m: m["type"] == "slice"
-                    and m["axis"] == axis
-                    and abs(m["at"] - at) < 1e-9,
+                    lambda m: (
+                        m["type"] == "slice" and m["axis"] == axis and abs(m["at"] - at) < 1e-9
+                    ),
                     20,
                     f"a plane across {axis}",
                 )
@@ -285,9 +289,11 @@ class Slices(unittest.TestCase):
 
 class Large(unittest.TestCase):
     def test_meshes_are_drawn_coarser_without_delay(self):
-        with tempfile.TemporaryDirectory() as folder, page(
-            str(fine_scene(folder, 160))
-        ) as shown, WebSocket(shown.address()) as socket:
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            page(str(fine_scene(folder, 160))) as shown,
+            WebSocket(shown.address()) as socket,
+        ):
             facts = 0
             while not (message := socket.receive()).get("meshes"):
                 facts += message["type"] == "facts"

@@ -1,6 +1,7 @@
 """Recorded runs as arrays: rosbag2 folders in sqlite3 or MCAP, split ones too, also of a ring that
 was killed.
 """
+
 import collections.abc
 import json
 import pathlib

@@ -1,4 +1,5 @@
 """Contacts, voxels and couplings, computed in this process by the code that the ring runs."""
+
 import json
 import pathlib
 

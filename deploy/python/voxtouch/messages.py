@@ -1,4 +1,5 @@
 """CDR messages as numpy arrays and Python values, by the text of their .msg definitions."""
+
 import functools
 import re
 import struct
@@ -80,8 +81,10 @@ class Definition:
                 if inner is None or (array and count > 1 and inner[1] % 8):
                     return None
                 one, size = inner[0], inner[1] * (count if array else 1)
-            names.append(field), formats.append((one, (count,)) if array else one), offsets.append(
-                here - start
+            (
+                names.append(field),
+                formats.append((one, (count,)) if array else one),
+                offsets.append(here - start),
             )
             at += size
         return (

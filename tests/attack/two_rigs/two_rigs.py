@@ -18,6 +18,7 @@ by one long stop or by several short ones, after each of which an answer comes t
 that was lost while one CPU had stood still for 20 of the last 80 ms, all in all, is counted apart,
 as the machine's.
 """
+
 import argparse
 import json
 import os
@@ -114,8 +115,9 @@ class Machine:
 class Rig:
     def __init__(self, ask, name, domain, folder):
         self.name, self.bag = name, folder / name
-        self.said, self.output = open(folder / f"{name}.err", "w+"), open(
-            folder / f"{name}.out", "w+"
+        self.said, self.output = (
+            open(folder / f"{name}.err", "w+"),
+            open(folder / f"{name}.out", "w+"),
         )
         self.process = subprocess.Popen(
             [

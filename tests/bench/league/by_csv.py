@@ -1,4 +1,5 @@
 """Another lab's answers to the rows, as files of --csv."""
+
 import math
 import pathlib
 

@@ -3,6 +3,7 @@
 
 usage: csv_test.py
 """
+
 import pathlib
 import re
 import subprocess
@@ -10,9 +11,8 @@ import sys
 import tempfile
 import unittest
 
-import numpy as np
-
 import figures
+import numpy as np
 
 LEAGUE = pathlib.Path(__file__).parent / "league.py"
 ROWS = "A1,A2,B,C1,C2,D2,E"  # all but the meshes of 50,000 triangles and more

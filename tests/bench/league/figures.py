@@ -8,6 +8,7 @@ usage: figures.py check FILE        every figure of voxtouch within limits.csv, 
 FILE, OLD and NEW are a result.json or a league.md. An error is 0 if the answer is right; a word is
 right or not. check and compare print one line for each fault; exit status 1 if there is one.
 """
+
 import csv
 import json
 import pathlib

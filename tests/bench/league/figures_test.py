@@ -3,6 +3,7 @@
 
 usage: figures_test.py PAGE
 """
+
 import pathlib
 import re
 import sys

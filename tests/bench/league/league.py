@@ -8,6 +8,7 @@ usage: league.py --voxtouch PROGRAM --out FOLDER [--rows A,B1] [--only NAME,...]
 FOLDER receives a folder per row with meshes, poses and what is right, result.json, league.md and
 the pictures. README.md reports how another program takes part without this code.
 """
+
 import argparse
 import datetime
 import json
@@ -16,14 +17,13 @@ import pathlib
 import platform
 import sys
 
-import numpy as np
-
 import by_csv
 import loops
+import numpy as np
 import page
-import systems
 import rows
 import shapes
+import systems
 import truth
 
 

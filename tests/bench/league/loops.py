@@ -2,13 +2,13 @@
 
 Each function gives a dict of facts, or a sentence if the system cannot take part.
 """
+
 import json
 import sqlite3
 import struct
 import subprocess
 
 import numpy as np
-
 import rows
 import shapes
 import threads

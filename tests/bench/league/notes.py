@@ -1,4 +1,5 @@
 """Sentences of the league's page: what a table does not show, and why a system does as it does."""
+
 import textwrap
 
 COLUMNS = 100

@@ -1,4 +1,5 @@
 """The league's page and pictures, from result.json."""
+
 import notes
 
 

@@ -3,6 +3,7 @@
 
 usage: played_anew_test.py VOXTOUCH
 """
+
 import pathlib
 import subprocess
 import sys

@@ -4,12 +4,12 @@ pose.
 Static rows: every pose stands alone, and the answer is a contact wrench. Path rows: poses are one
 millisecond apart, and the answer is the wrench of a spring between hand and tool.
 """
+
 import dataclasses
 import itertools
 import pathlib
 
 import numpy as np
-
 import shapes
 
 SEED = 20261129

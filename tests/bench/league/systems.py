@@ -4,12 +4,12 @@ A system has a name, a setting ("standard" or "best": its own defaults, or what 
 a millisecond), and answer(row, folder) -> (wrenches n x 6 about the tool's origin, microseconds n),
 or None if it cannot take part. One thread; times are CPU time.
 """
+
 import io
 import subprocess
 import time
 
 import numpy as np
-
 from rows import SPRING_N_PER_M
 
 STIFFNESS = 1000.0  # of a penalty contact [N/m]; only directions are compared
@@ -280,7 +280,7 @@ class MuJoCo(System):
             else f'<geom{shape} mesh="tool"'
         )
         free = (
-            f'<freejoint name="free"/>'
+            '<freejoint name="free"/>'
             if not self.paths
             else (
                 '<joint name="x" type="slide" axis="1 0 0"/><joint name="y" type="slide" axis="0 1'

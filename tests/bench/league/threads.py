@@ -2,8 +2,8 @@
 
 Flanks of 60 degrees lock from tan(lead angle) cos(30 degrees) on, at the thread's pitch diameter.
 """
-import numpy as np
 
+import numpy as np
 import rows
 import shapes
 from systems import PERIOD_S, SDF_SEARCH, STIFF, probe_path, timed

@@ -1,4 +1,5 @@
 """Exact nearest points on triangles, by all of them: the truth that no system is asked for."""
+
 import numpy as np
 
 

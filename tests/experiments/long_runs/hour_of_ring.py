@@ -20,6 +20,7 @@ grow by two buffers a thread and what lies between them, 5 MB as measured; where
 it fills page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read
 the table, which reports memory after each tenth.
 """
+
 import argparse
 import json
 import os

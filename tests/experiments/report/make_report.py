@@ -9,6 +9,7 @@ opens without a network. About a minute on two cores; --quick: half of that, wit
 shorter runs. Exit status 1 if a step failed; the page is written all the same and says which. Needs
 python3-matplotlib.
 """
+
 import argparse
 import base64
 import html
@@ -208,8 +209,9 @@ def draw_shells(data, out):
                 label=f"{label}: RMS {100 * f['rms']:.1f} %",
             )
         axis.legend(fontsize=7, loc="upper right"), axis.set_ylim(-45, 65)
-        axis.set_xlabel("way round a cylinder [deg]"), axis.set_ylabel(
-            "force across [% of normal force]"
+        (
+            axis.set_xlabel("way round a cylinder [deg]"),
+            axis.set_ylabel("force across [% of normal force]"),
         )
     figure.suptitle("Figures 2 and 3: a slice of the pointshell, and what it does to the force")
     figure.tight_layout()
@@ -232,9 +234,12 @@ def draw_filter(data, out):
             color=colour,
             label=label,
         )
-    axis.set_xlabel("time [s]"), axis.set_ylabel("force over its raw mean"), axis.legend(
-        fontsize=8
-    ), axis.set_ylim(0, None)
+    (
+        axis.set_xlabel("time [s]"),
+        axis.set_ylabel("force over its raw mean"),
+        axis.legend(fontsize=8),
+        axis.set_ylim(0, None),
+    )
     axis.set_title(
         "Figure 11: what couplings make of the voxels' noise (sphere round a cylinder, 1 e deep,"
         " 0.1 m/s)"

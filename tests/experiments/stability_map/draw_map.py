@@ -2,6 +2,7 @@
 """draw_map.py MAP.csv PICTURE: draws what `build/bin/stability_map --out MAP.csv` measured, in the
 style of deploy/tools/plot.py.
 """
+
 import csv
 import math
 import pathlib
@@ -60,9 +61,13 @@ def draw_largest(axis, rows, model):
     """
     rows = [r for r in rows if r["model"] == model and r["mean_force_n"] > 0]
     sizes = sorted({r["radius_voxels"] for r in rows})
-    x, of = [1 / s for s in sizes], {
-        s: [max(r["energy_share"], 1e-14) for r in rows if r["radius_voxels"] == s] for s in sizes
-    }
+    x, of = (
+        [1 / s for s in sizes],
+        {
+            s: [max(r["energy_share"], 1e-14) for r in rows if r["radius_voxels"] == s]
+            for s in sizes
+        },
+    )
     axis.loglog(x, [max(of[s]) for s in sizes], "o-", ms=9, lw=2, color=ORANGE, label="largest")
     axis.loglog(
         x, [statistics.median(of[s]) for s in sizes], "s-", ms=9, lw=2, color=BLUE, label="median"

@@ -6,6 +6,7 @@ usage: check_table.py tests/hard/README.md BUILD_FOLDER [README.md ...]
 Every row of the first file's table must name a test; of the other files every name of a test in
 backticks is looked up.
 """
+
 import fnmatch
 import pathlib
 import re

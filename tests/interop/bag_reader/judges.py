@@ -3,13 +3,13 @@ without a workspace and without our code.
 
 usage: judges.py MAKE_BAG
 """
+
 import pathlib
 import signal
 import subprocess
 import sys
 import tempfile
 
-import mcap.records
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from rosbags.rosbag2 import Reader

@@ -3,6 +3,7 @@
 
 usage: read_bag.py MAKE_BAG closed|killed
 """
+
 import os
 import pathlib
 import re

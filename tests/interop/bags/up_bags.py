@@ -7,6 +7,7 @@ splitting, every sixth in lockstep, and kills the logger of every fifth. Prints 
 what came of all. Exit status 1: a reader could not read a bag, read another number of messages than
 another one, or a replay differed where nothing is said to be missing.
 """
+
 import collections
 import json
 import pathlib

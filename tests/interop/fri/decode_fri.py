@@ -11,6 +11,7 @@ usage: decode_fri.py FILE...            a packet a line, as JSON; FILE is a pcap
                                         field_values()
 Exit code 1: a file could not be read or a check failed.
 """
+
 import json
 import struct
 import sys
@@ -162,7 +163,7 @@ def field_values(kind, name, code, count):
 
 
 def make_golden(folder):
-    for ident, (kind, size, table) in KINDS.items():
+    for _ident, (kind, size, table) in KINDS.items():
         data = bytearray(size)
         for name, offset, code, count in table:
             struct.pack_into(

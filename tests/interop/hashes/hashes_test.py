@@ -4,6 +4,7 @@ which shares no code with us.
 usage: hashes_test.py HEADERS; the folder with messages.hpp and services.hpp, where the hashes stand
        that endpoints announce.
 """
+
 import pathlib
 import re
 import sys

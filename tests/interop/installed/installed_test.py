@@ -5,6 +5,7 @@ folder.
 
 usage: installed_test.py BUILD CMAKE
 """
+
 import json
 import os
 import pathlib

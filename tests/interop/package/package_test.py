@@ -3,6 +3,7 @@ storages, topics and examples against a ring.
 
 usage: package_test.py ROOT BUILD MAKE_BAG [arguments of unittest]
 """
+
 import csv
 import json
 import os

@@ -5,6 +5,7 @@ usage: other_types.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN ours|foreign
 ours: with the types that `voxtouch types` wrote; it writes what it read last. foreign: with types
 of the same names that hold arrays and nothing of ours.
 """
+
 import dataclasses
 import json
 import math

@@ -10,6 +10,7 @@ then says nothing of it: what a client must hold is judged where others took lit
 with their fraction otherwise. Exit status 77, with a sentence: this machine allows no network
 namespaces.
 """
+
 import os
 import pathlib
 import statistics

@@ -4,6 +4,7 @@ finds, what it gets of the ring, and how soon a change of an effect is answered.
 usage: pypi_client.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN SETTINGS SECONDS [CHANGES]; settings may be
        empty. Prints one JSON object.
 """
+
 import json
 import pathlib
 import sys

@@ -9,6 +9,7 @@ The wish is p99 with six readers of at most 1.05 times that without. Told, not j
 decides, so let it be quiet. Each reader is a process of Debian's Cyclone DDS that looks 200 times a
 second.
 """
+
 import argparse
 import contextlib
 import pathlib

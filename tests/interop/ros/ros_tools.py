@@ -9,6 +9,7 @@ Humble tool, and the environment that it prints. peers: nodes on two hosts witho
 --discovery-peer, and with CYCLONEDDS_URI the rest of the settings holds. Exit status 77, with a
 sentence: this machine allows no network namespaces.
 """
+
 import json
 import os
 import pathlib
@@ -159,15 +160,18 @@ class Clients:
         script = str(pathlib.Path(__file__).with_name("pypi_client.py"))
         for how, settings in CYCLONE.items():
             yield f"Cyclone DDS 0.10, {how}", [self.cyclone, DOMAIN, settings, seconds]
-            yield f"Cyclone DDS 11, {how}", [
-                self.python,
-                "-B",
-                script,
-                self.types.name,
-                DOMAIN,
-                settings,
-                seconds,
-            ]
+            yield (
+                f"Cyclone DDS 11, {how}",
+                [
+                    self.python,
+                    "-B",
+                    script,
+                    self.types.name,
+                    DOMAIN,
+                    settings,
+                    seconds,
+                ],
+            )
         for how, mode in FAST.items() if self.fast != "none" else ():
             yield f"Fast DDS 2.9, {how}", [self.fast, DOMAIN, mode, seconds]
 
@@ -291,9 +295,10 @@ def participant_info(data, size):
     writers)]).
     """
     cdr = Cdr(data)
-    info = cdr.gid(size), [
-        (cdr.text(), cdr.text(), cdr.gids(size), cdr.gids(size)) for _ in range(cdr.number())
-    ]
+    info = (
+        cdr.gid(size),
+        [(cdr.text(), cdr.text(), cdr.gids(size), cdr.gids(size)) for _ in range(cdr.number())],
+    )
     assert len(cdr.data) - cdr.at < 4, "bytes are left over"
     return info
 
@@ -348,8 +353,9 @@ def graph(voxtouch, fast, distribution, gid_size):
     if fast == "none":
         raise SystemExit(77)
     bags = tempfile.TemporaryDirectory()
-    other, ring = OtherHost(), Ring(
-        voxtouch, "--ros", distribution, record=("--record", bags.name + "/bag")
+    other, ring = (
+        OtherHost(),
+        Ring(voxtouch, "--ros", distribution, record=("--record", bags.name + "/bag")),
     )
     answer = ask([fast, DOMAIN, "default", "4"])
     ring.close()

@@ -4,7 +4,7 @@ transient local. Lease and buffers as Cyclone DDS has them.
 As a program (looker.py FOLDER_OF_TYPES DOMAIN RIG): reads everything and forgets it, until it is
 ended.
 """
-import pathlib
+
 import sys
 import time
 
@@ -15,7 +15,6 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.util import duration
-
 from rviz_rules import Frames, Markers
 
 PATHS = ("tf", "tf_static", "pose", "wrench", "markers", "clock")

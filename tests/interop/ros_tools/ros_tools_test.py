@@ -1,12 +1,12 @@
 """RViz, Foxglove and rclpy at a ring, as far as their rules can be held without them: readers with
 their default QoS, in a process of PyPI's cyclonedds.
 """
+
 import json
 import math
 import os
 import pathlib
 import re
-import shutil
 import signal
 import statistics
 import subprocess
@@ -158,8 +158,10 @@ class Pictures(unittest.TestCase):
                 }
                 first.look(
                     20.0,
-                    lambda: {ns for ns, _ in shown(first)}
-                    < {"scene", "object/cup", "object/roller", "tool"},
+                    lambda: (
+                        {ns for ns, _ in shown(first)}
+                        < {"scene", "object/cup", "object/roller", "tool"}
+                    ),
                 )
                 first.look(4.0)
                 late = Looker(join(DOMAIN), paths=("tf", "tf_static", "markers"))
@@ -255,7 +257,7 @@ class Stopped(unittest.TestCase):
                 # New readers make the ring send meshes, of which the one that stands takes none.
                 other.send_signal(number)
                 output = len(up.output())
-                for n in range(3):
+                for _n in range(3):
                     more = Looker(join(DOMAIN), paths=("markers",))
                     looker.look(2.0)
                     more.look(0.01)

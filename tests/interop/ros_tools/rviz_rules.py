@@ -4,6 +4,7 @@ The rules are those of rviz_default_plugins (marker_common.cpp, marker_array_dis
 markers/*.cpp, validate_floats) and tf2 (buffer_core.cpp) as we know them, not compared with a
 release; nothing of voxtouch is in them: it knows no namespace, id or frame of this project.
 """
+
 import math
 
 (

@@ -4,10 +4,12 @@ taken from voxtouch.
 A request and its reply stand each behind 16 bytes of the same CDR: what the client calls itself,
 and the request's number.
 """
+
 import time
 from dataclasses import dataclass, field
 
-from cyclonedds.idl import IdlStruct, annotations as annotate, types
+from cyclonedds.idl import IdlStruct, types
+from cyclonedds.idl import annotations as annotate
 from cyclonedds.pub import DataWriter
 from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader

@@ -1,6 +1,7 @@
 """Services, parameters, /parameter_events and /rosout of a running ring, asked by an independent
 client in rmw_cyclonedds' wire form.
 """
+
 import json
 import os
 import pathlib

@@ -4,6 +4,7 @@ starts is a ring.
 usage: workspace_test.py IDL BIN [arguments of unittest]
 No ROS is here: `launch` is stood in for by classes that take its words and no others.
 """
+
 import importlib.util
 import os
 import pathlib

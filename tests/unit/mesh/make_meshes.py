@@ -17,6 +17,7 @@ bytes: no random numbers, no dates.
   cup_mm.stl        the same cup, binary, millimetres
   sphere_mm.stl     radius 10 mm, binary, millimetres
 """
+
 import argparse
 import math
 import struct
@@ -304,14 +305,14 @@ def number(value):
     """At most 9 significant digits, and nothing below a nanometre: keeps the last bit of a sine out
     of the file.
     """
-    text = "%.9g" % round(value, 9)
+    text = f"{round(value, 9):.9g}"
     return "0" if text == "-0" else text
 
 
 def obj_bytes(mesh, comment):
     lines = ["# " + comment]
     lines += ["v " + " ".join(number(c) for c in v) for v in mesh.vertices]
-    lines += ["f %d %d %d" % tuple(k + 1 for k in t) for t in mesh.triangles]
+    lines += ["f " + " ".join(str(k + 1) for k in t) for t in mesh.triangles]
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
@@ -368,12 +369,12 @@ def main():
         if not options.check:
             options.out.mkdir(parents=True, exist_ok=True)
             path.write_bytes(data)
-            print("%s: %d bytes" % (name, len(data)))
+            print(f"{name}: {len(data)} bytes")
         elif not path.is_file() or path.read_bytes() != data:
             differing.append(name)
     if differing:
         print(
-            "not as this script writes them: %s; run it without --check" % ", ".join(differing),
+            f"not as this script writes them: {', '.join(differing)}; run it without --check",
             file=sys.stderr,
         )
         return 1

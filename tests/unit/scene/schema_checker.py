@@ -6,6 +6,7 @@ usage: schema_checker.py SCHEMA VALUES
 Both files are JSON; VALUES is a list. Prints a list of as many lists: what is wrong with each
 value, its place first.
 """
+
 import json
 import pathlib
 import sys

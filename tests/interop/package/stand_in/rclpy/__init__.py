@@ -1,6 +1,7 @@
 """The part of rclpy that deploy/examples/ros2_spring.py uses, over PyPI's cyclonedds and
 voxtouch.types. ROS_DOMAIN_ID chooses the domain; spin ends after STAND_IN_SECONDS.
 """
+
 import os
 import time
 
@@ -9,7 +10,6 @@ from cyclonedds.qos import Policy, Qos
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-
 from voxtouch.types import join
 
 

@@ -1,4 +1,5 @@
 """Messages that start with zeros, as rclpy's do."""
+
 from voxtouch.types import geometry_msgs as _types
 
 PoseStamped = _types.PoseStamped
