@@ -42,9 +42,10 @@ def design_figure(data):
         if window
         else f"velocity filter {axis_design['velocity_filter_hz']:.3g} Hz"
     )
+    suffix = "" if law else f", damping ratio {coupling['damping_ratio']:.3g}"
     note = (
         f"{data['device']}; hand: {data['hand']}.\nWorst case of"
-        f" them{'' if law else ', damping ratio {:.3g}'.format(coupling['damping_ratio'])}; injected"
+        f" them{suffix}; injected"
         f" damping {axis_design['injected_damping']:.3g} Ns/m, {velocity}."
     )
     useful = (

@@ -134,7 +134,7 @@ def faults(root, ruff, allowed):
         "ruff check --fix",
     )
     yield from refused(
-        root, [ruff, "format", "--check"], python, r"^ --> (.+?):\d+:\d+$", "ruff format"
+        root, [ruff, "format", "--check"], python, r"^ *--> (.+?):\d+:\d+$", "ruff format"
     )
 
 

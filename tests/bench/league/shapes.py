@@ -1,4 +1,4 @@
-"""Meshes of the league: written as OBJ, lengths in metres. Each function gives (vertices, faces)."""
+"""Meshes of the league, written as OBJ [m]. Each function gives (vertices, faces)."""
 
 import numpy as np
 
