@@ -91,7 +91,7 @@ class RunningCoupling {
       const noexcept;  ///< present gain of the shaping filter during a ramp; 1 for the others
   const CouplingCounters& counters() const noexcept { return counters_; }
   const EnergyAccounts& energy() const noexcept { return passivity_.energy(); }
-  /// V^ of the tool, W axes.
+  /// Velocity estimate v^ of the tool, W axes.
   const Twist& velocity() const noexcept { return motion_.velocity(); }
 
  private:

@@ -36,9 +36,9 @@ struct Swing {
 /// with f the force at the device, after its delay and lag, and b and F_c the damping and friction
 /// of the device. Without f_mean, a slow motion against a steady force would count as work. An
 /// encoder step counts as a motion since the previous step, under the mean force of that time.
-/// Injected damping is largest just after a step and smallest at its end. An operator who moves the
-/// tool, on purpose or by tremor, puts in what coupling and device dissipate. In a self-excited
-/// swing E is at most zero.
+/// Injected damping is largest just after a step and decays until the next one. An operator who
+/// moves the tool, on purpose or by tremor, puts in what coupling and device dissipate. In a
+/// self-excited swing E is at most zero.
 ///
 /// Threshold of E. Force and motion could exchange pi/4 of their peak-to-peak product. Less than
 /// kHandWorks of that counts as zero, reduced by what an encoder step q hides: kHidden times q

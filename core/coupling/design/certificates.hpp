@@ -14,7 +14,7 @@ namespace voxtouch::coupling::design {
 ///
 /// They follow from the sum over the half waves of h. Each is P = pi/sqrt(1 - d^2) long in units of
 /// 1/w0, and e^{-d P} times the previous one.
-/// C'(d) = 2 d S + P / (2 sinh^2(d P/2)); 2 d for d >= 1.
+/// c'(d) = 2 d S + P / (2 sinh^2(d P/2)); 2 d for d >= 1.
 double lag_shape(double damping_ratio);
 double overshoot_shape(double damping_ratio);  ///< S(d) = coth(d P/2); 1 for d >= 1
 
