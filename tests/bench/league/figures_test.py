@@ -63,7 +63,8 @@ class Page(unittest.TestCase):
         for ours, planted in (
             ("| voxtouch field | 0 of 60 touched |", "| voxtouch field | 1 of 60 touched |"),
             ("| voxtouch field | 0 of 60 touched |", "| voxtouch field | 0 of 6 touched |"),
-            ("of k d | 0 % |", "of k d | 1 % |"),
+            ("0 % |", "1 % |"),
+            ("of k d | 0.13 mm", "of k d | 0.33 mm"),
             ("| rests; left | no need |", "| swings 3 mm; left | no need |"),
         ):
             self.assertIn(ours, self.text)
@@ -106,10 +107,18 @@ class Cells(unittest.TestCase):
             "loop": {"held": "swings 3 mm", "released": "left", "warned": "no"},
             "hammer": {"shift_mm": 0.25, "held": False},
             "lock": {"friction": 0.125, "expected": 0.0625},
-            "press": {"passed": False, "force_ratio": 1.5, "noise": 0.005},
-            "foil": {"passed": True, "force_ratio": 0.0, "noise": 0.005},
+            "spring": {
+                "passed": False,
+                "force_ratio": 1.5,
+                "penetration_mm": -0.5,
+                "mean_deg": 0.25,
+                "noise": 0.005,
+            },
+            "advance": {"advance_mm": 2.25, "expected_mm": 2.5},
         }
-        for judge, answer in answers.items():
+        answers["torque"] = answers["direction"]
+        passed = answers["spring"] | {"passed": True, "force_ratio": 0.0}
+        for judge, answer in [*answers.items(), ("spring", passed)]:
             first, second, _ = page.cell(judge, answer)
             expected = figures.of_answer(judge, answer)
             self.assertEqual(figures.of_cells(first, second), expected, judge)
