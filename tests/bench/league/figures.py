@@ -90,8 +90,12 @@ def of_cells(first, second):
 
 
 def inside_of(cell):
-    penetration, mean, noise = (of_number(part) for part in cell.split(", "))
-    return {"penetration": abs(penetration), "mean": mean, "noise": noise}
+    names = {"mm": "penetration", "°": "mean", "%": "noise"}
+    found = {}
+    for part in cell.split(", "):
+        name = next(names[unit] for unit in names if part.endswith(unit))
+        found[name] = abs(of_number(part))
+    return found
 
 
 def of_number(text):
@@ -190,6 +194,34 @@ def compare(old, new):
             show = [v if v is None or isinstance(v, str) else f"{v:.3g}" for v in (a, b)]
             faults.append(f"{key[0]}, {key[1]}, {key[2]}: {show[0]} and {show[1]}")
     return faults
+
+
+def common(old, new):
+    """Both tables, with the figures only that both have."""
+    keys = flat(old).keys() & flat(new).keys()
+    tables = []
+    for table in (old, new):
+        chosen = {}
+        for row, system, figure in sorted(keys):
+            errors = chosen.setdefault(row, {}).setdefault(system, {})
+            errors[figure] = table[row][system][figure]
+        tables.append(chosen)
+    return tables
+
+
+def differences(old, new):
+    """Count of figures, and the sentences of `compare`."""
+    return {"figures": len(flat(new)), "differ": compare(old, new)}
+
+
+def machine_of(path):
+    """Date and machine of a result.json or a league.md."""
+    text = pathlib.Path(path).read_text(encoding="utf-8")
+    if str(path).endswith(".json"):
+        conditions = json.loads(text)["conditions"]
+        return f"{conditions['machine']}, {conditions['date']}"
+    date, _, machine = text.splitlines()[4].rpartition(", load")[0].partition(", ")
+    return f"{machine}, {date}"
 
 
 def main(arguments):

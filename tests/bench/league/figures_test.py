@@ -64,7 +64,7 @@ class Page(unittest.TestCase):
             ("| voxtouch field | 0 of 60 touched |", "| voxtouch field | 1 of 60 touched |"),
             ("| voxtouch field | 0 of 60 touched |", "| voxtouch field | 0 of 6 touched |"),
             ("0 % |", "1 % |"),
-            ("of k d | 0.13 mm", "of k d | 0.33 mm"),
+            ("0.987 of k d", "0.887 of k d"),
             ("| rests; left | no need |", "| swings 3 mm; left | no need |"),
         ):
             self.assertIn(ours, self.text)
@@ -88,6 +88,26 @@ class Comparison(unittest.TestCase):
         self.assertEqual(len(figures.compare(with_mean(2.0), with_mean(2.0, 1))), 1)
         self.assertEqual(len(figures.compare(with_mean(2.0), {})), 2)
         self.assertEqual(figures.compare(with_mean(0.0), with_mean(0.009)), [])
+
+    def test_compares_only_what_both_machines_have(self):
+        old = {"A1": {"Coal": {"mean": 2.0}}, "A2": {"Coal": {"mean": 1.0}}}
+        new = {"A1": {"Coal": {"mean": 3.0, "missed": 0}}, "A3": {"Coal": {"mean": 1.0}}}
+        found = figures.differences(*figures.common(old, new))
+        self.assertEqual(found["figures"], 1)
+        self.assertEqual(found["differ"], ["A1, Coal, mean: 2 and 3"])
+
+    def test_is_on_the_page(self):
+        import page
+
+        self.assertIn("Played once.", page.reproduction({}))
+        found = {"figures": 9, "differ": ["A1, Coal, mean: 2 and 3"], "machine": "Some CPU"}
+        text = " ".join(page.reproduction({"again": found, "against": found}))
+        self.assertEqual(text.count("of 9 errors that both have, 1 differ by more than 10 %"), 2)
+        self.assertEqual(text.count("A1, Coal, mean: 2 and 3"), 2)
+        self.assertIn("Run on Some CPU", text)
+
+    def test_the_page_names_its_machine(self):
+        self.assertRegex(figures.machine_of(PAGE), r"processors, 20\d\d-\d\d-\d\d$")
 
 
 class Cells(unittest.TestCase):

@@ -3,7 +3,7 @@
 triangles.
 
 usage: league.py --voxtouch PROGRAM --out FOLDER [--rows A,B1] [--only NAME,...] [--add NAME --csv
-       FILE] [--again]
+       FILE] [--again] [--against PAGE] [--page-only]
 
 FOLDER receives a folder per row with meshes, poses and what is right, result.json, league.md and
 the pictures. README.md reports how another program takes part without this code.
@@ -221,19 +221,32 @@ def write_page(result, out):
     page.pictures(result, out)
 
 
-def play_again(options):
-    """The same rows a second time, in OUT/again; the first run's page reports what differs."""
-    first, again = pathlib.Path(options.out), pathlib.Path(options.out) / "again"
-    options.out = again
-    (again / "result.json").unlink(missing_ok=True)
-    play(options)
-    old, new = figures.read(first / "result.json"), figures.read(again / "result.json")
-    result = json.loads((first / "result.json").read_text(encoding="utf-8"))
-    result["reproduced"] = {
-        "figures": len(figures.flat(new)),
-        "differ": figures.compare({name: old[name] for name in new}, new),
-    }
-    write_page(result, first)
+def reproduced(options):
+    """Puts what --again and --against find into the result and its page."""
+    out = pathlib.Path(options.out).resolve()
+    result = json.loads((out / "result.json").read_text(encoding="utf-8"))
+    new, found = figures.read(out / "result.json"), result.setdefault("reproduced", {})
+    if options.again:
+        second = figures.read(out / "again" / "result.json")
+        found["again"] = figures.differences(second, {name: new[name] for name in second})
+    if options.against:
+        old = figures.read(options.against)
+        found["against"] = figures.differences(*figures.common(old, new)) | {
+            "machine": figures.machine_of(options.against)
+        }
+    write_page(result, out)
+
+
+def play_all(options):
+    if not options.page_only:
+        play(options)
+        if options.again:
+            again = argparse.Namespace(**vars(options))
+            again.out = pathlib.Path(options.out) / "again"
+            (again.out / "result.json").unlink(missing_ok=True)
+            play(again)
+    if options.page_only or options.again or options.against:
+        reproduced(options)
 
 
 if __name__ == "__main__":
@@ -248,12 +261,10 @@ if __name__ == "__main__":
     parser.add_argument("--only", default="", help="only these systems")
     parser.add_argument("--add", default="", help="name of a program whose answers are in --csv")
     parser.add_argument("--csv", default="", help="file or folder of answers: README.md")
-    parser.add_argument(
-        "--again", action="store_true", help="plays twice; reports errors that differ by over 10 %"
-    )
+    parser.add_argument("--again", action="store_true", help="plays twice, into OUT/again, too")
+    parser.add_argument("--against", default="", help="league.md or result.json of another machine")
+    parser.add_argument("--page-only", action="store_true", help="plays nothing; writes the page")
     chosen_options = parser.parse_args()
-    if chosen_options.again and (chosen_options.add or chosen_options.rows):
-        parser.error("--again plays all rows: give no --rows and no --add")
-    play(chosen_options)
-    if chosen_options.again:
-        play_again(chosen_options)
+    if chosen_options.add and (chosen_options.again or chosen_options.against):
+        parser.error("--add goes without --again and --against")
+    play_all(chosen_options)

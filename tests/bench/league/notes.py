@@ -35,12 +35,12 @@ ROWS = {
         friction of tan(lead angle) cos 30° = 0.0375 on. In MuJoCo it falls by its weight,
         and is locked if it turns by less than 1° in half a second. The mesh has 128 sides a
         turn: facets of 32 lock it by their own slope. The virtual tool of voxtouch gives no
-        torque here, and the distances are not the reason: the force of `field` has 1.08 of p/2π
-        at every angle. In each frame the solver finds the rotation, a step of 0.08 mm at the
-        rim, tries it in three queries and takes it back, since the energy of all rows does not
-        fall. With voxels of half the size (`voxel_size: 0.000125` in `D2l/voxtouch.yaml`) the
-        step is taken: 0.92 of p/2π times the force, with a friction of 0.01 too, so it shows no
-        locking there either.""",
+        torque here. The distances are not the reason: the torque of `field` is 1.08 of p/2π
+        times the force at each of 91 angles. In each frame the solver finds the rotation, a
+        step of 0.08 mm at the rim, tries it in three queries and takes it back, since the
+        energy of all rows does not fall. With voxels of half the size (`voxel_size: 0.000125`
+        in `D2l/voxtouch.yaml`) the step is taken: 0.92 of p/2π times the force, with a friction
+        of 0.01 too, so it shows no locking there either.""",
     "C3": """The hand is `pen`. voxtouch starts only what it can certify or what the device
         can show; the other systems know neither and run. At 2,000 N/m none of them swings
         with this device.""",

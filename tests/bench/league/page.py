@@ -73,15 +73,21 @@ def refusals(answers):
 
 
 def reproduction(found):
-    """Lines about a second run of everything on this machine."""
-    if not found:
-        return ["Played once."]
+    """Paragraphs about a second run on this machine, and one on another."""
+    texts = []
+    if again := found.get("again"):
+        texts.append(f"Second run on this machine: {of_differences(again)}")
+    if against := found.get("against"):
+        texts.append(f"Run on {against['machine']}: {of_differences(against)}")
+    if not texts:
+        texts.append("Played once.")
+    return [line for text in texts for line in ["", *notes.paragraph(text)[:-1]]]
+
+
+def of_differences(found):
     differ = found["differ"]
-    text = (
-        f"Played twice on this one machine, on no second one: of {found['figures']} errors of "
-        f"all systems {len(differ)} differ by more than 10 % between the runs"
-    )
-    return notes.paragraph(text + (f": {'; '.join(differ)}." if differ else "."))[:-1]
+    text = f"of {found['figures']} errors that both have, {len(differ)} differ by more than 10 %"
+    return text + (f": {'; '.join(differ)}." if differ else ".")
 
 
 def markdown(result):
@@ -94,8 +100,8 @@ def markdown(result):
         f"load {result['conditions']['load']}.",
         "Times are CPU times of one thread next to other work: compare ratios only.",
         "Static rows: best of three. `tests/bench/league/README.md` explains rows and format.",
-        *reproduction(result.get("reproduced")),
         "Why a system does worse than its documentation suggests: see [the systems](#the-systems).",
+        *reproduction(result.get("reproduced", {})),
         "",
     ]
     for name, row in sorted(result["rows"].items()):
