@@ -32,25 +32,63 @@ def values_of(line, place):
     return values
 
 
-def answer(folder, row):
-    """Wrenches (n x 6) and times [us] of FOLDER/ROW.csv; None without that file. CsvError if it
-    cannot be used.
-    """
-    file = pathlib.Path(folder) / f"{row.name.replace(' ', '_').replace('/', '_')}.csv"
-    if not file.exists():
-        return None
-    lines = file.read_text(encoding="utf-8").splitlines()
+def name_of(row):
+    """Of the row's folder, and of its file."""
+    return row.name.replace(" ", "_").replace("/", "_")
+
+
+def check_header(file, lines, columns):
     header = [word.strip() for word in lines[0].split(",")] if lines else []
-    if header != list(COLUMNS):
+    if header != list(columns):
         raise CsvError(
-            f"{file}:1: '{','.join(header)}'; the header {','.join(COLUMNS)} is expected"
+            f"{file}:1: '{','.join(header)}'; the header {','.join(columns)} is expected"
         )
+
+
+def lines_of_file(file, name, known):
+    """Numbers and lines of one row in a file of all rows, without their first column."""
+    lines = file.read_text(encoding="utf-8").splitlines()
+    check_header(file, lines, ("row", *COLUMNS))
+    chosen = []
+    for n, line in enumerate(lines[1:], 2):
+        row, _, rest = line.partition(",")
+        if not known(row.strip()):
+            raise CsvError(f"{file}:{n}: row '{row}'; the name of a row's folder is expected")
+        if row.strip() == name:
+            chosen.append((n, rest))
+    return chosen
+
+
+def lines_of_folder(file):
+    lines = file.read_text(encoding="utf-8").splitlines()
+    check_header(file, lines, COLUMNS)
     while lines[-1].strip() == "":
         lines.pop()
-    table = [values_of(line, f"{file}:{n}") for n, line in enumerate(lines[1:], 2)]
+    return list(enumerate(lines[1:], 2))
+
+
+def answer(source, row, folder):
+    """Wrenches (n x 6) and times [us] of SOURCE/ROW.csv, or of ROW's lines in the file SOURCE; None
+    if there are none. `folder`: the row's. CsvError if they cannot be used.
+    """
+    source, name = pathlib.Path(source), name_of(row)
+    if source.is_file():
+        file = source
+        lines = lines_of_file(
+            file, name, lambda other: (folder.parent / other / "poses.csv").exists()
+        )
+        if not lines:
+            return None
+    else:
+        file = source / f"{name}.csv"
+        if not file.exists():
+            return None
+        lines = lines_of_folder(file)
+    table = [values_of(line, f"{file}:{n}") for n, line in lines]
     if len(table) != len(row.poses):
+        last = lines[-1][0] if lines else 1
         raise CsvError(
-            f"{file}:{len(lines)}: the last of {len(table)} lines of values; {len(row.poses)} are "
+            f"{file}:{last}: the last of {len(table)} lines of values; {len(row.poses)} are "
             "expected, one for each line of poses.csv"
         )
     table = np.array(table)

@@ -22,18 +22,23 @@ SLACK = 0.05  # of a limit over the figure that it is made from
 SMALLEST = {"°": 0.01, "%": 0.01, "mm": 0.002, "": 0.002}  # least limit and least difference
 
 
+UNITS = {"mean": "°", "p95": "°", "noise": "%"} | dict.fromkeys(
+    ("sinks", "moves", "shift", "penetration", "advance"), "mm"
+)
+
+
 def unit(figure):
     """Of a figure by its name: degrees, per cent, millimetres or none."""
-    return {"mean": "°", "p95": "°", "noise": "%", "sinks": "mm", "moves": "mm", "shift": "mm"}.get(
-        figure, ""
-    )
+    return UNITS.get(figure, "")
 
 
 def of_answer(judge, a):
     """Errors of one answer of result.json by name; a sentence in its place gives its first word."""
     if isinstance(a, str):
         return {"answer": a.split(":")[0]}
-    if judge == "direction":
+    if judge == "advance":
+        return {"advance": abs(a["advance_mm"] - a["expected_mm"])}
+    if judge in ("direction", "torque"):
         torque = {"torque": abs(a["torque_ratio"] - 1)} if "torque_ratio" in a else {}
         counts = {"missed": a["missed"], "poses": str(a["of"])}
         return {"mean": a["mean_deg"], "p95": a["p95_deg"]} | counts | torque
@@ -47,9 +52,14 @@ def of_answer(judge, a):
         return {"shift": a["shift_mm"], "thread": "held" if a["held"] else "skipped"}
     if judge == "lock":
         return {"lock": abs(a["friction"] - a["expected"])}
+    inside = {
+        "penetration": abs(a["penetration_mm"]),
+        "mean": a["mean_deg"],
+        "noise": 100 * a["noise"],
+    }
     if a["passed"]:
-        return {"answer": "passed through", "noise": 100 * a["noise"]}
-    return {"force": abs(a["force_ratio"] - 1), "noise": 100 * a["noise"]}
+        return {"answer": "passed through"} | inside
+    return {"force": abs(a["force_ratio"] - 1)} | inside
 
 
 def of_cells(first, second):
@@ -62,10 +72,12 @@ def of_cells(first, second):
         return errors | {"poses": counts[2]} | torque
     if found := re.fullmatch(r"(\d+) of (\d+) touched", first):
         return {"touched": int(found[1]), "poses": found[2]}
-    if found := re.fullmatch(r"([\d.]+) of k d", first):
-        return {"force": abs(float(found[1]) - 1), "noise": of_number(second)}
+    if found := re.fullmatch(r"(-?[\d.]+) of k d", first):
+        return {"force": abs(float(found[1]) - 1)} | inside_of(second)
     if first == "passed through":
-        return {"answer": first, "noise": of_number(second)}
+        return {"answer": first} | inside_of(second)
+    if found := re.fullmatch(r"(-?[\d.]+) mm a turn", first):
+        return {"advance": abs(float(found[1]) - of_number(second))}
     if found := re.fullmatch(r"(-?)([\d.]+|< 0.001) mm", first):
         return {"sinks": of_number(first), "moves": of_number(second)}
     if found := re.fullmatch(r"shifts ([\d.]+) mm", first):
@@ -76,6 +88,15 @@ def of_cells(first, second):
         held, released = first.split("; ")
         return {"held": held, "released": released, "warned": second}
     return {"answer": first.split(":")[0]}
+
+
+def inside_of(cell):
+    names = {"mm": "penetration", "°": "mean", "%": "noise"}
+    found = {}
+    for part in cell.split(", "):
+        name = next(names[unit] for unit in names if part.endswith(unit))
+        found[name] = abs(of_number(part))
+    return found
 
 
 def of_number(text):
@@ -174,6 +195,34 @@ def compare(old, new):
             show = [v if v is None or isinstance(v, str) else f"{v:.3g}" for v in (a, b)]
             faults.append(f"{key[0]}, {key[1]}, {key[2]}: {show[0]} and {show[1]}")
     return faults
+
+
+def common(old, new):
+    """Both tables, with the figures only that both have."""
+    keys = flat(old).keys() & flat(new).keys()
+    tables = []
+    for table in (old, new):
+        chosen = {}
+        for row, system, figure in sorted(keys):
+            errors = chosen.setdefault(row, {}).setdefault(system, {})
+            errors[figure] = table[row][system][figure]
+        tables.append(chosen)
+    return tables
+
+
+def differences(old, new):
+    """Count of figures, and the sentences of `compare`."""
+    return {"figures": len(flat(new)), "differ": compare(old, new)}
+
+
+def machine_of(path):
+    """Date and machine of a result.json or a league.md."""
+    text = pathlib.Path(path).read_text(encoding="utf-8")
+    if str(path).endswith(".json"):
+        conditions = json.loads(text)["conditions"]
+        return f"{conditions['machine']}, {conditions['date']}"
+    date, _, machine = text.splitlines()[4].rpartition(", load")[0].partition(", ")
+    return f"{machine}, {date}"
 
 
 def main(arguments):

@@ -64,7 +64,8 @@ class Page(unittest.TestCase):
         for ours, planted in (
             ("| voxtouch field | 0 of 60 touched |", "| voxtouch field | 1 of 60 touched |"),
             ("| voxtouch field | 0 of 60 touched |", "| voxtouch field | 0 of 6 touched |"),
-            ("of k d | 0 % |", "of k d | 1 % |"),
+            ("0 % |", "1 % |"),
+            ("0.987 of k d", "0.887 of k d"),
             ("| rests; left | no need |", "| swings 3 mm; left | no need |"),
         ):
             self.assertIn(ours, self.text)
@@ -89,6 +90,26 @@ class Comparison(unittest.TestCase):
         self.assertEqual(len(figures.compare(with_mean(2.0), {})), 2)
         self.assertEqual(figures.compare(with_mean(0.0), with_mean(0.009)), [])
 
+    def test_compares_only_what_both_machines_have(self):
+        old = {"A1": {"Coal": {"mean": 2.0}}, "A2": {"Coal": {"mean": 1.0}}}
+        new = {"A1": {"Coal": {"mean": 3.0, "missed": 0}}, "A3": {"Coal": {"mean": 1.0}}}
+        found = figures.differences(*figures.common(old, new))
+        self.assertEqual(found["figures"], 1)
+        self.assertEqual(found["differ"], ["A1, Coal, mean: 2 and 3"])
+
+    def test_is_on_the_page(self):
+        import page
+
+        self.assertIn("Played once.", page.reproduction({}))
+        found = {"figures": 9, "differ": ["A1, Coal, mean: 2 and 3"], "machine": "Some CPU"}
+        text = " ".join(page.reproduction({"again": found, "against": found}))
+        self.assertEqual(text.count("of 9 errors that both have, 1 differ by more than 10 %"), 2)
+        self.assertEqual(text.count("A1, Coal, mean: 2 and 3"), 2)
+        self.assertIn("Run on Some CPU", text)
+
+    def test_the_page_names_its_machine(self):
+        self.assertRegex(figures.machine_of(PAGE), r"processors, 20\d\d-\d\d-\d\d$")
+
 
 class Cells(unittest.TestCase):
     def test_are_read_back_as_they_are_written(self):
@@ -107,10 +128,18 @@ class Cells(unittest.TestCase):
             "loop": {"held": "swings 3 mm", "released": "left", "warned": "no"},
             "hammer": {"shift_mm": 0.25, "held": False},
             "lock": {"friction": 0.125, "expected": 0.0625},
-            "press": {"passed": False, "force_ratio": 1.5, "noise": 0.005},
-            "foil": {"passed": True, "force_ratio": 0.0, "noise": 0.005},
+            "spring": {
+                "passed": False,
+                "force_ratio": 1.5,
+                "penetration_mm": -0.5,
+                "mean_deg": 0.25,
+                "noise": 0.005,
+            },
+            "advance": {"advance_mm": 2.25, "expected_mm": 2.5},
         }
-        for judge, answer in answers.items():
+        answers["torque"] = answers["direction"]
+        passed = answers["spring"] | {"passed": True, "force_ratio": 0.0}
+        for judge, answer in [*answers.items(), ("spring", passed)]:
             first, second, _ = page.cell(judge, answer)
             expected = figures.of_answer(judge, answer)
             self.assertEqual(figures.of_cells(first, second), expected, judge)

@@ -3,7 +3,7 @@
 triangles.
 
 usage: league.py --voxtouch PROGRAM --out FOLDER [--rows A,B1] [--only NAME,...] [--add NAME --csv
-       FOLDER]
+       FILE] [--again] [--against PAGE] [--page-only]
 
 FOLDER receives a folder per row with meshes, poses and what is right, result.json, league.md and
 the pictures. README.md reports how another program takes part without this code.
@@ -18,6 +18,7 @@ import platform
 import sys
 
 import by_csv
+import figures
 import loops
 import numpy as np
 import page
@@ -27,29 +28,73 @@ import systems
 import truth
 
 
+LEAST_WRENCH = 1e-9  # N or N m: less is none
+PENETRATION_EVERY = 10  # samples
+PASSED_SAMPLES = 20  # a contact that is lost for so long has let the tool through
+
+
+def curve(row, along):
+    """Force along what is right [N] over depth [mm], while the hand goes in."""
+    deep = np.flatnonzero(row.depth_m > 0)
+    deep = deep[: 1 + np.argmax(row.depth_m[deep])]
+    chosen = deep[np.unique(np.linspace(0, len(deep) - 1, 40).astype(int))]
+    return [[float(1e3 * row.depth_m[n]), float(along[n])] for n in chosen]
+
+
+def of_spring(row, force):
+    """Force over stiffness times depth of the hand, its direction and noise, penetration."""
+    count = len(row.poses)
+    window = np.arange(count) >= count - 100 if row.window is None else row.window
+    along = np.sum(force * row.direction, axis=1)[window]
+    depth = row.depth_m[window]
+    ratio = along / (row.spring_n_per_m * depth)
+    if row.ball_m:
+        places = (row.poses[:, 4:] + force / row.spring_n_per_m)[window]
+        _, distance = truth.nearest_on(row.static, places[::PENETRATION_EVERY])
+        penetration = row.ball_m - distance
+    else:
+        penetration = depth - along / row.spring_n_per_m
+    lost = np.convolve(ratio, np.full(PASSED_SAMPLES, 1 / PASSED_SAMPLES), "valid")
+    return {
+        "force_ratio": float(ratio.mean()),
+        "noise": float(ratio.std()),
+        "mean_deg": float(angles(force[window], row.direction[window]).mean()),
+        "penetration_mm": float(1e3 * penetration[np.argmax(np.abs(penetration))]),
+        "passed": bool(lost.min() < 0.2),
+    }
+
+
 def angles(force, direction):
     size = np.linalg.norm(force, axis=1)
     cosine = np.sum(force * direction, axis=1) / np.maximum(size, 1e-300)
-    return np.where(size > 1e-9, np.degrees(np.arccos(np.clip(cosine, -1, 1))), 180.0)
+    return np.where(size > LEAST_WRENCH, np.degrees(np.arccos(np.clip(cosine, -1, 1))), 180.0)
 
 
 def judged(row, wrenches, times):
     force = wrenches[:, :3]
+    asked = wrenches[:, 3:] if row.judge == "torque" else force
     facts = {"us_median": float(np.median(times)), "us_worst": float(np.max(times))}
-    if row.judge == "direction":
-        wrong = angles(force, row.direction)
+    if row.judge in ("direction", "torque"):
+        wrong = angles(asked, row.direction)
         facts |= {
             "mean_deg": float(wrong.mean()),
             "p95_deg": float(np.percentile(wrong, 95)),
-            "missed": int(np.sum(np.linalg.norm(force, axis=1) <= 1e-9)),
+            "missed": int(np.sum(np.linalg.norm(asked, axis=1) <= LEAST_WRENCH)),
             "of": len(wrong),
         }
+        if row.name == "E3d":
+            facts["curve"] = curve(row, np.sum(force * row.direction, axis=1))
         if per_force := row.facts.get("torque_per_force_m"):
             z = np.abs(wrenches[:, 2])
             found = np.abs(wrenches[z > 1e-9, 5]) / z[z > 1e-9]
             facts["torque_ratio"] = float(np.median(found) / per_force) if len(found) else 0.0
+    elif row.judge == "advance":
+        tool_z = row.poses[:, 6] + force[:, 2] / row.spring_n_per_m
+        turn = np.unwrap(2 * np.arctan2(row.poses[:, 3], row.poses[:, 0])) / (2 * np.pi)
+        slope = np.polyfit(turn[row.window], tool_z[row.window], 1)[0]
+        facts |= {"advance_mm": float(1e3 * slope), "expected_mm": 1e3 * shapes.PITCH_M}
     elif row.judge == "hammer":
-        tool_z = row.poses[:, 6] + force[:, 2] / rows.SPRING_N_PER_M
+        tool_z = row.poses[:, 6] + force[:, 2] / row.spring_n_per_m
         facts |= {
             "shift_mm": float(1e3 * np.max(np.abs(tool_z))),
             "held": bool(abs(tool_z[-1]) < 0.5 * shapes.PITCH_M),
@@ -57,13 +102,9 @@ def judged(row, wrenches, times):
     elif row.judge == "free":
         facts |= {"touched": int(np.sum(np.linalg.norm(force, axis=1) > 1e-9)), "of": len(force)}
     else:
-        last = np.sum(force[-100:] * row.direction[-100:], axis=1)
-        expected = rows.SPRING_N_PER_M * row.facts["depth_m"]
-        facts |= {
-            "force_ratio": float(last.mean() / expected),
-            "noise": float(last.std() / expected),
-            "passed": bool(abs(last.mean()) < 0.2 * expected),
-        }
+        facts |= of_spring(row, force)
+        if row.name == "E3s":
+            facts["curve"] = curve(row, np.sum(force * row.direction, axis=1))
     return facts
 
 
@@ -81,8 +122,10 @@ def reason(error):
 
 def check_addition(options, everybody):
     """Name and folder of --add; SystemExit with what to do."""
-    if not options.csv or not pathlib.Path(options.csv).is_dir():
-        sys.exit(f"--add {options.add}: give a folder with --csv, one ROW.csv for each row")
+    if not options.csv or not pathlib.Path(options.csv).exists():
+        sys.exit(
+            f"--add {options.add}: give --csv FILE of all rows, or FOLDER with one ROW.csv each"
+        )
     if options.add in [r.name for r in everybody] or not options.add.replace(" ", "").isalnum():
         sys.exit(f"--add {options.add}: take another name, of letters, digits and spaces")
 
@@ -110,7 +153,9 @@ def participants(options):
     everybody = systems.everybody(options.voxtouch)
     if options.add:
         check_addition(options, everybody)
-        return [(options.add, lambda row, folder: by_csv.answer(options.csv, row), "by CSV")]
+        return [
+            (options.add, lambda row, folder: by_csv.answer(options.csv, row, folder), "by CSV")
+        ]
     only = options.only.split(",") if options.only else []
     return [
         (r.name, r.answer, r.version())
@@ -164,10 +209,44 @@ def play(options):
         "load": round(os.getloadavg()[0], 1),
         "python": platform.python_version(),
     }
+    if not options.add:
+        result.pop("reproduced", None)
     out.mkdir(parents=True, exist_ok=True)
-    file.write_text(json.dumps(result, indent=1), encoding="utf-8")
+    write_page(result, out)
+
+
+def write_page(result, out):
+    (out / "result.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
     (out / "league.md").write_text(page.markdown(result), encoding="utf-8")
     page.pictures(result, out)
+
+
+def reproduced(options):
+    """Puts what --again and --against find into the result and its page."""
+    out = pathlib.Path(options.out).resolve()
+    result = json.loads((out / "result.json").read_text(encoding="utf-8"))
+    new, found = figures.read(out / "result.json"), result.setdefault("reproduced", {})
+    if options.again:
+        second = figures.read(out / "again" / "result.json")
+        found["again"] = figures.differences(second, {name: new[name] for name in second})
+    if options.against:
+        old = figures.read(options.against)
+        found["against"] = figures.differences(*figures.common(old, new)) | {
+            "machine": figures.machine_of(options.against)
+        }
+    write_page(result, out)
+
+
+def play_all(options):
+    if not options.page_only:
+        play(options)
+        if options.again:
+            again = argparse.Namespace(**vars(options))
+            again.out = pathlib.Path(options.out) / "again"
+            (again.out / "result.json").unlink(missing_ok=True)
+            play(again)
+    if options.page_only or options.again or options.against:
+        reproduced(options)
 
 
 if __name__ == "__main__":
@@ -181,5 +260,11 @@ if __name__ == "__main__":
     )
     parser.add_argument("--only", default="", help="only these systems")
     parser.add_argument("--add", default="", help="name of a program whose answers are in --csv")
-    parser.add_argument("--csv", default="", help="folder with ROW.csv: fx,fy,fz,tx,ty,tz,us")
-    play(parser.parse_args())
+    parser.add_argument("--csv", default="", help="file or folder of answers: README.md")
+    parser.add_argument("--again", action="store_true", help="plays twice, into OUT/again, too")
+    parser.add_argument("--against", default="", help="league.md or result.json of another machine")
+    parser.add_argument("--page-only", action="store_true", help="plays nothing; writes the page")
+    chosen_options = parser.parse_args()
+    if chosen_options.add and (chosen_options.again or chosen_options.against):
+        parser.error("--add goes without --again and --against")
+    play_all(chosen_options)

@@ -23,7 +23,9 @@ def cell(judge, a):
         return f"shifts {number(a['shift_mm'])} mm", thread, time
     if judge == "lock":
         return f"from {a['friction']:.3f} on", f"{a['expected']:.4f}", time
-    if judge == "direction":
+    if judge == "advance":
+        return f"{a['advance_mm']:.3f} mm a turn", f"{a['expected_mm']:.3f} mm", time
+    if judge in ("direction", "torque"):
         torque = f", torque {a['torque_ratio']:.3f}" if "torque_ratio" in a else ""
         return (
             f"{number(a['mean_deg'])}°, {number(a['p95_deg'])}°",
@@ -33,22 +35,25 @@ def cell(judge, a):
     if judge == "free":
         return f"{a['touched']} of {a['of']} touched", "", time
     kept = "passed through" if a["passed"] else f"{a['force_ratio']:.3f} of k d"
-    return kept, f"{number(100 * a['noise'])} %", time
+    inside = f"{number(a['penetration_mm'])} mm, {number(a['mean_deg'])}°"
+    return kept, f"{inside}, {number(100 * a['noise'])} %", time
 
 
 LEAST_DEG = 0.01
+SLIDE = "C4 cup 371 N/m"  # of spring systems in the picture of errors
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"]
 MARKERS = ["o", "s", "^", "D", "v"]
 
 HEADS = {
     "direction": "| direction error: mean, 95 % | missed | time, median |",
     "free": "| free poses with a force | | time, median |",
-    "press": "| force | noise of the force | time of a step, median |",
+    "torque": "| torque's direction error: mean, 95 % | missed | time, median |",
+    "spring": "| force | penetration, direction error, noise | time of a step, median |",
+    "advance": "| nut moves along | pitch | time of a step, median |",
     "rest": "| sinks by | moves in the last 0.5 s | time of a step, median |",
     "loop": "| held; released | warned | time of a step, median |",
     "hammer": "| nut | thread | time of a step, median |",
     "lock": "| locks | ideal helix | time of a step, median |",
-    "foil": "| force | noise of the force | time of a step, median |",
 }
 
 
@@ -68,6 +73,24 @@ def refusals(answers):
     return lines
 
 
+def reproduction(found):
+    """Paragraphs about a second run on this machine, and one on another."""
+    texts = []
+    if again := found.get("again"):
+        texts.append(f"Second run on this machine: {of_differences(again)}")
+    if against := found.get("against"):
+        texts.append(f"Run on {against['machine']}: {of_differences(against)}")
+    if not texts:
+        texts.append("Played once.")
+    return [line for text in texts for line in ["", *notes.paragraph(text)[:-1]]]
+
+
+def of_differences(found):
+    differ = found["differ"]
+    text = f"of {found['figures']} errors that both have, {len(differ)} differ by more than 10 %"
+    return text + (f": {'; '.join(differ)}." if differ else ".")
+
+
 def markdown(result):
     lines = [
         "# League: contact libraries on the same poses",
@@ -79,6 +102,7 @@ def markdown(result):
         "Times are CPU times of one thread next to other work: compare ratios only.",
         "Static rows: best of three. `tests/bench/league/README.md` explains rows and format.",
         "Why a system does worse than its documentation suggests: see [the systems](#the-systems).",
+        *reproduction(result.get("reproduced", {})),
         "",
     ]
     for name, row in sorted(result["rows"].items()):
@@ -114,13 +138,14 @@ def pictures(result, folder):
         system: (COLOURS[n % len(COLOURS)], MARKERS[n % len(MARKERS)])
         for n, system in enumerate(sorted(result["versions"]))
     }
-    for draw, file in (
-        (error_over_time, "league_error_time.png"),
-        (time_over_size, "league_growth.png"),
+    for draw, file, scale in (
+        (error_over_time, "league_error_time.png", "log"),
+        (time_over_size, "league_growth.png", "log"),
+        (force_over_depth, "league_force_depth.png", "linear"),
     ):
         figure, axes = pyplot.subplots(figsize=(8.5, 4.6))
         draw(axes, result, styles)
-        axes.set(xscale="log", yscale="log")
+        axes.set(xscale=scale, yscale=scale)
         axes.grid(True, alpha=0.3)
         axes.legend(fontsize=8, loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)
         figure.tight_layout()
@@ -136,7 +161,8 @@ def answers_of(result, row):
 
 
 def error_over_time(axes, result, styles):
-    for row, filled in (("A5", True), ("A2", False)):
+    labelled = set()
+    for row, fill in (("A5", "full"), ("A2", "none"), (SLIDE, "left")):
         for system, a in sorted(answers_of(result, row).items()):
             colour, marker = styles[system]
             axes.plot(
@@ -146,15 +172,17 @@ def error_over_time(axes, result, styles):
                 color=colour,
                 linestyle="",
                 markersize=8,
-                markerfacecolor=colour if filled else "none",
-                label=system if filled else None,
+                fillstyle=fill,
+                label=None if system in labelled else system,
             )
+            labelled.add(system)
     axes.set(
         xlabel="CPU time of a frame [µs]",
-        ylabel=f"mean direction error [°], {LEAST_DEG:g} and below at {LEAST_DEG:g}",
+        ylabel=f"mean direction error [°], not below {LEAST_DEG:g}",
     )
     axes.set_title(
-        "Ball on the cup (filled) and on a cylinder of 5,000 triangles (open)", fontsize=10
+        "Ball on the cup (filled), on 5,000 triangles (open), pulled round the cup (half)",
+        fontsize=10,
     )
 
 
@@ -170,3 +198,24 @@ def time_over_size(axes, result, styles):
             axes.plot(*zip(*points), marker=marker, color=colour, label=system)
     axes.set(xlabel="triangles of the cylinder", ylabel="CPU time of a frame [µs]")
     axes.set_title("Ball on a cylinder of more and more triangles", fontsize=10)
+
+
+def force_over_depth(axes, result, styles):
+    axes.plot([0, 19], [0, 1], color="lightgrey", linewidth=6, label="in proportion to depth")
+    for row, line in (("E3d", "-"), ("E3s", "-.")):
+        for system, a in sorted(answers_of(result, row).items()):
+            colour, marker = styles[system]
+            depth, force = zip(*a["curve"])
+            most = max(abs(f) for f in force) or 1.0
+            relative = [f / most for f in force]
+            label = f"{system} (spring)" if row == "E3s" else system
+            axes.plot(
+                depth, relative, line, color=colour, marker=marker, markersize=3.5, label=label
+            )
+    axes.set(
+        xlabel="depth of the hand [mm]",
+        ylabel="force out of the cube over its largest value",
+    )
+    axes.set_title(
+        "Cube pressed into a cube: poses (solid), pulled by a spring (dashed)", fontsize=10
+    )

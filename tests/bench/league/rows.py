@@ -14,6 +14,8 @@ import shapes
 
 SEED = 20261129
 SPRING_N_PER_M = 500.0
+SLIDE_DEPTH_M = 0.02
+UP = np.array([0, 0, 1.0])
 THREAD_GAP_M = 0.00025  # of the nut, along the radius
 THREAD_PLAY_M = THREAD_GAP_M / 3**0.5  # along the axis, each way
 
@@ -25,12 +27,14 @@ class Row:
     static: tuple
     tool: tuple
     poses: np.ndarray  # n x 7: qw qx qy qz tx ty tz
-    direction: np.ndarray  # n x 3, NaN where no direction is asked; zero where no force may act
+    direction: np.ndarray  # n x 3, of the force (judge `torque`: of the torque); zero: none may act
     path: bool = False
+    spring_n_per_m: float = SPRING_N_PER_M  # of path rows
     ball_m: float = 0.0  # radius, if the tool is a ball
     depth_m: np.ndarray = None  # of the hand beyond the first touch
     voxel_m: float = 0.001
-    judge: str = "direction"  # direction | free | press | foil | hammer
+    judge: str = "direction"  # direction | torque | free | spring | hammer | advance
+    window: np.ndarray = None  # samples that `spring` judges; the last 100 if there is none
     facts: dict = dataclasses.field(default_factory=dict)
 
 
@@ -159,6 +163,26 @@ def rows_of_holes():
             voxel_m=0.0005,
             depth_m=np.full(60, 0.0003),
         )
+        # The pin's end dips 0.3 mm into the wall; cross and gear turn into it.
+        axis = away if name == "B1" else np.outer(np.cos(sides).round() - np.sin(sides).round(), UP)
+        angle = (clearance + 0.0003) / {"B1": 0.010, "B2": 0.015, "B3": 0.011}[name]
+        yield Row(
+            name + "t",
+            f"{title} {'tilted' if name == 'B1' else 'turned'} 0.3 mm into its hole's wall",
+            static,
+            tool,
+            np.column_stack(
+                [
+                    np.full(60, np.cos(angle / 2)),
+                    np.sin(angle / 2) * axis,
+                    np.zeros((60, 2)),
+                    free[:, 2],
+                ]
+            ),
+            -axis,
+            voxel_m=0.0005,
+            judge="torque",
+        )
 
 
 def straight(z_from, z_to, speed, hold_s, xy=(0.0013, 0.0007)):
@@ -186,8 +210,8 @@ def rows_of_springs():
         path=True,
         ball_m=0.01,
         voxel_m=0.002,
-        judge="press",
-        facts={"depth_m": 0.01},
+        judge="spring",
+        depth_m=0.01 - poses[:, 6],
     )
     for thickness in (0.002, 0.0002):
         foil = shapes.box((0.2, 0.2, thickness), (0, 0, -thickness / 2))
@@ -203,8 +227,54 @@ def rows_of_springs():
                 path=True,
                 ball_m=0.01,
                 voxel_m=0.002,
-                judge="foil",
-                facts={"depth_m": 0.01},
+                judge="spring",
+                depth_m=0.01 - poses[:, 6],
+            )
+
+
+def slide(radius, depth, speed, z_from, z_to):
+    """Path of a hand `depth` below the first touch of a ball of 10 mm on a cylinder about z, for
+    120 degrees round its side away from +x; outside, in, round and out. Directions; which samples
+    slide.
+    """
+    steps = int(round(np.radians(120) * (radius + 0.01) / speed * 1000))
+    inside = radius + 0.01 - depth
+    way_in = np.linspace(radius + 0.012, inside, int((depth + 0.002) / 0.05 * 1000))
+    reach = np.concatenate([way_in, np.full(200 + steps, inside), way_in[::-1]])
+    part = np.clip((np.arange(len(reach)) - len(way_in) - 200) / steps, 0, 1)
+    angle = np.pi + np.radians(120) * (part - 0.5)
+    normal = np.stack([np.cos(angle), np.sin(angle), np.zeros(len(angle))], 1)
+    places = reach[:, None] * normal + np.outer(z_from + (z_to - z_from) * part, UP)
+    return poses_at(places), normal, (part > 0) & (part < 1)
+
+
+def rows_of_slides(deploy, expected):
+    """C4: the hand is 20 mm deep: at the cup, whose wall is 5 mm thick, it is in the inside."""
+    if not expected("C4"):
+        return
+    v, f = shapes.cylinder(0.04, 0.2, 20_000)
+    upright = (np.asarray(v)[:, [2, 0, 1]], f)
+    cup = read_obj(deploy / "meshes" / "cup.obj")
+    for title, mesh, low, high in (
+        ("cylinder", upright, -0.02, 0.02),
+        ("cup", cup, 0.025, 0.065),
+    ):
+        poses, normal, window = slide(0.04, SLIDE_DEPTH_M, 0.08, low, high)
+        for spring in (371.0, 2000.0):
+            yield Row(
+                f"C4 {title} {spring:g} N/m",
+                f"slide round the {title}, hand 20 mm deep, spring of {spring:g} N/m",
+                mesh,
+                shapes.ball(0.01),
+                poses,
+                normal,
+                path=True,
+                spring_n_per_m=spring,
+                ball_m=0.01,
+                voxel_m=0.002,
+                judge="spring",
+                window=window,
+                depth_m=0.05 - np.hypot(poses[:, 4], poses[:, 5]),
             )
 
 
@@ -235,8 +305,8 @@ def rows_of_edges():
         np.tile(up, (len(path), 1)),
         path=True,
         voxel_m=0.0005,
-        judge="press",
-        facts={"depth_m": 0.003},
+        judge="spring",
+        depth_m=-path[:, 6],
     )
     foil = shapes.box((0.2, 0.2, 0.0002), (0, 0, -0.0001))
     xy = random.uniform(-0.05, 0.05, (60, 2))
@@ -269,8 +339,19 @@ def rows_of_edges():
         np.tile(up, (len(path), 1)),
         path=True,
         voxel_m=0.002,
-        judge="press",
-        facts={"depth_m": 0.018},
+        judge="spring",
+        depth_m=0.04 - path[:, 6],
+    )
+    depth = np.arange(1, 39) * 0.0005
+    yield Row(
+        "E3d",
+        "cubes of 40 mm, 0.5 to 19 mm through each other",
+        cube,
+        cube,
+        poses_at(np.column_stack([np.full(38, 0.0013), np.full(38, 0.0007), 0.04 - depth])),
+        np.tile(up, (38, 1)),
+        voxel_m=0.002,
+        depth_m=depth,
     )
 
 
@@ -336,6 +417,21 @@ def rows_of_threads():
         judge="hammer",
         **common,
     )
+    turns = np.concatenate([np.zeros(300), np.linspace(0, 1, 1501), np.ones(100)])
+    poses = screwed(turns)
+    poses[:, 6] = 0.0
+    yield Row(
+        "D2a",
+        "nut M20 turned once about its bolt, pulled down by a spring",
+        bolt,
+        nut,
+        poses,
+        np.zeros((len(poses), 3)),
+        path=True,
+        judge="advance",
+        window=(turns > 0.25) & (turns < 1),
+        **common,
+    )
 
 
 def all_rows(deploy, nearest, expected):
@@ -344,6 +440,7 @@ def all_rows(deploy, nearest, expected):
         rows_of_balls(deploy, nearest, expected),
         rows_of_holes(),
         rows_of_springs(),
+        rows_of_slides(deploy, expected),
         rows_of_edges(),
         rows_of_threads(),
     ):
@@ -355,6 +452,12 @@ def write_poses(file, poses):
     np.savetxt(file, poses, "%.12g", ",", header="qw,qx,qy,qz,tx,ty,tz", comments="")
 
 
+def asked_of(row):
+    if row.path:
+        return f"path, 1 ms a row, spring of {row.spring_n_per_m:g} N/m"
+    return "poses that stand alone" + (": torque" if row.judge == "torque" else "")
+
+
 def write_row(row, folder):
     """The files that any program can take part with."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -363,6 +466,6 @@ def write_row(row, folder):
     write_poses(folder / "poses.csv", row.poses)
     np.savetxt(folder / "right.csv", row.direction, "%.12g", ",", header="dx,dy,dz", comments="")
     (folder / "row.txt").write_text(
-        f"{row.title}\n{'path, 1 ms a row' if row.path else 'poses that stand alone'}\n",
+        f"{row.title}\n{asked_of(row)}\n",
         encoding="utf-8",
     )

@@ -18,6 +18,7 @@ PERIOD_S = 0.001
 # Of MuJoCo: contacts nearly rigid; points that it begins its search for overlaps from.
 STIFF = ' solref="0.002 1" solimp="0.99 0.999 0.0001"'
 SDF_SEARCH = ' sdf_initpoints="40" sdf_iterations="10"'
+THREADS = ("hammer", "advance")
 HULLS = "cannot: a moving mesh is its convex hull, which overlaps the bolt"
 
 
@@ -63,7 +64,7 @@ class System:
         raise NotImplementedError
 
     def follow(self, row, folder):
-        step = self.stepper(row, folder, SPRING_N_PER_M)
+        step = self.stepper(row, folder, row.spring_n_per_m)
         wrenches, times, before = [], [], row.poses[0, 4:]
         for pose in row.poses:
             pull, us = step(pose[4:], (pose[4:] - before) / PERIOD_S)
@@ -76,7 +77,7 @@ class System:
         if row.path != self.paths:
             return None
         if self.paths:
-            return HULLS if row.judge == "hammer" else self.follow(row, folder)
+            return HULLS if row.judge in THREADS else self.follow(row, folder)
         contacts_at = self.start(row, folder)
         if contacts_at is None:
             return None
@@ -105,9 +106,9 @@ def probe(program, scene, poses, *options):
     return np.column_stack([table[c] for c in ("fx", "fy", "fz", "tx", "ty", "tz")]), table["us"]
 
 
-def probe_path(program, scene, poses):
-    """The same of a virtual tool behind the league's spring."""
-    return probe(program, scene, poses, "--spring", str(SPRING_N_PER_M))
+def probe_path(program, scene, poses, spring_n_per_m=SPRING_N_PER_M):
+    """The same of a virtual tool behind a spring."""
+    return probe(program, scene, poses, "--spring", f"{spring_n_per_m:g}")
 
 
 class Voxtouch(System):
@@ -137,10 +138,11 @@ class Voxtouch(System):
             ),
             encoding="utf-8",
         )
-        more = [] if self.paths else ["--model", self.model]
-        ask = probe_path if self.paths else probe
+        poses = folder / "poses.csv"
         try:
-            return ask(self.program, scene, folder / "poses.csv", *more)
+            if self.paths:
+                return probe_path(self.program, scene, poses, row.spring_n_per_m)
+            return probe(self.program, scene, poses, "--model", self.model)
         except Refused as error:
             return f"refused: {error}"
 
@@ -255,6 +257,32 @@ class Fcl(System):
         return collide
 
 
+class Trimesh(System):
+    name = "trimesh"
+
+    def version(self):
+        import trimesh
+
+        return trimesh.__version__
+
+    def start(self, row, folder):
+        import trimesh
+
+        if not row.ball_m or len(row.static[1]) > 100_000:
+            return None
+        static = trimesh.Trimesh(row.static[0], row.static[1], process=False)
+        surface = trimesh.proximity.ProximityQuery(static)
+
+        def nearest(pose):
+            points, distances, _ = surface.on_surface(pose[None, 4:])
+            away = pose[4:] - points[0]
+            if distances[0] >= row.ball_m:
+                return []
+            return [(points[0], away / np.linalg.norm(away), row.ball_m - distances[0])]
+
+        return nearest
+
+
 class MuJoCo(System):
     """`best` is SDF for poses that stand alone, and stiff for paths; `sdf` is both, for threads."""
 
@@ -298,6 +326,10 @@ class MuJoCo(System):
 
     def answer(self, row, folder):
         if self.paths and self.sdf:
+            if row.judge == "advance":
+                import threads
+
+                return threads.turned_in_mujoco(row, folder)
             return self.follow(row, folder) if row.judge == "hammer" else None
         return super().answer(row, folder)
 
@@ -387,6 +419,8 @@ class Bullet(System):
 
     def stepper(self, row, folder, stiffness):
         client, _, tool = self.world(row, folder)
+        # As in MuJoCo, the tool does not turn.
+        client.changeDynamics(tool, -1, localInertiaDiagonal=[1.0] * 3)
         damping = 2 * 0.7 * (stiffness * MASS_KG) ** 0.5
 
         def step(hand, velocity):
@@ -491,6 +525,7 @@ def everybody(program):
         Voxtouch(program, "virtual tool"),
         Coal(),
         Fcl(),
+        Trimesh(),
         MuJoCo("standard"),
         MuJoCo("best"),
         Bullet("standard"),

@@ -71,6 +71,33 @@ def in_mujoco(system, folder):
     return facts(threshold(turns_at), times)
 
 
+def turned_in_mujoco(row, folder):
+    """A nut that the hand turns, and a spring pulls along the bolt: the spring's wrench."""
+    import mujoco
+
+    stiffness, turn_n_m = row.spring_n_per_m, 10.0  # the second: of a turn, per radian
+    geom = f'type="sdf" friction="0 0 0" condim="1"{STIFF}'
+    model = mujoco.MjModel.from_xml_string(
+        f'<mujoco><option timestep="{PERIOD_S}" gravity="0 0 0"{SDF_SEARCH}/>'
+        f'<asset><mesh name="bolt" file="{folder / "static.obj"}"/>'
+        f'<mesh name="nut" file="{folder / "tool.obj"}"/></asset><worldbody>'
+        f'<geom mesh="bolt" {geom}/><body><joint type="slide" axis="0 0 1"/>'
+        f'<joint type="hinge" axis="0 0 1" armature="0.001"/>'
+        f'<geom mesh="nut" {geom} mass="{NUT_KG}"/></body></worldbody></mujoco>'
+    )
+    data, wrenches, times = mujoco.MjData(model), [], []
+    damping = 1.4 * (stiffness * NUT_KG) ** 0.5
+    for pose in row.poses:
+        turn = 2 * np.arctan2(pose[3], pose[0])
+        pull = stiffness * (pose[6] - data.qpos[0])
+        twist = turn_n_m * (turn - data.qpos[1])
+        data.qfrc_applied[0] = pull - damping * data.qvel[0]
+        data.qfrc_applied[1] = twist - 0.14 * data.qvel[1]
+        wrenches.append([0, 0, -pull, 0, 0, -twist])
+        times.append(timed(lambda: mujoco.mj_step(model, data))[1])
+    return np.array(wrenches), np.array(times)
+
+
 def in_voxtouch(program, folder):
     """A nut that a spring pulls 4 mm down along the bolt: the torque shows whether it turns."""
     write_meshes(folder)
