@@ -128,8 +128,9 @@ class VirtualTool {
   struct Query {
     Pose hand;
     double friction = 0.0;
-    double lists_m = 0.0;      ///< no pair within it is left out
-    double reach_m = 0.0;      ///< of it, what the objects' displacement leaves for the tool
+    double lists_m = 0.0;      ///< so far a step may go
+    double rows_m = 0.0;       ///< no pair within it is left out of the rows
+    double reach_m = 0.0;      ///< of `lists_m`, what the objects' displacement leaves for the tool
     double remaining_m = 0.0;  ///< of the frame, where something is touched
     double rest_m = 0.0;       ///< a shorter step ends the frame
     double objects_ratio =
@@ -154,7 +155,7 @@ class VirtualTool {
   bool start_is_blocked() noexcept;
   bool initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept;
   double object_path() noexcept;
-  double reach_of_query(double need_m, Work& work) noexcept;
+  void reach_of_query(double need_m, double rows_m, Query& query, Work& work) noexcept;
   bool collect(double reach_m, Work& work) noexcept;
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
   void add_row(const Touch& touch, const NearPair& pair) noexcept;
@@ -165,14 +166,16 @@ class VirtualTool {
   Vec6 kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept;
   Projection solve_with(const Vec6& target, double turn_rad, bool push_out, VirtualToolFrame& out,
                         Work& work) noexcept;
-  bool try_step(const Pose& tool, const Vec6& taken, double lists_m, VirtualToolFrame& out,
+  bool try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                 Work& work) noexcept;
+  bool find_beyond_rows(std::uint32_t object, double path_m, double rows_m, Work& work) noexcept;
+  void note_closing(const Vec6& taken) noexcept;
   void hold_by_friction(const Vec6& spring, double friction) noexcept;
   bool passes_something(const Vec6& delta, Work& work) noexcept;
   void limit_to(double ratio, Work& work) const noexcept;
   double solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
                      Work& work) noexcept;
-  double step(const Query& query, VirtualToolFrame& out, Work& work) noexcept;
+  double step(Query& query, VirtualToolFrame& out, Work& work) noexcept;
   void follow(const HandSample& hand, double hand_path_m, VirtualToolFrame& out,
               Work& work) noexcept;
   void report(VirtualToolFrame& out) noexcept;
@@ -193,6 +196,7 @@ class VirtualTool {
   Pose tool_, hand_;
   Vec3 rotation_ = Vec3::Zero();  ///< of the last frame: near half a turn its axis stays
   double longest_step_m_ = 0.0;   ///< of the last frame
+  double closing_m_ = 0.0;        ///< by so much a row's gap closed at most, in a step of a frame
   double damping_ = 1.0;          ///< of steps while the hand rests
   double last_residual_m_ = 0.0, last_step_m_ = 0.0;  ///< of the last query; step 0: there was none
   double placed_s_ = 0.0;
