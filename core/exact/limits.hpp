@@ -85,6 +85,10 @@ inline constexpr double kListRestM = 2e-5;
 inline constexpr double kListRangeM = 1e-3;
 inline constexpr std::size_t kListedPairs = 24;
 
+/// Rows are looked at within what closed at most in the last frame, times kReachRatio. Where a step
+/// would come to more, all within the reach are looked at for this many frames.
+inline constexpr int kAllRowsFrames = 4;
+
 /// A plane between a group of the tool's features and all of the object within this [m] stands for
 /// their lists where it leaves this many reaches on the tool's side.
 inline constexpr double kPlaneRangeM = 1.5e-3;

@@ -61,20 +61,15 @@ class Opposite {
     face_vertex_.renew(now_, renewal, work);
   }
 
-  /// Calls `visit(kind, element, item, distance, plane)` for each pair farther than `seen_m` that may touch
-  /// on the step that is tried, of `length_m`. False where not all is known.
-  template <class Visit>
-  bool check_step(double length_m, double seen_m, Visit&& visit, Work& work) noexcept {
+  /// Whether a pair farther than `seen_m` may touch on the step that is tried, of `length_m`.
+  StepVerdict check_step(double length_m, double seen_m, Work& work) noexcept {
     const Step step{path_m_, length_m, seen_m};
-    const auto of = [&](PairKind kind) {
-      return [&visit, kind](std::uint32_t element, std::uint32_t item, double distance,
-                            const SeparatingPlane& plane) {
-        return visit(kind, element, item, distance, plane);
-      };
-    };
-    return vertex_face_.check_step(now_, next_, step, of(PairKind::kVertexFace), work) &&
-           edge_edge_.check_step(now_, next_, step, of(PairKind::kEdgeEdge), work) &&
-           face_vertex_.check_step(now_, next_, step, of(PairKind::kFaceVertex), work);
+    StepVerdict verdict = vertex_face_.check_step(now_, next_, step, work);
+    if (verdict == StepVerdict::kClear)
+      verdict = edge_edge_.check_step(now_, next_, step, work);
+    if (verdict == StepVerdict::kClear)
+      verdict = face_vertex_.check_step(now_, next_, step, work);
+    return verdict;
   }
 
   /// So far may the tool go before something unlisted can touch it [m].

@@ -39,6 +39,8 @@ struct Step {
   double seen_m = 0.0;    ///< pairs within it are known to the caller
 };
 
+enum class StepVerdict : std::uint8_t { kClear, kMayTouch, kUnknown };
+
 /// The pairs of one kind between a tool and an object, which must outlive it. All memory is taken
 /// at construction.
 template <class Probe>
@@ -100,15 +102,13 @@ class PairLists {
     return visit_node(0, posed, path_m, reach_m, visit, work);
   }
 
-  /// Calls `visit(element, item, distance, plane)` for each listed pair that is farther than
-  /// `step.seen_m` and may touch on the straight step from `posed` to `next`. Lists what may and is
-  /// not. False where `visit` returned false, or not all is known. Real-time safe.
-  template <class Visit>
-  bool check_step(PosedPoints& posed, PosedPoints& next, const Step& step, Visit&& visit,
-                  Work& work) noexcept {
+  /// Whether a pair that is farther than `step.seen_m` may touch, or come nearer than the margin, on
+  /// the straight step from `posed` to `next`. Lists what is needed to know. Real-time safe.
+  StepVerdict check_step(PosedPoints& posed, PosedPoints& next, const Step& step,
+                         Work& work) noexcept {
     if (tree_.nodes().empty() || items_.empty())
-      return true;
-    return check_node(0, posed, next, step, visit, work);
+      return StepVerdict::kClear;
+    return check_node(0, posed, next, step, work);
   }
 
  private:
@@ -462,20 +462,19 @@ class PairLists {
     const Plane& plane = planes_[at];
     return plane.until_m >= end_m &&
            lowest(at, plane.normal, posed, work) > plane.height_m + limits::kTouchM &&
-           lowest(at, plane.normal, next, work) > plane.height_m + limits::kTouchM;
+           lowest(at, plane.normal, next, work) > plane.height_m + limits::kMarginM;
   }
 
-  template <class Visit>
-  bool check_node(std::uint32_t at, PosedPoints& posed, PosedPoints& next, const Step& step,
-                  Visit& visit, Work& work) noexcept {
+  StepVerdict check_node(std::uint32_t at, PosedPoints& posed, PosedPoints& next, const Step& step,
+                         Work& work) noexcept {
     const State& state = states_[at];
     const double end = step.path_m + step.length_m;
     if (state.until_m >= end && state.nearest_m >= end)
-      return true;
+      return StepVerdict::kClear;
     if (work.done())
-      return false;
+      return StepVerdict::kUnknown;
     if (stays_above(at, end, posed, next, work))
-      return true;
+      return StepVerdict::kClear;
     const ElementTree::Node& node = tree_.nodes()[at];
     const Renewal renewal{step.path_m, step.length_m,
                           limits::kListReaches * step.length_m + limits::kListRestM,
@@ -484,53 +483,57 @@ class PairLists {
       BoxTree::Entry entry;
       if (std::max(states_[at + 1].until_m, states_[node.next].until_m) < end) {
         if (is_far(at, entry, posed, step.path_m, step.length_m, work))
-          return true;
+          return StepVerdict::kClear;
         if (std::isfinite(node.spread_m) && find_plane(at, entry, posed, renewal, work) &&
             stays_above(at, end, posed, next, work))
-          return true;
+          return StepVerdict::kClear;
       }
-      return check_node(at + 1, posed, next, step, visit, work) &&
-             check_node(node.next, posed, next, step, visit, work);
+      const StepVerdict first = check_node(at + 1, posed, next, step, work);
+      return first == StepVerdict::kClear ? check_node(node.next, posed, next, step, work) : first;
     }
     if (state.until_m < end) {
       renew_leaf(at, {}, true, posed, renewal, work);
       if (stays_above(at, end, posed, next, work))
-        return true;
+        return StepVerdict::kClear;
       if (state.until_m < end)
         renew_leaf(at, {}, false, posed, renewal, work);
       if (state.until_m < end)
-        return false;
+        return StepVerdict::kUnknown;
       if (state.nearest_m >= end)
-        return true;
+        return StepVerdict::kClear;
     }
-    const Probe probe(tool_, object_, posed, node.element),
-        then(tool_, object_, next, node.element);
-    for (std::uint32_t b = heads_[node.element]; b != kNone; b = blocks_[b].next) {
+    return check_leaf(node.element, posed, next, step, work);
+  }
+
+  /// Of the pairs that are listed.
+  StepVerdict check_leaf(std::uint32_t element, PosedPoints& posed, PosedPoints& next,
+                         const Step& step, Work& work) noexcept {
+    const Probe probe(tool_, object_, posed, element), then(tool_, object_, next, element);
+    for (std::uint32_t b = heads_[element]; b != kNone; b = blocks_[b].next) {
       Block& block = blocks_[b];
+      work.add(1);
       for (std::size_t k = 0; k < block.count; ++k) {
         double& touches = block.touches_m[k];
-        if (touches <= step.path_m + step.seen_m || touches > end)
+        if (touches > step.path_m + step.length_m)
           continue;
         SeparatingPlane& plane = block.planes[k];
         const auto stays = [&] {
           work.add(1);
-          return probe.lowest(plane.normal) > plane.height_m + limits::kTouchM &&
-                 then.lowest(plane.normal) > plane.height_m + limits::kTouchM;
+          return probe.lowest(plane.normal) > plane.height_m &&
+                 then.lowest(plane.normal) > plane.height_m + limits::kMarginM;
         };
         if (stays())
           continue;
         const Vec3 way = probe.apart(block.items[k]);
-        const double distance = way.norm();
         work.add(Work::kPair);
         plane = plane_between(block.items[k], way);
+        const double distance = way.norm();
         touches = step.path_m + distance;
-        if (distance > step.length_m || stays())
-          continue;
-        if (!visit(node.element, block.items[k], distance, plane))
-          return false;
+        if (distance > step.seen_m && distance <= step.length_m && !stays())
+          return StepVerdict::kMayTouch;
       }
     }
-    return true;
+    return StepVerdict::kClear;
   }
 
   const ToolBody& tool_;

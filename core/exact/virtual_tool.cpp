@@ -384,7 +384,7 @@ bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
     if (work.done())
       return true;  // not known
     work.add(2);
-    if (stays_apart(pair, opposite.tool(), next))
+    if (stays_apart(pair, opposite.tool(), now) && stays_apart(pair, opposite.tool(), next))
       continue;
     work.add(Work::kSwept);
     if (!passes(pair, opposite.tool(), opposite.object(), now, next))
@@ -402,20 +402,21 @@ bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
   return passed;
 }
 
-/// Adds pairs that are farther than the rows, and may touch on a step of `path_m`, to those that
-/// are near. False where not all are known.
-bool VirtualTool::find_beyond_rows(std::uint32_t object, double path_m, double rows_m,
-                                   Work& work) noexcept {
-  const auto take = [&](PairKind kind, std::uint32_t element, std::uint32_t item,
-                        double distance, const SeparatingPlane& plane) {
-    if (near_.size() == near_.capacity())
-      return false;
-    near_.push_back({kind, element, item, object, distance, plane});
+/// Whether the step that is tried, of `path_m`, is clear of all that is farther than the rows.
+/// Where it is not, the query asks for more rows; where that is not known, it allows what the rows
+/// know.
+bool VirtualTool::clear_beyond_rows(Opposite& opposite, double path_m, Query& query,
+                                    Work& work) noexcept {
+  const double seen = query.rows_m + 2.0 * limits::kMarginM;
+  if (path_m <= seen)
     return true;
-  };
-  const double seen = rows_m + 2.0 * limits::kMarginM;
-  return path_m <= seen ||
-         opposites_[object].check_step(path_m + limits::kMarginM, seen, take, work);
+  const StepVerdict verdict = opposite.check_step(path_m + limits::kMarginM, seen, work);
+  query.more_rows = verdict == StepVerdict::kMayTouch;
+  if (verdict != StepVerdict::kUnknown)
+    return !query.more_rows;
+  query.lists_m = query.rows_m;
+  query.reach_m = std::min(query.reach_m, query.lists_m);
+  return false;
 }
 
 /// Rows that close faster must be looked at from farther off.
@@ -424,8 +425,7 @@ void VirtualTool::note_closing(const Vec6& taken) noexcept {
     closing_m_ = std::max(closing_m_, -row.jacobian.dot(taken));
 }
 
-/// Takes the step where it is not longer than the query allows, and nothing is passed. Where not
-/// all is known that it might pass, the query then allows what the rows know.
+/// Takes the step where it is not longer than the query allows, and nothing is passed.
 bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query,
                            VirtualToolFrame& out, Work& work) noexcept {
   limit_to(limits::kBeyondRatio, work);
@@ -434,12 +434,8 @@ bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query,
     Opposite& opposite = opposites_[n];
     opposite.next().set_pose(relative(tool, planned_[n]));
     const double path = opposite.path_between(opposite.now().pose(), opposite.next().pose());
-    listed &= path <= query.lists_m + limits::kMarginM;
-    if (listed && !find_beyond_rows(static_cast<std::uint32_t>(n), path, query.rows_m, work)) {
-      listed = false;
-      query.lists_m = query.rows_m;
-      query.reach_m = std::min(query.reach_m, query.lists_m);
-    }
+    listed = listed && path <= query.lists_m + limits::kMarginM &&
+             clear_beyond_rows(opposite, path, query, work);
   }
   limit_to(1.0, work);
   if (!listed || passes_something(taken, work)) {
@@ -505,6 +501,8 @@ double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexce
       note_closing(taken);
       return length_of(taken);
     }
+    if (query.more_rows)
+      return 0.0;
     if (shorter && attempt == 0)
       continue;  // once more with what was passed
     scale *= 0.5;
@@ -548,11 +546,12 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
   double expected =
       std::clamp(limits::kReachRatio * longest_step_m_, limits::kMinReachM, limits::kMaxReachM);
   const double closing = closing_m_;
+  all_rows_frames_ = std::max(0, all_rows_frames_ - 1);
   double longest = 0.0;
   closing_m_ = 0.0;
   converged_ = false;
   while (out.queries < limits::kMaxQueries) {
-    ++out.queries;
+    out.queries += !query.more_rows;
     const double objects = object_path();
     if (objects == 0.0 && same(tool_, sample.pose)) {
       converged_ = true;
@@ -565,7 +564,11 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
       need = std::max(need, std::min(objects / limits::kObjectsReachRatio, limits::kMaxReachM));
     limit_to(limits::kRenewalRatio, work);
     // Rows of an object that moves may close from anywhere.
-    const double rows = objects > 0.0 ? need : std::clamp(limits::kReachRatio * closing, limits::kMinReachM, need);
+    all_rows_frames_ = query.more_rows ? limits::kAllRowsFrames : all_rows_frames_;
+    const bool all = objects > 0.0 || all_rows_frames_ > 0;
+    const double rows =
+        all ? need : std::clamp(limits::kReachRatio * closing, limits::kMinReachM, need);
+    query.more_rows = false;
     reach_of_query(need, rows, query, work);
     if (objects > 0.0)
       remaining += objects;
@@ -576,6 +579,8 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
     out.rows_seen = std::max(out.rows_seen, static_cast<std::uint32_t>(rows_.size()));
     out.pairs_seen = std::max(out.pairs_seen, static_cast<std::uint32_t>(near_.size()));
     const double went = step(query, out, work);
+    if (query.more_rows && !work.done())
+      continue;
     last_step_m_ = went;
     longest = std::max(longest, went);
     remaining -= went;

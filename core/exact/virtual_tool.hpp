@@ -135,6 +135,7 @@ class VirtualTool {
     double rest_m = 0.0;       ///< a shorter step ends the frame
     double objects_ratio =
         1.0;  ///< of the objects' displacement that is left, which they make in this step
+    bool more_rows = false;  ///< a step would come to what is farther than the rows
   };
 
   /// Where the tool starts, while there is none.
@@ -168,7 +169,7 @@ class VirtualTool {
                         Work& work) noexcept;
   bool try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                 Work& work) noexcept;
-  bool find_beyond_rows(std::uint32_t object, double path_m, double rows_m, Work& work) noexcept;
+  bool clear_beyond_rows(Opposite& opposite, double path_m, Query& query, Work& work) noexcept;
   void note_closing(const Vec6& taken) noexcept;
   void hold_by_friction(const Vec6& spring, double friction) noexcept;
   bool passes_something(const Vec6& delta, Work& work) noexcept;
@@ -199,6 +200,7 @@ class VirtualTool {
   double closing_m_ = 0.0;        ///< by so much a row's gap closed at most, in a step of a frame
   double damping_ = 1.0;          ///< of steps while the hand rests
   double last_residual_m_ = 0.0, last_step_m_ = 0.0;  ///< of the last query; step 0: there was none
+  int all_rows_frames_ = 0;  ///< so many frames more look at all rows that a step may come to
   double placed_s_ = 0.0;
   Start start_;
   bool placed_ = false;
