@@ -72,8 +72,7 @@ class BoxTree {
   Walked walk(const Bound& bound, const double& range_m, Visit&& visit, Work& work,
               const Entry& from) const noexcept;
   template <class Bound, class Visit>
-  Walked walk(const Bound& bound, const double& range_m, Visit&& visit,
-              Work& work) const noexcept {
+  Walked walk(const Bound& bound, const double& range_m, Visit&& visit, Work& work) const noexcept {
     return walk(bound, range_m, visit, work, Entry{});
   }
 
@@ -116,8 +115,8 @@ BoxTree::Entry BoxTree::enter(const Bound& bound, double range_m, Entry from,
 }
 
 template <class Bound, class Visit>
-BoxTree::Walked BoxTree::walk(const Bound& bound, const double& range_m, Visit&& visit,
-                              Work& work, const Entry& from) const noexcept {
+BoxTree::Walked BoxTree::walk(const Bound& bound, const double& range_m, Visit&& visit, Work& work,
+                              const Entry& from) const noexcept {
   Walked walked;
   walked.beyond_m = from.outside_m;
   if (nodes_.empty() || !from.near)

@@ -61,8 +61,9 @@ class PairLists {
   }
 
   std::size_t bytes() const noexcept {
-    return states_.size() * (sizeof(State) + sizeof(Plane)) + heads_.size() * sizeof(std::uint32_t) +
-           blocks_.size() * sizeof(Block) + scratch_.capacity() * sizeof(Pair);
+    return states_.size() * (sizeof(State) + sizeof(Plane)) +
+           heads_.size() * sizeof(std::uint32_t) + blocks_.size() * sizeof(Block) +
+           scratch_.capacity() * sizeof(Pair);
   }
 
   /// Forgets all lists. Real-time safe.
@@ -90,10 +91,10 @@ class PairLists {
     return tree_.nodes().empty() || items_.empty() ? kInfinity : states_[0].nearest_m;
   }
 
-  /// Calls `visit(element, item, distance, plane)` for each listed pair that may be nearer than `reach_m`,
-  /// after its distance was found exactly and is. False, and incomplete, where `visit` returned
-  /// false or the limit of work was reached; what was evaluated need not be again for a smaller
-  /// reach. Real-time safe.
+  /// Calls `visit(element, item, distance, plane)` for each listed pair that may be nearer than
+  /// `reach_m`, after its distance was found exactly and is. False, and incomplete, where `visit`
+  /// returned false or the limit of work was reached; what was evaluated need not be again for a
+  /// smaller reach. Real-time safe.
   template <class Visit>
   bool visit_near(PosedPoints& posed, double path_m, double reach_m, Visit&& visit,
                   Work& work) noexcept {
@@ -102,8 +103,8 @@ class PairLists {
     return visit_node(0, posed, path_m, reach_m, visit, work);
   }
 
-  /// Whether a pair that is farther than `step.seen_m` may touch, or come nearer than the margin, on
-  /// the straight step from `posed` to `next`. Lists what is needed to know. Real-time safe.
+  /// Whether a pair that is farther than `step.seen_m` may touch, or come nearer than the margin,
+  /// on the straight step from `posed` to `next`. Lists what is needed to know. Real-time safe.
   StepVerdict check_step(PosedPoints& posed, PosedPoints& next, const Step& step,
                          Work& work) noexcept {
     if (tree_.nodes().empty() || items_.empty())
@@ -176,7 +177,7 @@ class PairLists {
     const auto bound = [&](const Box& box) {
       return (box.low - centre).cwiseMax(centre - box.high).cwiseMax(0.0).norm() - ball.radius;
     };
-    entry = items_.enter(bound, std::max(radius_m, limits::kPlaneRangeM), entry, work);
+    entry = items_.enter(bound, plane_range(radius_m), entry, work);
     if (!entry.near) {
       keep_until(at, path_m + entry.outside_m);
       return true;
@@ -230,6 +231,10 @@ class PairLists {
     return least + n.dot(posed.pose().position);
   }
 
+  static double plane_range(double need_m) noexcept {
+    return std::max(limits::kPlaneRangeM, 3.0 * need_m);
+  }
+
   /// A plane between the node and the object, from the nearest item of the element in its middle.
   bool find_plane(std::uint32_t at, const BoxTree::Entry& entry, PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
@@ -238,7 +243,7 @@ class PairLists {
       return false;
     plane.retry_m = renewal.path_m + limits::kPlaneRetryM;
     const Probe probe(tool_, object_, posed, tree_.nodes()[at].element);
-    double nearest = limits::kPlaneRangeM;
+    double nearest = plane_range(renewal.need_m);
     Vec3 apart = Vec3::Zero();
     const auto look = [&](std::uint32_t item) {
       const Vec3 way = probe.apart(item);
@@ -270,7 +275,7 @@ class PairLists {
     const double height = low - std::max(least, 0.5 * room);
     const double spread = tree_.nodes()[at].spread_m;
     const double near = limits::kPlaneReaches * renewal.need_m;
-    double range = limits::kPlaneRangeM;
+    double range = plane_range(renewal.need_m);
     const auto look = [&](std::uint32_t item) {
       work.add(1);
       if (Probe::highest(object_, item, n) <= height)

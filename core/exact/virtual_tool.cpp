@@ -256,6 +256,7 @@ void VirtualTool::add_row(const Touch& touch, const NearPair& pair) noexcept {
   row.normal = from.orientation * touch.normal;
   const Vec3 point = from * touch.point;
   row.arm = point - tool_.position;
+  row.on_object = touch.point - touch.gap_m * touch.normal;
   row.gap_m = touch.gap_m;
   row.object = pair.object;
   row.owner =
@@ -289,8 +290,8 @@ bool VirtualTool::collect(double reach_m, Work& work) noexcept {
   halfspaces_.clear();
   for (std::uint32_t n = 0; n < opposites_.size(); ++n) {
     Opposite& opposite = opposites_[n];
-    const auto take = [&](PairKind kind, std::uint32_t element, std::uint32_t item,
-                          double distance, const SeparatingPlane& plane) {
+    const auto take = [&](PairKind kind, std::uint32_t element, std::uint32_t item, double distance,
+                          const SeparatingPlane& plane) {
       work.add(Work::kTouches);
       if (near_.size() == near_.capacity() || rows_.size() + 8 > rows_.capacity() / 2)
         return false;
@@ -426,8 +427,8 @@ void VirtualTool::note_closing(const Vec6& taken) noexcept {
 }
 
 /// Takes the step where it is not longer than the query allows, and nothing is passed.
-bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query,
-                           VirtualToolFrame& out, Work& work) noexcept {
+bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
+                           Work& work) noexcept {
   limit_to(limits::kBeyondRatio, work);
   bool listed = true;
   for (std::size_t n = 0; n < opposites_.size(); ++n) {
@@ -559,15 +560,16 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
       break;
     }
     const double requested = length_of(spring_to(sample.pose)) + objects;
-    double need = std::min(expected, requested);
+    all_rows_frames_ = query.more_rows ? limits::kAllRowsFrames : all_rows_frames_;
+    const bool all = objects > 0.0 || all_rows_frames_ > 0;
+    double need = all ? std::min(expected, requested)
+                      : std::min({requested, std::max(expected, remaining), limits::kMaxReachM});
     if (objects > 0.0)  // room for the objects' whole displacement
       need = std::max(need, std::min(objects / limits::kObjectsReachRatio, limits::kMaxReachM));
     limit_to(limits::kRenewalRatio, work);
     // Rows of an object that moves may close from anywhere.
-    all_rows_frames_ = query.more_rows ? limits::kAllRowsFrames : all_rows_frames_;
-    const bool all = objects > 0.0 || all_rows_frames_ > 0;
-    const double rows =
-        all ? need : std::clamp(limits::kReachRatio * closing, limits::kMinReachM, need);
+    const double closes = std::max(limits::kReachRatio * closing, limits::kMinReachM);
+    const double rows = all ? need : std::min(need, closes);
     query.more_rows = false;
     reach_of_query(need, rows, query, work);
     if (objects > 0.0)
@@ -622,7 +624,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
     if (force <= most)
       continue;
     most = force;
-    out.contact_point = tool_.position + row.arm;
+    out.contact_point = objects_[row.object] * row.on_object;
     out.contact_normal = row.normal;
     out.contact_owner = row.owner;
   }

@@ -45,7 +45,7 @@ struct VirtualToolFrame {
   double ratio = 0.0;             ///< of the spring's force that is given, 0 to 1: it fades in
   Mat6 displayed = Mat6::Zero();  ///< stiffness over k that the hand feels, in d's metres: 0 to 1
   double residual_m = 0.0;        ///< displacement that the last step still asked for
-  Vec3 contact_point = Vec3::Zero();   ///< of the row that pushes most
+  Vec3 contact_point = Vec3::Zero();   ///< on the object, of the row that pushes most
   Vec3 contact_normal = Vec3::Zero();  ///< its direction, out of the object; zero without contact
   std::uint32_t contact_owner = 0;     ///< whose row that is, numbered as `contact_forces`
   std::uint32_t rows = 0;              ///< that push
@@ -116,8 +116,9 @@ class VirtualTool {
  private:
   /// A row, in addition to what the projection needs of it.
   struct Row {
-    Vec3 normal = Vec3::Zero();  ///< W, from the object to the tool
-    Vec3 arm = Vec3::Zero();     ///< from the tool's origin to its point, W [m]
+    Vec3 normal = Vec3::Zero();     ///< W, from the object to the tool
+    Vec3 arm = Vec3::Zero();        ///< from the tool's origin to its point, W [m]
+    Vec3 on_object = Vec3::Zero();  ///< the object's point, in its frame [m]
     double gap_m = 0.0;
     double closes_m = 0.0;  ///< by so much the object's own motion in this step closes the gap
     double missed_m = 0.0;  ///< that the straight row missed of the gap in a step that was void
