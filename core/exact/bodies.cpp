@@ -1,8 +1,10 @@
 #include "core/exact/bodies.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
+#include "core/exact/closest.hpp"
 #include "core/exact/covered_features.hpp"
 
 namespace voxtouch::exact {
@@ -65,6 +67,37 @@ std::vector<Ball> face_balls(const FeatureMesh& features) {
   return balls;
 }
 
+ElementTree::Spread vertex_spread(const FeatureMesh& m) {
+  return [&m](std::uint32_t from, std::uint32_t to) {
+    return (m.points[m.row_vertices[to]] - m.points[m.row_vertices[from]]).norm();
+  };
+}
+
+ElementTree::Spread edge_spread(const FeatureMesh& m) {
+  return [&m](std::uint32_t from, std::uint32_t to) {
+    const Edge& edge = m.edges[m.row_edges[from]];
+    const Vec3& a = m.points[edge.ends[0]];
+    const Vec3 along = m.points[edge.ends[1]] - a;
+    double most2 = 0.0;
+    for (const std::uint32_t end : m.edges[m.row_edges[to]].ends)
+      most2 = std::max(most2, point_segment_distance2(m.points[end], a, along));
+    return std::sqrt(most2);
+  };
+}
+
+ElementTree::Spread face_spread(const FeatureMesh& m) {
+  return [&m](std::uint32_t from, std::uint32_t to) {
+    double most = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3& p = m.corner(to, k);
+      const OnTriangle on =
+          nearest_on_triangle(p, m.corner(from, 0), m.corner(from, 1), m.corner(from, 2));
+      most = std::max(most, (p - on.point).norm());
+    }
+    return most;
+  };
+}
+
 }  // namespace
 
 std::vector<Box> boxes_of_faces(const FeatureMesh& features) {
@@ -111,9 +144,9 @@ std::uint32_t ObjectBody::owner_of(PairKind kind, std::uint32_t item) const noex
 
 ToolBody::ToolBody(const mesh::TriangleMesh& mesh)
     : features_(free_features(mesh)),
-      vertices_(vertex_balls(features_)),
-      faces_(face_balls(features_)),
-      edges_(edge_balls(features_)),
+      vertices_(vertex_balls(features_), vertex_spread(features_)),
+      faces_(face_balls(features_), face_spread(features_)),
+      edges_(edge_balls(features_), edge_spread(features_)),
       face_boxes_(boxes_of_faces(features_)) {}
 
 }  // namespace voxtouch::exact

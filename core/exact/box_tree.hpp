@@ -66,13 +66,13 @@ class BoxTree {
   Entry enter(const Bound& bound, double range_m, Entry from, Work& work) const noexcept;
 
   /// Calls `visit(item)` for each item in nodes for which `bound(box)`, a lower bound of the
-  /// distance, is at most `range_m`, nearer nodes first; it ends where `visit` returns false.
-  /// Real-time safe.
+  /// distance, is at most `range_m`, nearer nodes first; it ends where `visit` returns false. The
+  /// visitor may lower `range_m` meanwhile. Real-time safe.
   template <class Bound, class Visit>
-  Walked walk(const Bound& bound, double range_m, Visit&& visit, Work& work,
+  Walked walk(const Bound& bound, const double& range_m, Visit&& visit, Work& work,
               const Entry& from) const noexcept;
   template <class Bound, class Visit>
-  Walked walk(const Bound& bound, double range_m, Visit&& visit, Work& work) const noexcept {
+  Walked walk(const Bound& bound, const double& range_m, Visit&& visit, Work& work) const noexcept {
     return walk(bound, range_m, visit, work, Entry{});
   }
 
@@ -115,7 +115,7 @@ BoxTree::Entry BoxTree::enter(const Bound& bound, double range_m, Entry from,
 }
 
 template <class Bound, class Visit>
-BoxTree::Walked BoxTree::walk(const Bound& bound, double range_m, Visit&& visit, Work& work,
+BoxTree::Walked BoxTree::walk(const Bound& bound, const double& range_m, Visit&& visit, Work& work,
                               const Entry& from) const noexcept {
   Walked walked;
   walked.beyond_m = from.outside_m;
@@ -125,7 +125,11 @@ BoxTree::Walked BoxTree::walk(const Bound& bound, double range_m, Visit&& visit,
   work.add(1);
   if (to_root > range_m)
     return {std::min(to_root, from.outside_m), true};
-  std::array<std::uint32_t, kMaxDepth> stack;
+  struct Waiting {
+    std::uint32_t node;
+    double bound_m;
+  };
+  std::array<Waiting, kMaxDepth> stack;
   std::size_t waiting = 0;
   std::uint32_t at = from.node;
   for (;;) {
@@ -147,7 +151,7 @@ BoxTree::Walked BoxTree::walk(const Bound& bound, double range_m, Visit&& visit,
       if (to_far > range_m) {
         walked.beyond_m = std::min(walked.beyond_m, to_far);
       } else {
-        stack[waiting++] = far;
+        stack[waiting++] = {far, to_far};
       }
       if (to_near <= range_m) {
         at = near;
@@ -155,9 +159,11 @@ BoxTree::Walked BoxTree::walk(const Bound& bound, double range_m, Visit&& visit,
       }
       walked.beyond_m = std::min(walked.beyond_m, to_near);
     }
+    for (; waiting > 0 && stack[waiting - 1].bound_m > range_m; --waiting)
+      walked.beyond_m = std::min(walked.beyond_m, stack[waiting - 1].bound_m);
     if (waiting == 0)
       return walked;
-    at = stack[--waiting];
+    at = stack[--waiting].node;
   }
 }
 

@@ -1,25 +1,28 @@
 #include "core/exact/element_tree.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 #include "core/exact/box_tree.hpp"
 
 namespace voxtouch::exact {
 
-ElementTree::ElementTree(std::span<const Ball> balls) : elements_(balls.size()) {
+ElementTree::ElementTree(std::span<const Ball> balls, const Spread& spread)
+    : elements_(balls.size()) {
   std::vector<std::uint32_t> order(balls.size());
   std::iota(order.begin(), order.end(), 0U);
   nodes_.reserve(2 * balls.size());
   if (!balls.empty())
-    build(balls, order);
+    build(balls, spread, order);
 }
 
-void ElementTree::build(std::span<const Ball> balls, std::span<std::uint32_t> order) {
+void ElementTree::build(std::span<const Ball> balls, const Spread& spread,
+                        std::span<std::uint32_t> order) {
   const std::size_t self = nodes_.size();
   nodes_.emplace_back();
   if (order.size() == 1) {
-    nodes_[self] = {balls[order[0]], 0, order[0], true};
+    nodes_[self] = {balls[order[0]], 0, order[0], 1, 0.0, true};
     return;
   }
   Box centres;
@@ -30,7 +33,19 @@ void ElementTree::build(std::span<const Ball> balls, std::span<std::uint32_t> or
     const double reach = (balls[element].centre - ball.centre).norm() + balls[element].radius;
     ball.radius = std::max(ball.radius, reach);
   }
-  nodes_[self].ball = ball;
+  const auto nearer = [&](std::uint32_t a, std::uint32_t b) {
+    return (balls[a].centre - ball.centre).norm() < (balls[b].centre - ball.centre).norm();
+  };
+  Node& node = nodes_[self];
+  node.ball = ball;
+  node.element = *std::min_element(order.begin(), order.end(), nearer);
+  node.count = static_cast<std::uint32_t>(order.size());
+  node.spread_m = std::numeric_limits<double>::infinity();
+  if (order.size() <= kSpreadElements) {
+    node.spread_m = 0.0;
+    for (const std::uint32_t element : order)
+      node.spread_m = std::max(node.spread_m, spread(node.element, element));
+  }
   Eigen::Index axis = 0;
   (centres.high - centres.low).maxCoeff(&axis);
   const std::size_t middle = order.size() / 2;
@@ -40,9 +55,9 @@ void ElementTree::build(std::span<const Ball> balls, std::span<std::uint32_t> or
   };
   std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(middle), order.end(),
                    before);
-  build(balls, order.first(middle));
+  build(balls, spread, order.first(middle));
   nodes_[self].next = static_cast<std::uint32_t>(nodes_.size());
-  build(balls, order.subspan(middle));
+  build(balls, spread, order.subspan(middle));
 }
 
 }  // namespace voxtouch::exact

@@ -1,6 +1,7 @@
 #pragma once
 /// A tree of spheres over the tool's features of one kind, one feature a leaf.
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -20,17 +21,24 @@ class ElementTree {
   struct Node {
     Ball ball;
     std::uint32_t next = 0;     ///< the second child; the first follows its parent
-    std::uint32_t element = 0;  ///< of a leaf: index of the ball that it was built from
+    std::uint32_t element = 0;  ///< index of the ball in the middle; of a leaf the only one
+    std::uint32_t count = 0;    ///< of elements
+    double spread_m = 0.0;      ///< no point of any element is farther from `element`; infinite
+                                ///< above kSpreadElements
     bool leaf = false;
   };
-  explicit ElementTree(std::span<const Ball> balls);
+  /// No point of element `to` is farther than this from element `from` [m].
+  using Spread = std::function<double(std::uint32_t from, std::uint32_t to)>;
+  static constexpr std::size_t kSpreadElements = 16;
+
+  ElementTree(std::span<const Ball> balls, const Spread& spread);
 
   const std::vector<Node>& nodes() const noexcept { return nodes_; }
   std::size_t elements() const noexcept { return elements_; }
   std::size_t bytes() const noexcept { return nodes_.size() * sizeof(Node); }
 
  private:
-  void build(std::span<const Ball> balls, std::span<std::uint32_t> order);
+  void build(std::span<const Ball> balls, const Spread& spread, std::span<std::uint32_t> order);
 
   std::size_t elements_;
   std::vector<Node> nodes_;

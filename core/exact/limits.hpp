@@ -46,10 +46,12 @@ inline constexpr double kBeyondEndsMargins = 4.0;
 inline constexpr double kMovingRestRatio = 1e-4;
 
 /// Of a frame's limit of work: renewal of lists stops at the first ratio, evaluation of pairs at
-/// the second, projections at the third. The rest is for the test whether a step passes something.
+/// the second, the look at what is farther than the rows at the third, projections at the fourth.
+/// The rest is for the test whether a step passes something.
 /// The expected reach grows within a frame only while the work is below this ratio.
 inline constexpr double kWidenRatio = 0.2;
-inline constexpr double kRenewalRatio = 0.65, kPairsRatio = 0.8, kProjectionRatio = 0.9;
+inline constexpr double kRenewalRatio = 0.65, kPairsRatio = 0.75, kBeyondRatio = 0.87,
+                        kProjectionRatio = 0.94;
 
 /// While hand and objects rest, a query halves this and all later steps if what it asks for is
 /// less than the second figure [m] and did not fall by the first ratio of the last step; below the
@@ -76,9 +78,23 @@ inline constexpr double kReachRatio = 1.5;
 inline constexpr double kMinReachM = 2e-5;
 inline constexpr double kMaxReachM = 2e-3;
 
-/// Lists hold the pairs within this many reaches, and a rest [m].
+/// Lists hold the pairs within this many reaches, and a rest [m]; of those farther off up to the
+/// third [m] the nearest, this many in all.
 inline constexpr double kListReaches = 2.0;
 inline constexpr double kListRestM = 2e-5;
+inline constexpr double kListRangeM = 1e-3;
+inline constexpr std::size_t kListedPairs = 24;
+
+/// Rows are looked at within what closed at most in the last frame, times kReachRatio. Where a step
+/// would come to more, all within the reach are looked at for this many frames.
+inline constexpr int kAllRowsFrames = 4;
+
+/// A plane between a group of the tool's features and all of the object within this [m] stands for
+/// their lists where it leaves this many reaches on the tool's side.
+inline constexpr double kPlaneRangeM = 1.5e-3;
+inline constexpr double kPlaneReaches = 1.2;
+/// Where there is no such plane, none is looked for before the tool went so far [m].
+inline constexpr double kPlaneRetryM = 2.5e-4;
 
 /// In contact the tool goes at most as far as the hand went, and this ratio of the spring's length,
 /// or this far [m]: an edge that gives way becomes a ramp.

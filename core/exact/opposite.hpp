@@ -55,10 +55,21 @@ class Opposite {
   }
 
   void renew(double need_m, double radius_m, Work& work) noexcept {
-    const Renewal renewal{path_m_, need_m, radius_m};
+    const Renewal renewal{path_m_, need_m, radius_m, need_m};
     vertex_face_.renew(now_, renewal, work);
     edge_edge_.renew(now_, renewal, work);
     face_vertex_.renew(now_, renewal, work);
+  }
+
+  /// Whether a pair farther than `seen_m` may touch on the step that is tried, of `length_m`.
+  StepVerdict check_step(double length_m, double seen_m, Work& work) noexcept {
+    const Step step{path_m_, length_m, seen_m};
+    StepVerdict verdict = vertex_face_.check_step(now_, next_, step, work);
+    if (verdict == StepVerdict::kClear)
+      verdict = edge_edge_.check_step(now_, next_, step, work);
+    if (verdict == StepVerdict::kClear)
+      verdict = face_vertex_.check_step(now_, next_, step, work);
+    return verdict;
   }
 
   /// So far may the tool go before something unlisted can touch it [m].
@@ -74,12 +85,13 @@ class Opposite {
     return at - path_m_;
   }
 
-  /// Calls `visit(kind, element, item, distance)` for each listed pair within `reach_m`.
+  /// Calls `visit(kind, element, item, distance, plane)` for each listed pair within `reach_m`.
   template <class Visit>
   bool visit_near(double reach_m, Visit&& visit, Work& work) noexcept {
     const auto of = [&](PairKind kind) {
-      return [&visit, kind](std::uint32_t element, std::uint32_t item, double distance) {
-        return visit(kind, element, item, distance);
+      return [&visit, kind](std::uint32_t element, std::uint32_t item, double distance,
+                            const SeparatingPlane& plane) {
+        return visit(kind, element, item, distance, plane);
       };
     };
     return vertex_face_.visit_near(now_, path_m_, reach_m, of(PairKind::kVertexFace), work) &&

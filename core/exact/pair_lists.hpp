@@ -7,8 +7,14 @@
 /// of what was left out. A node holds the least of its children, or what its ball's distance from
 /// the object gives. So a frame renews only what expires, renewing may stop after any leaf, and the
 /// root's `until` says how far the tool may go.
+///
+/// A path says nothing of directions: a pin that slides along its hole would expire all lists. So
+/// each pair keeps a plane that separates it, and each leaf or small node a plane that separates it
+/// from all of the object within a range. Before anything is looked for, the height above the plane
+/// is.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -23,7 +29,17 @@ struct Renewal {
   double need_m = 0.0;  ///< what is nearer than this must be listed
   double radius_m =
       0.0;  ///< what is nearer than this is listed by a leaf that is renewed; above `need_m`
+  double room_m = 0.0;  ///< so far above a plane must a feature be that needs no list
 };
+
+/// A step that is tried. All in metres of path.
+struct Step {
+  double path_m = 0.0;    ///< of the tool so far
+  double length_m = 0.0;  ///< bound of the displacement of any of its points
+  double seen_m = 0.0;    ///< pairs within it are known to the caller
+};
+
+enum class StepVerdict : std::uint8_t { kClear, kMayTouch, kUnknown };
 
 /// The pairs of one kind between a tool and an object, which must outlive it. All memory is taken
 /// at construction.
@@ -37,6 +53,7 @@ class PairLists {
         tree_(Probe::elements(tool)),
         items_(Probe::items(object)) {
     states_.resize(tree_.nodes().size());
+    planes_.resize(states_.size());
     heads_.assign(tree_.elements(), kNone);
     blocks_.resize(std::max<std::size_t>(tree_.elements(), capacity / kBlockPairs));
     scratch_.reserve(limits::kMaxListed);
@@ -44,13 +61,15 @@ class PairLists {
   }
 
   std::size_t bytes() const noexcept {
-    return states_.size() * sizeof(State) + heads_.size() * sizeof(std::uint32_t) +
-           blocks_.size() * sizeof(Block) + scratch_.capacity() * sizeof(Pair);
+    return states_.size() * (sizeof(State) + sizeof(Plane)) +
+           heads_.size() * sizeof(std::uint32_t) + blocks_.size() * sizeof(Block) +
+           scratch_.capacity() * sizeof(Pair);
   }
 
   /// Forgets all lists. Real-time safe.
   void reset() noexcept {
     std::fill(states_.begin(), states_.end(), State{});
+    std::fill(planes_.begin(), planes_.end(), Plane{});
     std::fill(heads_.begin(), heads_.end(), kNone);
     for (std::size_t k = 0; k < blocks_.size(); ++k)
       blocks_[k].next = k + 1 < blocks_.size() ? static_cast<std::uint32_t>(k + 1) : kNone;
@@ -72,10 +91,10 @@ class PairLists {
     return tree_.nodes().empty() || items_.empty() ? kInfinity : states_[0].nearest_m;
   }
 
-  /// Calls `visit(element, item, distance)` for each listed pair that may be nearer than `reach_m`,
-  /// after its distance was found exactly and is. False, and incomplete, where `visit` returned
-  /// false or the limit of work was reached; what was evaluated need not be again for a smaller
-  /// reach. Real-time safe.
+  /// Calls `visit(element, item, distance, plane)` for each listed pair that may be nearer than
+  /// `reach_m`, after its distance was found exactly and is. False, and incomplete, where `visit`
+  /// returned false or the limit of work was reached; what was evaluated need not be again for a
+  /// smaller reach. Real-time safe.
   template <class Visit>
   bool visit_near(PosedPoints& posed, double path_m, double reach_m, Visit&& visit,
                   Work& work) noexcept {
@@ -84,20 +103,41 @@ class PairLists {
     return visit_node(0, posed, path_m, reach_m, visit, work);
   }
 
+  /// Whether a pair that is farther than `step.seen_m` may touch, or come nearer than the margin,
+  /// on the straight step from `posed` to `next`. Lists what is needed to know. Real-time safe.
+  StepVerdict check_step(PosedPoints& posed, PosedPoints& next, const Step& step,
+                         Work& work) noexcept {
+    if (tree_.nodes().empty() || items_.empty())
+      return StepVerdict::kClear;
+    return check_node(0, posed, next, step, work);
+  }
+
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   static constexpr std::size_t kBlockPairs = 7;
 
   struct State {
     double until_m = -kInfinity, nearest_m = kInfinity;
+    double near_m = -kInfinity;  ///< a path less the ball's distance from some item then
+  };
+  /// The item, or all of the object that is nearer than a path `until_m`, lies below a height.
+  struct Plane {
+    Vec3 normal = Vec3::Zero();  ///< unit or zero, from the object to the tool, in its frame
+    double height_m = 0.0;
+    double until_m = -kInfinity;
+    double retry_m = -kInfinity;  ///< none is looked for before this path
   };
   struct Pair {
     double touches_m = 0.0;  ///< the path before which it does not touch
     std::uint32_t item = 0;
+    Vec3 apart = Vec3::Zero();  ///< the shortest way from the item to the element
   };
+  /// Paths first: they are what is read most.
   struct Block {
-    std::array<Pair, kBlockPairs> pairs;
+    std::array<double, kBlockPairs> touches_m{};
     std::uint32_t count = 0, next = kNone;
+    std::array<std::uint32_t, kBlockPairs> items{};
+    std::array<SeparatingPlane, kBlockPairs> planes{};
   };
 
   /// `entry`: where the items within the radius of the node's parent are.
@@ -107,16 +147,17 @@ class PairLists {
     if (state.until_m >= renewal.path_m + renewal.need_m || work.done())
       return;
     const ElementTree::Node& node = tree_.nodes()[at];
+    if (kept_by_plane(at, posed, renewal, work))
+      return;
     if (node.leaf)
-      return renew_leaf(state, node.element, entry, posed, renewal, work);
+      return renew_leaf(at, entry, true, posed, renewal, work);
     // Where a renewal that was cut short goes on, the node itself is known to be near.
     const double known = std::max(states_[at + 1].until_m, states_[node.next].until_m);
     if (known < renewal.path_m + renewal.need_m) {
-      const double beyond = distance_beyond(node.ball, entry, posed, renewal.radius_m, work);
-      if (beyond > renewal.radius_m) {
-        state.until_m = renewal.path_m + beyond;
+      if (is_far(at, entry, posed, renewal.path_m, renewal.radius_m, work))
         return;
-      }
+      if (std::isfinite(node.spread_m) && find_plane(at, entry, posed, renewal, work))
+        return;
     }
     renew_node(at + 1, entry, posed, renewal, work);
     renew_node(node.next, entry, posed, renewal, work);
@@ -125,18 +166,24 @@ class PairLists {
     state.nearest_m = std::min(first.nearest_m, second.nearest_m);
   }
 
-  /// A lower bound of the ball's distance from all items; 0 where some item lies within `radius_m`.
+  /// Whether nothing of the object is within `radius_m` of the node; it then is kept for that.
+  /// Narrows `entry` to the node's ball.
+  ///
   /// Of items the distance is exact: boxes of large triangles that lie askew decide nothing.
-  /// Narrows `entry` to the ball.
-  double distance_beyond(const Ball& ball, BoxTree::Entry& entry, const PosedPoints& posed,
-                         double radius_m, Work& work) const noexcept {
+  bool is_far(std::uint32_t at, BoxTree::Entry& entry, const PosedPoints& posed, double path_m,
+              double radius_m, Work& work) noexcept {
+    const Ball& ball = tree_.nodes()[at].ball;
     const Vec3 centre = posed.rotation() * ball.centre + posed.pose().position;
     const auto bound = [&](const Box& box) {
       return (box.low - centre).cwiseMax(centre - box.high).cwiseMax(0.0).norm() - ball.radius;
     };
-    entry = items_.enter(bound, radius_m, entry, work);
-    if (!entry.near)
-      return entry.outside_m;
+    entry = items_.enter(bound, plane_range(radius_m), entry, work);
+    if (!entry.near) {
+      keep_until(at, path_m + entry.outside_m);
+      return true;
+    }
+    if (path_m - radius_m <= states_[at].near_m)
+      return false;
     double beyond = kInfinity;
     const auto visit = [&](std::uint32_t item) {
       work.add(Work::kPair);
@@ -144,42 +191,173 @@ class PairLists {
       return beyond > radius_m;
     };
     const auto walked = items_.walk(bound, radius_m, visit, work, entry);
-    return walked.whole ? std::min(beyond, walked.beyond_m) : 0.0;
+    states_[at].near_m = path_m - beyond;
+    if (!walked.whole)
+      return false;
+    keep_until(at, path_m + std::min(beyond, walked.beyond_m));
+    return true;
   }
 
-  void renew_leaf(State& state, std::uint32_t element, const BoxTree::Entry& entry,
-                  PosedPoints& posed, const Renewal& renewal, Work& work) noexcept {
+  /// Whether the node's plane holds for what is needed. All elements of the node are above it.
+  bool kept_by_plane(std::uint32_t at, const PosedPoints& posed, const Renewal& renewal,
+                     Work& work) noexcept {
+    const Plane& plane = planes_[at];
+    if (plane.until_m < renewal.path_m + renewal.need_m)
+      return false;
+    const double above = lowest(at, plane.normal, posed, work) - plane.height_m;
+    const double holds = std::min(above, plane.until_m - renewal.path_m);
+    if (holds < renewal.need_m)
+      return false;
+    keep_until(at, renewal.path_m + holds);
+    return true;
+  }
+
+  /// Nothing touches the node before the path `until_m`.
+  void keep_until(std::uint32_t at, double until_m) noexcept {
+    states_[at].until_m = until_m;
+    states_[at].nearest_m = std::max(states_[at].nearest_m, until_m);
+  }
+
+  /// The least height of the node's elements along `n`, in the object's frame.
+  double lowest(std::uint32_t at, const Vec3& n, const PosedPoints& posed,
+                Work& work) const noexcept {
+    const Vec3 n_T = posed.rotation().transpose() * n;
+    double least = kInfinity;
+    const std::uint32_t count = tree_.nodes()[at].count;
+    for (std::uint32_t k = at; k < at + 2 * count - 1; ++k)
+      if (tree_.nodes()[k].leaf)
+        least = std::min(least, Probe::lowest(tool_, tree_.nodes()[k].element, n_T));
+    work.add(1 + count / 2);
+    return least + n.dot(posed.pose().position);
+  }
+
+  static double plane_range(double need_m) noexcept {
+    return std::max(limits::kPlaneRangeM, 3.0 * need_m);
+  }
+
+  /// A plane between the node and the object, from the nearest item of the element in its middle.
+  bool find_plane(std::uint32_t at, const BoxTree::Entry& entry, PosedPoints& posed,
+                  const Renewal& renewal, Work& work) noexcept {
+    Plane& plane = planes_[at];
+    if (renewal.path_m < plane.retry_m)
+      return false;
+    plane.retry_m = renewal.path_m + limits::kPlaneRetryM;
+    const Probe probe(tool_, object_, posed, tree_.nodes()[at].element);
+    double nearest = plane_range(renewal.need_m);
+    Vec3 apart = Vec3::Zero();
+    const auto look = [&](std::uint32_t item) {
+      const Vec3 way = probe.apart(item);
+      const double distance = way.norm();
+      work.add(Work::kPair);
+      if (distance < nearest) {
+        nearest = distance;
+        apart = way;
+      }
+      return nearest > limits::kPlaneReaches * renewal.room_m;
+    };
+    const auto bound = [&](const Box& box) { return probe.bound(box); };
+    const auto walked = items_.walk(bound, nearest, look, work, entry);
+    return walked.whole && make_plane(at, apart, probe, entry, posed, renewal, work);
+  }
+
+  /// A plane across `apart`, the shortest way from the object to the node's middle element.
+  bool make_plane(std::uint32_t at, const Vec3& apart, const Probe& probe,
+                  const BoxTree::Entry& entry, const PosedPoints& posed, const Renewal& renewal,
+                  Work& work) noexcept {
+    const double distance = apart.norm(), least = limits::kPlaneReaches * renewal.room_m;
+    if (!(distance > least))
+      return false;
+    const Vec3 n = apart / distance;
+    const double low = lowest(at, n, posed, work);
+    const double room = low - (probe.lowest(n) - distance);
+    if (!(room > least))
+      return false;
+    const double height = low - std::max(least, 0.5 * room);
+    const double spread = tree_.nodes()[at].spread_m;
+    const double near = limits::kPlaneReaches * renewal.need_m;
+    double range = plane_range(renewal.need_m);
+    const auto look = [&](std::uint32_t item) {
+      work.add(1);
+      if (Probe::highest(object_, item, n) <= height)
+        return true;
+      work.add(Work::kPair);
+      range = std::min(range, probe.apart(item).norm() - spread);
+      return range > near;
+    };
+    const auto bound = [&](const Box& box) {
+      const double top = n.dot(box.centre()) + 0.5 * n.cwiseAbs().dot(box.high - box.low);
+      return top <= height ? kInfinity : probe.bound(box) - spread;
+    };
+    const auto walked = items_.walk(bound, range, look, work, entry);
+    const double beyond = std::min(range, walked.beyond_m);
+    if (!walked.whole || !(beyond > near))
+      return false;
+    planes_[at] = {n, height, renewal.path_m + beyond, -kInfinity};
+    keep_until(at, renewal.path_m + std::min(low - height, beyond));
+    return true;
+  }
+
+  /// `plane`: instead of a list, where there is one.
+  void renew_leaf(std::uint32_t at, const BoxTree::Entry& entry, bool plane, PosedPoints& posed,
+                  const Renewal& renewal, Work& work) noexcept {
+    const std::uint32_t element = tree_.nodes()[at].element;
+    State& state = states_[at];
     const Probe probe(tool_, object_, posed, element);
     const auto bound = [&](const Box& box) { return probe.bound(box); };
+    const auto nearer = [](const Pair& a, const Pair& b) { return a.touches_m < b.touches_m; };
     double radius = renewal.radius_m;
     for (;; radius *= 0.5) {
       scratch_.clear();
+      double range = std::max(radius, radius < renewal.radius_m ? 0.0 : limits::kListRangeM);
       double beyond = kInfinity;
       bool fits = true;
       const auto list = [&](std::uint32_t item) {
-        const double distance = probe.distance(item);
+        const Vec3 way = probe.apart(item);
+        const double distance = way.norm();
         work.add(Work::kPair);
-        if (distance > radius) {
+        if (distance > range) {
           beyond = std::min(beyond, distance);
           return true;
         }
         fits = scratch_.size() < scratch_.capacity();
-        if (fits)
-          scratch_.push_back({renewal.path_m + distance, item});
-        return fits;
+        if (!fits)
+          return false;
+        scratch_.push_back({renewal.path_m + distance, item, way});
+        std::push_heap(scratch_.begin(), scratch_.end(), nearer);
+        while (scratch_.size() > limits::kListedPairs &&
+               scratch_.front().touches_m > renewal.path_m + radius) {
+          range = scratch_.front().touches_m - renewal.path_m;
+          beyond = range;
+          std::pop_heap(scratch_.begin(), scratch_.end(), nearer);
+          scratch_.pop_back();
+        }
+        return true;
       };
-      const auto walked = items_.walk(bound, radius, list, work, entry);
-      if (walked.whole && store(element, renewal.path_m)) {
-        state.until_m = renewal.path_m + std::min(beyond, walked.beyond_m);
-        state.nearest_m = kInfinity;
-        for (const Pair& pair : scratch_)
-          state.nearest_m = std::min(state.nearest_m, pair.touches_m);
-        return;
+      const auto walked = items_.walk(bound, range, list, work, entry);
+      if (walked.whole) {
+        const auto first = std::min_element(scratch_.begin(), scratch_.end(), nearer);
+        if (plane && first != scratch_.end() &&
+            make_plane(at, first->apart, probe, entry, posed, renewal, work))
+          return;
+        if (store(element, renewal.path_m)) {
+          state.until_m = renewal.path_m + std::min({beyond, range, walked.beyond_m});
+          state.nearest_m = kInfinity;
+          for (const Pair& pair : scratch_)
+            state.nearest_m = std::min(state.nearest_m, pair.touches_m);
+          return;
+        }
       }
       const bool too_many = !fits || walked.whole;
       if (!too_many || radius < limits::kMarginM || work.done())
         return;  // what was listed before stays
     }
+  }
+
+  /// The plane across the shortest way from `item` to an element.
+  SeparatingPlane plane_between(std::uint32_t item, const Vec3& apart) const noexcept {
+    const double distance = apart.norm();
+    const Vec3 normal = distance > 0.0 ? Vec3(apart / distance) : Vec3::Zero();
+    return {normal, Probe::highest(object_, item, normal)};
   }
 
   /// Makes what is in `scratch_` the list of `element`; false, and nothing changed, without room
@@ -197,8 +375,12 @@ class PairLists {
       Block& block = blocks_[taken];
       free_ = block.next;
       block.count = static_cast<std::uint32_t>(std::min(kBlockPairs, scratch_.size() - first));
-      for (std::size_t k = 0; k < block.count; ++k)
-        block.pairs[k] = scratch_[first + k];
+      for (std::size_t k = 0; k < block.count; ++k) {
+        const Pair& pair = scratch_[first + k];
+        block.touches_m[k] = pair.touches_m;
+        block.items[k] = pair.item;
+        block.planes[k] = plane_between(pair.item, pair.apart);
+      }
       block.next = heads_[element];
       heads_[element] = taken;
     }
@@ -257,18 +439,106 @@ class PairLists {
     for (std::uint32_t b = heads_[node.element]; b != kNone; b = blocks_[b].next) {
       Block& block = blocks_[b];
       for (std::size_t k = 0; k < block.count; ++k) {
-        Pair& pair = block.pairs[k];
-        if (whole && pair.touches_m <= path_m + reach_m) {
-          const double distance = probe.distance(pair.item);
-          work.add(Work::kPair);
-          pair.touches_m = path_m + distance;
+        double& touches = block.touches_m[k];
+        if (whole && touches <= path_m + reach_m) {
+          SeparatingPlane& plane = block.planes[k];
+          double distance = probe.lowest(plane.normal) - plane.height_m;
+          work.add(1);
+          if (distance <= reach_m) {
+            const Vec3 way = probe.apart(block.items[k]);
+            distance = way.norm();
+            work.add(Work::kPair);
+            plane = plane_between(block.items[k], way);
+          }
+          touches = path_m + distance;
           if (distance <= reach_m)
-            whole = visit(node.element, pair.item, distance);
+            whole = visit(node.element, block.items[k], distance, plane);
         }
-        state.nearest_m = std::min(state.nearest_m, pair.touches_m);
+        state.nearest_m = std::min(state.nearest_m, touches);
       }
     }
     return whole;
+  }
+
+  /// Whether both ends of a step that ends at the path `end_m` are above the plane: so is all that
+  /// goes straight between them.
+  bool stays_above(std::uint32_t at, double end_m, const PosedPoints& posed,
+                   const PosedPoints& next, Work& work) const noexcept {
+    const Plane& plane = planes_[at];
+    return plane.until_m >= end_m &&
+           lowest(at, plane.normal, posed, work) > plane.height_m + limits::kTouchM &&
+           lowest(at, plane.normal, next, work) > plane.height_m + limits::kMarginM;
+  }
+
+  StepVerdict check_node(std::uint32_t at, PosedPoints& posed, PosedPoints& next, const Step& step,
+                         Work& work) noexcept {
+    const State& state = states_[at];
+    const double end = step.path_m + step.length_m;
+    if (state.until_m >= end && state.nearest_m >= end)
+      return StepVerdict::kClear;
+    if (work.done())
+      return StepVerdict::kUnknown;
+    if (stays_above(at, end, posed, next, work))
+      return StepVerdict::kClear;
+    const ElementTree::Node& node = tree_.nodes()[at];
+    const Renewal renewal{step.path_m, step.length_m,
+                          limits::kListReaches * step.length_m + limits::kListRestM,
+                          limits::kMinReachM};
+    if (!node.leaf) {
+      BoxTree::Entry entry;
+      if (std::max(states_[at + 1].until_m, states_[node.next].until_m) < end) {
+        if (is_far(at, entry, posed, step.path_m, step.length_m, work))
+          return StepVerdict::kClear;
+        if (std::isfinite(node.spread_m) && find_plane(at, entry, posed, renewal, work) &&
+            stays_above(at, end, posed, next, work))
+          return StepVerdict::kClear;
+      }
+      const StepVerdict first = check_node(at + 1, posed, next, step, work);
+      return first == StepVerdict::kClear ? check_node(node.next, posed, next, step, work) : first;
+    }
+    if (state.until_m < end) {
+      renew_leaf(at, {}, true, posed, renewal, work);
+      if (stays_above(at, end, posed, next, work))
+        return StepVerdict::kClear;
+      if (state.until_m < end)
+        renew_leaf(at, {}, false, posed, renewal, work);
+      if (state.until_m < end)
+        return StepVerdict::kUnknown;
+      if (state.nearest_m >= end)
+        return StepVerdict::kClear;
+    }
+    return check_leaf(node.element, posed, next, step, work);
+  }
+
+  /// Of the pairs that are listed.
+  StepVerdict check_leaf(std::uint32_t element, PosedPoints& posed, PosedPoints& next,
+                         const Step& step, Work& work) noexcept {
+    const Probe probe(tool_, object_, posed, element), then(tool_, object_, next, element);
+    for (std::uint32_t b = heads_[element]; b != kNone; b = blocks_[b].next) {
+      Block& block = blocks_[b];
+      work.add(1);
+      for (std::size_t k = 0; k < block.count; ++k) {
+        double& touches = block.touches_m[k];
+        if (touches > step.path_m + step.length_m)
+          continue;
+        SeparatingPlane& plane = block.planes[k];
+        const auto stays = [&] {
+          work.add(1);
+          return probe.lowest(plane.normal) > plane.height_m &&
+                 then.lowest(plane.normal) > plane.height_m + limits::kMarginM;
+        };
+        if (stays())
+          continue;
+        const Vec3 way = probe.apart(block.items[k]);
+        work.add(Work::kPair);
+        plane = plane_between(block.items[k], way);
+        const double distance = way.norm();
+        touches = step.path_m + distance;
+        if (distance > step.seen_m && distance <= step.length_m && !stays())
+          return StepVerdict::kMayTouch;
+      }
+    }
+    return StepVerdict::kClear;
   }
 
   const ToolBody& tool_;
@@ -276,6 +546,7 @@ class PairLists {
   const ElementTree& tree_;
   const BoxTree& items_;
   std::vector<State> states_;         ///< one a node
+  std::vector<Plane> planes_;         ///< likewise
   std::vector<std::uint32_t> heads_;  ///< first block of each element's list
   std::vector<Block> blocks_;
   std::uint32_t free_ = kNone;

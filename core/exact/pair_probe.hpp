@@ -1,6 +1,7 @@
 #pragma once
 /// A feature of the tool as it looks for features of an object: in the object's frame. All
 /// real-time safe.
+#include <algorithm>
 #include <cmath>
 
 #include "core/exact/bodies.hpp"
@@ -8,6 +9,12 @@
 #include "core/exact/posed_points.hpp"
 
 namespace voxtouch::exact {
+
+/// An item lies below the height, an element above it. In the object's frame.
+struct SeparatingPlane {
+  Vec3 normal = Vec3::Zero();  ///< unit; zero where they touch
+  double height_m = 0.0;
+};
 
 /// A vertex of the tool against faces.
 class VertexProbe {
@@ -21,6 +28,15 @@ class VertexProbe {
     const Vec3 &a = m.corner(item, 0), &b = m.corner(item, 1), &c = m.corner(item, 2);
     return (p - nearest_on_triangle(p, a, b, c).point).norm();
   }
+  /// The least height of an element along `n`, in the tool's frame; the greatest of an item, in the
+  /// object's.
+  static double lowest(const ToolBody& tool, std::uint32_t element, const Vec3& n) noexcept {
+    return n.dot(tool.features().points[tool.features().row_vertices[element]]);
+  }
+  static double highest(const ObjectBody& object, std::uint32_t item, const Vec3& n) noexcept {
+    const FeatureMesh& m = object.features();
+    return std::max({n.dot(m.corner(item, 0)), n.dot(m.corner(item, 1)), n.dot(m.corner(item, 2))});
+  }
 
   VertexProbe(const ToolBody& tool, const ObjectBody& object, PosedPoints& posed,
               std::uint32_t element) noexcept
@@ -30,7 +46,14 @@ class VertexProbe {
   double bound(const Box& box) const noexcept {
     return (box.low - point_).cwiseMax(point_ - box.high).cwiseMax(0.0).norm();
   }
-  double distance(std::uint32_t item) const noexcept { return distance(object_, item, point_); }
+  /// The shortest way from the item to the element.
+  Vec3 apart(std::uint32_t item) const noexcept {
+    const FeatureMesh& m = object_.features();
+    const Vec3 &a = m.corner(item, 0), &b = m.corner(item, 1), &c = m.corner(item, 2);
+    return point_ - nearest_on_triangle(point_, a, b, c).point;
+  }
+  /// The least height of the element along `n`, in the object's frame.
+  double lowest(const Vec3& n) const noexcept { return n.dot(point_); }
 
  private:
   const ObjectBody& object_;
@@ -46,6 +69,14 @@ class FaceProbe {
   static double distance(const ObjectBody& object, std::uint32_t item, const Vec3& p) noexcept {
     const FeatureMesh& m = object.features();
     return (p - m.points[m.row_vertices[item]]).norm();
+  }
+  static double lowest(const ToolBody& tool, std::uint32_t element, const Vec3& n) noexcept {
+    const FeatureMesh& m = tool.features();
+    return std::min(
+        {n.dot(m.corner(element, 0)), n.dot(m.corner(element, 1)), n.dot(m.corner(element, 2))});
+  }
+  static double highest(const ObjectBody& object, std::uint32_t item, const Vec3& n) noexcept {
+    return n.dot(object.features().points[object.features().row_vertices[item]]);
   }
 
   FaceProbe(const ToolBody& tool, const ObjectBody& object, PosedPoints& posed,
@@ -65,9 +96,12 @@ class FaceProbe {
     const double from_plane = std::abs(normal_.dot(box.centre() - corners_[0])) - half;
     return std::max(exact::distance(box_, box), from_plane);
   }
-  double distance(std::uint32_t item) const noexcept {
+  Vec3 apart(std::uint32_t item) const noexcept {
     const Vec3& p = object_.points[object_.row_vertices[item]];
-    return (p - nearest_on_triangle(p, corners_[0], corners_[1], corners_[2]).point).norm();
+    return nearest_on_triangle(p, corners_[0], corners_[1], corners_[2]).point - p;
+  }
+  double lowest(const Vec3& n) const noexcept {
+    return std::min({n.dot(corners_[0]), n.dot(corners_[1]), n.dot(corners_[2])});
   }
 
  private:
@@ -89,6 +123,12 @@ class EdgeProbe {
     const Vec3& from = m.points[edge.ends[0]];
     return std::sqrt(point_segment_distance2(p, from, m.points[edge.ends[1]] - from));
   }
+  static double lowest(const ToolBody& tool, std::uint32_t element, const Vec3& n) noexcept {
+    return extreme(tool.features(), element, n, -1.0);
+  }
+  static double highest(const ObjectBody& object, std::uint32_t item, const Vec3& n) noexcept {
+    return extreme(object.features(), item, n, 1.0);
+  }
 
   EdgeProbe(const ToolBody& tool, const ObjectBody& object, PosedPoints& posed,
             std::uint32_t element) noexcept
@@ -106,13 +146,25 @@ class EdgeProbe {
     const double from_ball = std::sqrt(point_segment_distance2(box.centre(), from_, along_)) - half;
     return std::max(exact::distance(box_, box), from_ball);
   }
-  double distance(std::uint32_t item) const noexcept {
+  Vec3 apart(std::uint32_t item) const noexcept {
     const Edge& edge = object_.edges[object_.row_edges[item]];
     const Vec3& from = object_.points[edge.ends[0]];
-    return segment_distance(from_, along_, from, object_.points[edge.ends[1]] - from);
+    const Vec3 along = object_.points[edge.ends[1]] - from;
+    const OnSegments at = nearest_on_segments(from_, along_, from, along);
+    return from_ + at.s * along_ - from - at.t * along;
+  }
+  double lowest(const Vec3& n) const noexcept {
+    return n.dot(from_) + std::min(0.0, n.dot(along_));
   }
 
  private:
+  static double extreme(const FeatureMesh& m, std::uint32_t k, const Vec3& n,
+                        double sign) noexcept {
+    const Edge& edge = m.edges[m.row_edges[k]];
+    const double a = n.dot(m.points[edge.ends[0]]), b = n.dot(m.points[edge.ends[1]]);
+    return sign > 0.0 ? std::max(a, b) : std::min(a, b);
+  }
+
   const FeatureMesh& object_;
   Vec3 from_, along_;
   Box box_;

@@ -280,6 +280,24 @@ Touch passed_touch(const NearPair& pair, const ToolBody& tool, const ObjectBody&
   return {normal, e.p + on.s * e.u, gap};
 }
 
+bool stays_apart(const NearPair& pair, const ToolBody& tool, const PosedPoints& next) noexcept {
+  const Vec3& n = pair.plane.normal;
+  const Vec3 n_T = next.rotation().transpose() * n;
+  double lowest = n.dot(next.pose().position);
+  switch (pair.kind) {
+    case PairKind::kVertexFace:
+      lowest += VertexProbe::lowest(tool, pair.element, n_T);
+      break;
+    case PairKind::kFaceVertex:
+      lowest += FaceProbe::lowest(tool, pair.element, n_T);
+      break;
+    case PairKind::kEdgeEdge:
+      lowest += EdgeProbe::lowest(tool, pair.element, n_T);
+      break;
+  }
+  return lowest > pair.plane.height_m + limits::kTouchM;
+}
+
 bool passes(const NearPair& pair, const ToolBody& tool, const ObjectBody& object,
             PosedPoints& posed, PosedPoints& next) noexcept {
   const FeatureMesh &a = tool.features(), &b = object.features();

@@ -13,6 +13,7 @@ struct NearPair {
   std::uint32_t item = 0;     ///< of the object, as Probe::items counts
   std::uint32_t object = 0;
   double distance_m = 0.0;
+  SeparatingPlane plane = {};  ///< across the shortest way between them
 };
 
 /// normal . shift of the tool's point widens the gap. All in the object's frame.
@@ -47,6 +48,10 @@ Touches touches_of(const NearPair& pair, const ToolBody& tool, const ObjectBody&
 /// gap there, below zero beyond the plane. Real-time safe.
 Touch passed_touch(const NearPair& pair, const ToolBody& tool, const ObjectBody& object,
                    PosedPoints& posed, PosedPoints& next, double& found_m) noexcept;
+
+/// Whether all of the tool's feature is above the pair's plane at `next`: it passes nothing on the
+/// straight way there. Real-time safe.
+bool stays_apart(const NearPair& pair, const ToolBody& tool, const PosedPoints& next) noexcept;
 
 /// Whether the pair passes through each other on the straight way of all points from `posed` to
 /// `next`.

@@ -233,17 +233,21 @@ double VirtualTool::object_path() noexcept {
   return most;
 }
 
-/// Renews the lists for `need_m`. \returns how far the tool may go in this query [m].
-double VirtualTool::reach_of_query(double need_m, Work& work) noexcept {
+/// Renews the lists for rows within `rows_m`, and says how far the tool may go in this query:
+/// `need_m` where all that is farther than the rows can be looked at when a step is known.
+void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Work& work) noexcept {
   const double rest = 3.0 * limits::kMarginM;  // rows within it beyond the reach push, and rounding
   double allowed = kInfinity, nearest = kInfinity;
   for (Opposite& opposite : opposites_) {
-    opposite.renew(need_m + rest, limits::kListReaches * need_m + limits::kListRestM, work);
+    opposite.renew(rows_m + rest, limits::kListReaches * rows_m + limits::kListRestM, work);
     allowed = std::min(allowed, opposite.allowed_m());
     nearest = std::min(nearest, opposite.nearest_m());
   }
   allowed = std::max(0.0, allowed - rest);
-  return nearest > allowed + rest ? allowed : std::min(need_m, allowed);
+  query.rows_m = std::min(rows_m, allowed);
+  query.lists_m = allowed < rows_m ? allowed : need_m;
+  if (nearest > allowed + rest)
+    query.lists_m = std::max(query.lists_m, allowed);
 }
 
 void VirtualTool::add_row(const Touch& touch, const NearPair& pair) noexcept {
@@ -252,6 +256,7 @@ void VirtualTool::add_row(const Touch& touch, const NearPair& pair) noexcept {
   row.normal = from.orientation * touch.normal;
   const Vec3 point = from * touch.point;
   row.arm = point - tool_.position;
+  row.on_object = touch.point - touch.gap_m * touch.normal;
   row.gap_m = touch.gap_m;
   row.object = pair.object;
   row.owner =
@@ -285,11 +290,12 @@ bool VirtualTool::collect(double reach_m, Work& work) noexcept {
   halfspaces_.clear();
   for (std::uint32_t n = 0; n < opposites_.size(); ++n) {
     Opposite& opposite = opposites_[n];
-    const auto take = [&](PairKind kind, std::uint32_t element, std::uint32_t item,
-                          double distance) {
+    const auto take = [&](PairKind kind, std::uint32_t element, std::uint32_t item, double distance,
+                          const SeparatingPlane& plane) {
+      work.add(Work::kTouches);
       if (near_.size() == near_.capacity() || rows_.size() + 8 > rows_.capacity() / 2)
         return false;
-      const NearPair pair{kind, element, item, n, distance};
+      const NearPair pair{kind, element, item, n, distance, plane};
       near_.push_back(pair);
       const Touches touches =
           touches_of(pair, opposite.tool(), opposite.object(), opposite.now(), reach_m);
@@ -378,6 +384,9 @@ bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
       continue;
     if (work.done())
       return true;  // not known
+    work.add(2);
+    if (stays_apart(pair, opposite.tool(), now) && stays_apart(pair, opposite.tool(), next))
+      continue;
     work.add(Work::kSwept);
     if (!passes(pair, opposite.tool(), opposite.object(), now, next))
       continue;
@@ -394,16 +403,42 @@ bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
   return passed;
 }
 
-/// Takes the step where no pair is nearer to it than `lists_m` knows, and nothing is passed.
-bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, double lists_m,
-                           VirtualToolFrame& out, Work& work) noexcept {
+/// Whether the step that is tried, of `path_m`, is clear of all that is farther than the rows.
+/// Where it is not, the query asks for more rows; where that is not known, it allows what the rows
+/// know.
+bool VirtualTool::clear_beyond_rows(Opposite& opposite, double path_m, Query& query,
+                                    Work& work) noexcept {
+  const double seen = query.rows_m + 2.0 * limits::kMarginM;
+  if (path_m <= seen)
+    return true;
+  const StepVerdict verdict = opposite.check_step(path_m + limits::kMarginM, seen, work);
+  query.more_rows = verdict == StepVerdict::kMayTouch;
+  if (verdict != StepVerdict::kUnknown)
+    return !query.more_rows;
+  query.lists_m = query.rows_m;
+  query.reach_m = std::min(query.reach_m, query.lists_m);
+  return false;
+}
+
+/// Rows that close faster must be looked at from farther off.
+void VirtualTool::note_closing(const Vec6& taken) noexcept {
+  for (const Halfspace& row : halfspaces_)
+    closing_m_ = std::max(closing_m_, -row.jacobian.dot(taken));
+}
+
+/// Takes the step where it is not longer than the query allows, and nothing is passed.
+bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
+                           Work& work) noexcept {
+  limit_to(limits::kBeyondRatio, work);
   bool listed = true;
   for (std::size_t n = 0; n < opposites_.size(); ++n) {
     Opposite& opposite = opposites_[n];
     opposite.next().set_pose(relative(tool, planned_[n]));
-    listed &= opposite.path_between(opposite.now().pose(), opposite.next().pose()) <=
-              lists_m + limits::kMarginM;
+    const double path = opposite.path_between(opposite.now().pose(), opposite.next().pose());
+    listed = listed && path <= query.lists_m + limits::kMarginM &&
+             clear_beyond_rows(opposite, path, query, work);
   }
+  limit_to(1.0, work);
   if (!listed || passes_something(taken, work)) {
     ++out.void_steps;
     return false;
@@ -432,7 +467,7 @@ double VirtualTool::solve_query(const Query& query, const Vec6& spring, VirtualT
 }
 
 /// Solves, and goes as far as the query allows. \returns the path that the tool went [m].
-double VirtualTool::step(const Query& query, VirtualToolFrame& out, Work& work) noexcept {
+double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexcept {
   const Vec6 spring = spring_to(query.hand);
   const bool objects_move = query.objects_ratio > 0.0;
   double ratio = solve_query(query, spring, out, work);
@@ -463,8 +498,12 @@ double VirtualTool::step(const Query& query, VirtualToolFrame& out, Work& work) 
     const Pose tool =
         whole ? query.hand : moved(tool_, taken.head<3>(), taken.tail<3>() / options_.lever_m);
     const bool shorter = objects_move || whole || shortens(spring, taken, tool, query.hand);
-    if (shorter && try_step(tool, taken, query.lists_m, out, work))
+    if (shorter && try_step(tool, taken, query, out, work)) {
+      note_closing(taken);
       return length_of(taken);
+    }
+    if (query.more_rows)
+      return 0.0;
     if (shorter && attempt == 0)
       continue;  // once more with what was passed
     scale *= 0.5;
@@ -487,10 +526,12 @@ bool VirtualTool::collect_for(Query& query, double objects_m, Work& work) noexce
       query.reach_m = query.lists_m - query.objects_ratio * objects_m;
     }
     plan_objects(query.objects_ratio);
-    if (collect(query.lists_m, work))
+    query.rows_m = std::min(query.rows_m, query.lists_m);
+    if (collect(query.rows_m, work))
       return true;
     if (query.lists_m < limits::kRestM || work.done())
       return false;
+    query.lists_m = std::min(query.lists_m, query.rows_m);
   }
 }
 
@@ -505,10 +546,13 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
   query.rest_m = std::max(limits::kRestM, limits::kMovingRestRatio * hand_path_m);
   double expected =
       std::clamp(limits::kReachRatio * longest_step_m_, limits::kMinReachM, limits::kMaxReachM);
+  const double closing = closing_m_;
+  all_rows_frames_ = std::max(0, all_rows_frames_ - 1);
   double longest = 0.0;
+  closing_m_ = 0.0;
   converged_ = false;
   while (out.queries < limits::kMaxQueries) {
-    ++out.queries;
+    out.queries += !query.more_rows;
     const double objects = object_path();
     if (objects == 0.0 && same(tool_, sample.pose)) {
       converged_ = true;
@@ -516,11 +560,18 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
       break;
     }
     const double requested = length_of(spring_to(sample.pose)) + objects;
-    double need = std::min(expected, requested);
+    all_rows_frames_ = query.more_rows ? limits::kAllRowsFrames : all_rows_frames_;
+    const bool all = objects > 0.0 || all_rows_frames_ > 0;
+    double need = all ? std::min(expected, requested)
+                      : std::min({requested, std::max(expected, remaining), limits::kMaxReachM});
     if (objects > 0.0)  // room for the objects' whole displacement
       need = std::max(need, std::min(objects / limits::kObjectsReachRatio, limits::kMaxReachM));
     limit_to(limits::kRenewalRatio, work);
-    query.lists_m = reach_of_query(need, work);
+    // Rows of an object that moves may close from anywhere.
+    const double closes = std::max(limits::kReachRatio * closing, limits::kMinReachM);
+    const double rows = all ? need : std::min(need, closes);
+    query.more_rows = false;
+    reach_of_query(need, rows, query, work);
     if (objects > 0.0)
       remaining += objects;
     query.remaining_m = remaining;
@@ -530,6 +581,8 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
     out.rows_seen = std::max(out.rows_seen, static_cast<std::uint32_t>(rows_.size()));
     out.pairs_seen = std::max(out.pairs_seen, static_cast<std::uint32_t>(near_.size()));
     const double went = step(query, out, work);
+    if (query.more_rows && !work.done())
+      continue;
     last_step_m_ = went;
     longest = std::max(longest, went);
     remaining -= went;
@@ -571,7 +624,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
     if (force <= most)
       continue;
     most = force;
-    out.contact_point = tool_.position + row.arm;
+    out.contact_point = objects_[row.object] * row.on_object;
     out.contact_normal = row.normal;
     out.contact_owner = row.owner;
   }

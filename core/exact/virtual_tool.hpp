@@ -45,7 +45,7 @@ struct VirtualToolFrame {
   double ratio = 0.0;             ///< of the spring's force that is given, 0 to 1: it fades in
   Mat6 displayed = Mat6::Zero();  ///< stiffness over k that the hand feels, in d's metres: 0 to 1
   double residual_m = 0.0;        ///< displacement that the last step still asked for
-  Vec3 contact_point = Vec3::Zero();   ///< of the row that pushes most
+  Vec3 contact_point = Vec3::Zero();   ///< on the object, of the row that pushes most
   Vec3 contact_normal = Vec3::Zero();  ///< its direction, out of the object; zero without contact
   std::uint32_t contact_owner = 0;     ///< whose row that is, numbered as `contact_forces`
   std::uint32_t rows = 0;              ///< that push
@@ -116,8 +116,9 @@ class VirtualTool {
  private:
   /// A row, in addition to what the projection needs of it.
   struct Row {
-    Vec3 normal = Vec3::Zero();  ///< W, from the object to the tool
-    Vec3 arm = Vec3::Zero();     ///< from the tool's origin to its point, W [m]
+    Vec3 normal = Vec3::Zero();     ///< W, from the object to the tool
+    Vec3 arm = Vec3::Zero();        ///< from the tool's origin to its point, W [m]
+    Vec3 on_object = Vec3::Zero();  ///< the object's point, in its frame [m]
     double gap_m = 0.0;
     double closes_m = 0.0;  ///< by so much the object's own motion in this step closes the gap
     double missed_m = 0.0;  ///< that the straight row missed of the gap in a step that was void
@@ -128,12 +129,14 @@ class VirtualTool {
   struct Query {
     Pose hand;
     double friction = 0.0;
-    double lists_m = 0.0;      ///< no pair within it is left out
-    double reach_m = 0.0;      ///< of it, what the objects' displacement leaves for the tool
+    double lists_m = 0.0;      ///< so far a step may go
+    double rows_m = 0.0;       ///< no pair within it is left out of the rows
+    double reach_m = 0.0;      ///< of `lists_m`, what the objects' displacement leaves for the tool
     double remaining_m = 0.0;  ///< of the frame, where something is touched
     double rest_m = 0.0;       ///< a shorter step ends the frame
     double objects_ratio =
         1.0;  ///< of the objects' displacement that is left, which they make in this step
+    bool more_rows = false;  ///< a step would come to what is farther than the rows
   };
 
   /// Where the tool starts, while there is none.
@@ -154,7 +157,7 @@ class VirtualTool {
   bool start_is_blocked() noexcept;
   bool initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept;
   double object_path() noexcept;
-  double reach_of_query(double need_m, Work& work) noexcept;
+  void reach_of_query(double need_m, double rows_m, Query& query, Work& work) noexcept;
   bool collect(double reach_m, Work& work) noexcept;
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
   void add_row(const Touch& touch, const NearPair& pair) noexcept;
@@ -165,14 +168,16 @@ class VirtualTool {
   Vec6 kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept;
   Projection solve_with(const Vec6& target, double turn_rad, bool push_out, VirtualToolFrame& out,
                         Work& work) noexcept;
-  bool try_step(const Pose& tool, const Vec6& taken, double lists_m, VirtualToolFrame& out,
+  bool try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                 Work& work) noexcept;
+  bool clear_beyond_rows(Opposite& opposite, double path_m, Query& query, Work& work) noexcept;
+  void note_closing(const Vec6& taken) noexcept;
   void hold_by_friction(const Vec6& spring, double friction) noexcept;
   bool passes_something(const Vec6& delta, Work& work) noexcept;
   void limit_to(double ratio, Work& work) const noexcept;
   double solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
                      Work& work) noexcept;
-  double step(const Query& query, VirtualToolFrame& out, Work& work) noexcept;
+  double step(Query& query, VirtualToolFrame& out, Work& work) noexcept;
   void follow(const HandSample& hand, double hand_path_m, VirtualToolFrame& out,
               Work& work) noexcept;
   void report(VirtualToolFrame& out) noexcept;
@@ -193,8 +198,10 @@ class VirtualTool {
   Pose tool_, hand_;
   Vec3 rotation_ = Vec3::Zero();  ///< of the last frame: near half a turn its axis stays
   double longest_step_m_ = 0.0;   ///< of the last frame
+  double closing_m_ = 0.0;        ///< by so much a row's gap closed at most, in a step of a frame
   double damping_ = 1.0;          ///< of steps while the hand rests
   double last_residual_m_ = 0.0, last_step_m_ = 0.0;  ///< of the last query; step 0: there was none
+  int all_rows_frames_ = 0;  ///< so many frames more look at all rows that a step may come to
   double placed_s_ = 0.0;
   Start start_;
   bool placed_ = false;

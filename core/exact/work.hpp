@@ -10,9 +10,9 @@ namespace voxtouch::exact {
 class Work {
  public:
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-  /// Units of a pair's exact distance, of a pair's swept test, of a projection's look at 16 rows,
-  /// and of a row that comes or goes.
-  static constexpr std::uint64_t kPair = 4, kSwept = 12, kRows16 = 4, kRowChange = 20;
+  /// Units of a pair's exact distance, of its rows, of its swept test, of a projection's look at 16
+  /// rows, and of a row that comes or goes.
+  static constexpr std::uint64_t kPair = 4, kTouches = 5, kSwept = 12, kRows16 = 4, kRowChange = 20;
 
   explicit Work(std::uint64_t limit = kNoLimit) noexcept : limit_(limit) {}
   void add(std::uint64_t units) noexcept { used_ += units; }

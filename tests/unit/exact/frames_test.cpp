@@ -251,5 +251,34 @@ TEST(Frames, ResetRestartsTheTool) {
   EXPECT_FALSE(rig.rest({{0, 0, 0.02}, Quat::Identity()}, 10).not_initialised);
 }
 
+/// 0.2 mm above a plate, up to 7.8 mm a frame: nothing is touched, so the tool is where the hand
+/// is.
+TEST(Frames, AFreeToolIsTheHandUpToEightMillimetresAFrame) {
+  Rig rig(test::ball(0.01, 4), test::box({-.06, -.06, -.06}, {.06, .06, 0.0}));
+  for (const double step : {2e-4, 2e-3, 4e-3, 7.8e-3}) {
+    Pose hand{{-0.04, 0, 0.0102}, Quat::Identity()};
+    ASSERT_TRUE(rig.virtual_tool.place(hand, {&rig.object_pose, 1}));
+    for (; hand.position.x() < 0.04; hand.position.x() += step) {
+      const VirtualToolFrame frame = rig.frame(hand);
+      ASSERT_EQ(frame.tool, hand) << step;
+      ASSERT_FALSE(frame.not_converged) << step;
+    }
+  }
+}
+
+/// A ball across the edge of a block: what is touched lies on the edge.
+TEST(Frames, TheContactPointLiesOnTheObject) {
+  Rig rig(test::ball(0.01, 4), test::box({-.03, -.03, -.06}, {.03, .03, 0.0}));
+  for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(0.013, -0.004, 0.0071)}) {
+    rig.object_pose.position = moved;
+    const Vec3 slant = Vec3(1, 0, 1).normalized(), edge = moved + Vec3(0.03, 0.0007, 0.0);
+    const Pose from{edge + 0.011 * slant, Quat::Identity()};
+    ASSERT_TRUE(rig.virtual_tool.place(from, {&rig.object_pose, 1}));
+    const VirtualToolFrame frame = rig.lead(from, {edge + 0.005 * slant, Quat::Identity()}, 120);
+    EXPECT_NEAR(frame.contact_point.x(), edge.x(), 1e-10);
+    EXPECT_NEAR(frame.contact_point.z(), edge.z(), 1e-10);
+  }
+}
+
 }  // namespace
 }  // namespace voxtouch::exact
