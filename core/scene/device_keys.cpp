@@ -28,7 +28,12 @@ constexpr auto kDeviceFile = std::to_array<Key>(
       nullptr, 0, 10},
      {"lost_in_a_row", kCount, kOptional, none, "Samples that may be lost one after the other.", "",
       nullptr, 0, 1000},
-     {"grip", kWord, kRequired, none, "How it is held.", "pen arm"}});
+     {"grip", kWord, kRequired, none, "How it is held.", "pen arm"},
+     {"measured", kMap, kOptional, none, "", "", &device_measured}});
+constexpr auto kDeviceMeasured = std::to_array<Key>(
+    {{"date", kText, kRequired, none, "Day of the measurement."},
+     {"command", kText, kRequired, none, "What measured."},
+     {"serial", kText, kOptional, none, "Serial number, if the driver reports one."}});
 constexpr auto kDeviceRotation = std::to_array<Key>(
     {{"inertia_kg_m2", kRange, kOptional, none, "[kg m^2]"},
      {"damping_nms_per_rad", kNotNegative, kOptional, none, "[Nms/rad]"},
@@ -42,5 +47,7 @@ constinit const KeyGroup device_file{"", "A device, as the coupling designer nee
                                      kDeviceFile};
 constinit const KeyGroup device_rotation{"", "Only and always where max_torque_nm is above 0.",
                                          kDeviceRotation};
+constinit const KeyGroup device_measured{
+    "", "Written by `voxtouch identify`: the figures are those of one device.", kDeviceMeasured};
 
 }  // namespace voxtouch::scene::keys

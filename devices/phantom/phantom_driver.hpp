@@ -55,6 +55,7 @@ class PhantomDriver : public devices::Driver {
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
   std::string last_error() const override;
+  std::string_view serial() const noexcept override { return session_->facts().serial; }
   /// Of a Premium 1.5 with a gimbal that reports its angles. Its joints are computed from tip and
   /// stylus: the library would be asked once more in each tick, and what it refuses to report would
   /// cost force.

@@ -10,7 +10,8 @@ namespace voxtouch::phantom {
 
 /// What an opened device reported. Our units; zero where it reported nothing.
 struct PhantomFacts {
-  std::string model;  ///< as the library calls it
+  std::string model;     ///< as the library calls it
+  std::string serial{};  ///< empty: the library reports none
   double rate_hz = 0.0;
   double max_force_n = 0.0, continuous_force_n = 0.0;
   double max_torque_nm = 0.0;

@@ -1,5 +1,7 @@
 #pragma once
 /// The device as its status shows it, and what the loop has to know of the other nodes.
+#include <optional>
+
 #include "nodes/device/device_loop.hpp"
 #include "nodes/device/last_second.hpp"
 #include "nodes/device/lockstep_peers.hpp"
@@ -47,6 +49,7 @@ class DeviceMonitor {
   void note_error(End end);
   std::string find_late_peer(const runtime::NodeRegistry& registry) const;
   void fill(runtime::NodeReport& report);
+  void judge_start(runtime::NodeReport& report, runtime::StatusText& status);
 
   runtime::NodeHost& host_;
   const devices::Driver& driver_;
@@ -64,6 +67,7 @@ class DeviceMonitor {
   std::string late_peer_;   ///< lockstep: which node the device waits for, and why
   std::string diagnostic_;  ///< what last kept the device from giving force
   double reported_gap_ms_ = 0.0;
+  std::optional<identification::StartFindings> start_;  ///< of the check at start, once it is over
 };
 
 }  // namespace voxtouch::device_node

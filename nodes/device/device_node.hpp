@@ -16,6 +16,7 @@ namespace voxtouch::device_node {
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
+  std::filesystem::path device_file;  ///< measured figures of the device; empty: the driver's own
   std::string motion;       ///< of the scene; empty: the hand rests where the first motion starts
   double duration_s = 0.0;  ///< of the device's time; 0: until stopped
   HandChoice hand;          ///< of a simulated device

@@ -69,6 +69,9 @@ constexpr Limit kLimits[] = {
     {"force_losses", "times", false, 0.0, false, "the number of times that force was lost",
      "no command came, or the device's process stood still; see the fault records and what else "
      "the machine does"},
+    {"start_check_differences", "figures", false, 0.0, true,
+     "the number of figures in which the device is not as its file says",
+     "the coupling is certified for the file: measure the device again with voxtouch identify"},
     {"restarts", "restarts", false, 0.0, false,
      "the number of nodes that died and were started again",
      "force was zero until each was ready again; --limit restarts=N accepts N of them"},
@@ -160,6 +163,8 @@ Measured measure(std::string_view name, const RunFigures& run) {
                                   ? fmt::format("{:.3g} s in all, the longest {:.3g} s",
                                                 run.force_lost_s, run.longest_loss_s)
                                   : ""};
+  if (name == "start_check_differences")
+    return {run.start_differences, run.start_check};
   if (name == "restarts")
     return {run.restarts, run.restarted};
   if (!run.recording)

@@ -109,6 +109,8 @@ std::string sentence(const RunRecord& run, const Found& f) {
                          f.text);
     case RunFact::kFaultRecord:
       return f.text;
+    case RunFact::kStartCheck:
+      return "check at start against the device file: " + f.text;
   }
   return "";
 }
