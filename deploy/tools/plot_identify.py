@@ -45,9 +45,10 @@ def residual_plot(axis, one):
 
 
 def friction_plot(axis, one):
-    """Of each stroke the mean force that neither the mass nor the bias takes, over its mean speed:
+    """Of each stroke the force that neither the mass nor the bias takes, over the speed, both
+    weighted with p = (1 - s^2)^4, s from -1 to 1 over the stroke (weak form, Shinbrot 1957):
 
-    mean(u) + c - m (v_end - v_begin) / T
+    Ff = (int p u + c int p - m int p'' x) / int p,  v = -int p' x / int p
     """
     import numpy
 
@@ -56,16 +57,16 @@ def friction_plot(axis, one):
     speeds, forces = [], []
     for stroke in one["strokes"]:
         t, x = (numpy.asarray(stroke[key]) for key in ("time_s", "position_m"))
-        edge = max(4, len(t) // 5)
-        begin, end = (numpy.polyfit(t[p], x[p], 1)[0] for p in (slice(0, edge), slice(-edge, None)))
-        middle = (t[:edge].mean(), t[-edge:].mean())
-        first, last = (stroke["start_s"] + m - delay for m in middle)
-        inside = (record["time_s"] >= first) & (record["time_s"] <= last)
-        if not inside.any():
-            continue
-        mean = record["force_n"][inside].mean()
-        speeds.append((x[-edge:].mean() - x[:edge].mean()) / (middle[1] - middle[0]))
-        forces.append(mean + bias - mass * (end - begin) / (middle[1] - middle[0]))
+        half = 0.5 * (t[-1] - t[0])
+        s = (t - t[0]) / half - 1.0
+        q = 1.0 - s**2
+        p, p1 = q**4, -8.0 * s * q**3 / half
+        p2 = (-8.0 * q**3 + 48.0 * s**2 * q**2) / half**2
+        last = numpy.searchsorted(record["time_s"], stroke["start_s"] + t - delay, "right") - 1
+        u = record["force_n"][numpy.clip(last, 0, None)]
+        whole = numpy.trapz(p, t)
+        speeds.append(-numpy.trapz(p1 * x, t) / whole)
+        forces.append(bias + (numpy.trapz(p * u, t) - mass * numpy.trapz(p2 * x, t)) / whole)
     most = 1.15 * max(map(abs, speeds), default=0.1)
     line = numpy.linspace(0.0, most, 50)
     coulomb, viscous = one["coulomb_n"][0], one["viscous_ns_per_m"][0]
@@ -75,10 +76,16 @@ def friction_plot(axis, one):
             1e3 * sign * (coulomb + viscous * line),
             color=INK,
             lw=1.5,
-            label="Coulomb and viscous, as fitted" if sign > 0 else None,
+            label="fitted" if sign > 0 else None,
         )
-    axis.plot(1e3 * numpy.array(speeds), 1e3 * numpy.array(forces), "o", color=ORANGE, ms=6,
-              label="a stroke")  # fmt: skip
+    axis.plot(
+        1e3 * numpy.array(speeds),
+        1e3 * numpy.array(forces),
+        "o",
+        color=ORANGE,
+        ms=6,
+        label="strokes",
+    )
 
 
 def response(one):
@@ -103,14 +110,15 @@ def response(one):
         if not band.any() or power < 0.02 * max(powers):
             continue
         acceleration = -((2.0 * math.pi * hz[band]) ** 2) * position[band]
-        cross = abs((numpy.conj(acceleration) * force[band]).sum())
+        cross = abs((numpy.conj(force[band]) * acceleration).sum())
         found.append(math.sqrt(a * b))
-        masses.append(cross / max((numpy.abs(acceleration) ** 2).sum(), 1e-300))
+        masses.append((numpy.abs(force[band]) ** 2).sum() / max(cross, 1e-300))
     return found, masses
 
 
 def response_plot(axis, one):
-    """Apparent mass over the frequency: the encoder's noise lowers it where the motion is small."""
+    """Apparent mass over the frequency: power of the force over its cross power with the
+    acceleration, which the noise of the encoder does not enter."""
     import numpy
 
     hz, masses = response(one)
@@ -129,8 +137,9 @@ COLUMNS = (
     ("longest strokes", "time [s]", "path [mm]"),
     ("measured less model", "time [s]", "rest [um]"),
     ("friction", "speed [mm/s]", "force [mN]"),
-    ("response", "frequency [Hz]", "force / acceleration [kg]"),
+    ("response", "frequency [Hz]", "mass [kg]"),
 )
+LEGENDS = ("lower left", "upper right", "center", "upper left")
 
 
 def identify_figure(data):
@@ -154,7 +163,7 @@ def identify_figure(data):
                 plane.set_title(title, loc="left")
             if row == len(axes_of) - 1:
                 plane.set_xlabel(below)
-                plane.legend(fontsize=10, loc="lower left", frameon=True, framealpha=0.8)
+                plane.legend(fontsize=10, loc=LEGENDS[column], frameon=True, framealpha=0.8)
     return figure, f"shows {len(axes_of)} measured axes of {data['device']}"
 
 
@@ -165,6 +174,6 @@ def identify_page(data, picture):
         f"<!doctype html><html lang=en><meta charset=utf-8><title>{title}</title>"
         "<style>body{font-family:sans-serif;margin:2em;max-width:1600px}img{width:100%}</style>"
         f"<h1>{title}</h1><pre>{html.escape(data['text'])}</pre>"
-        f'<img alt="strokes, residuals, friction and response" src="data:image/png;base64,{picture}">'
-        "\n"
+        '<img alt="strokes, residuals, friction and response"'
+        f' src="data:image/png;base64,{picture}">\n'
     )

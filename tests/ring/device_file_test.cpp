@@ -35,8 +35,8 @@ RingResult run_with(const TemporaryFolder& folder, const Figures& file) {
                    "--one-process", "--no-record", "--duration", "2"});
 }
 
-double stiffness(const RingResult& run) {
-  return run.summary["coupling"]["displayed_stiffness_n_per_m"];
+double critical_stiffness(const RingResult& run) {
+  return run.summary["coupling"]["critical_stiffness_n_per_m"];
 }
 
 TEST(DeviceFileRing, TheRightFilePassesAndIsWhatTheRingIsDesignedFor) {
@@ -49,7 +49,7 @@ TEST(DeviceFileRing, TheRightFilePassesAndIsWhatTheRingIsDesignedFor) {
   EXPECT_TRUE(notes.contains("delay agrees")) << notes;
   EXPECT_TRUE(notes.contains("encoder step agrees")) << notes;
   EXPECT_TRUE(right.process.err.contains("measured on 2026-11-29 by: a test"));
-  EXPECT_GT(stiffness(right), stiffness(run_with(folder, {.delay_s = 0.006})));
+  EXPECT_GT(critical_stiffness(right), critical_stiffness(run_with(folder, {.delay_s = 0.006})));
 }
 
 struct Wrong {

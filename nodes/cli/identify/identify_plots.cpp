@@ -10,12 +10,13 @@ namespace id = identification;
 
 nlohmann::json to_json(const id::Estimate& e) { return {e.value, e.half_width}; }
 
-nlohmann::json record_json(const std::vector<id::RecordEntry>& record, id::Part part) {
+/// The entries of `first` and the parts after it.
+nlohmann::json record_json(const std::vector<id::RecordEntry>& record, id::Part first) {
   nlohmann::json out{{"time_s", nlohmann::json::array()},
                      {"position_m", nlohmann::json::array()},
                      {"force_n", nlohmann::json::array()}};
   for (const id::RecordEntry& e : record) {
-    if (e.part != part)
+    if (e.part < first)
       continue;
     out["time_s"].push_back(e.time_s);
     out["position_m"].push_back(e.position_m);
