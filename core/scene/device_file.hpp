@@ -49,7 +49,7 @@ struct DeviceFile {
   std::optional<Vec3> workspace_m;  ///< edges of the box that the tool reaches, along the axes of D
   std::vector<std::string>
       assumed;  ///< "damping_ns_per_m 0.005": what the file leaves out, with what stands for it
-  std::optional<Measurement> measured;  ///< absent: the figures are somebody's word
+  std::optional<Measurement> measured;  ///< absent: the figures are assumed
 };
 
 /// Reads `file`. Throws SceneError.

@@ -58,7 +58,7 @@ DeviceDescription measured(const Plans& plans, const DeviceDescription& descript
       file.measured
           ? scene::measured_sentence(file) +
                 "; the mass is that of the start pose, and the certificate knows no lighter one"
-          : fmt::format("{} names no measurement: its figures are somebody's word",
+          : fmt::format("{} names no measurement: its figures are assumed",
                         plans.device_file.string()));
   return scene::measured_device(file, description);
 }
