@@ -92,7 +92,7 @@ TEST(TargetFollower, ReachesAndKeepsItsTarget) {
   EXPECT_TRUE(led.turn().rate.isZero(0.0));
 }
 
-TEST(TargetFollower, RestsWhereItIsWithoutTargets) {
+TEST(TargetFollower, StaysInPlaceWithoutTargets) {
   Led led;
   led.follower.aim(at({10.0, 0.0, 0.0}));
   Vec3 after_rest = Vec3::Zero();
@@ -158,7 +158,7 @@ TEST(TargetFollower, RatesAreTheDerivativesOfThePose) {
   });
 }
 
-TEST(TargetFollower, IgnoresWhatIsNoPose) {
+TEST(TargetFollower, IgnoresInvalidPoses) {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   Led led;
   for (const Pose& bad : {at({nan, 0, 0}), at({0, inf, 0}), at({1, 0, 0}, Quat(0, 0, 0, 0)),
@@ -221,7 +221,7 @@ TEST(LedDevice, LosingItsTargetsInContactIsNoJumpOfForce) {
   EXPECT_LT(last, 0.02) << "it rests";
 }
 
-TEST(LedDevice, SameTargetsGiveTheSameBits) {
+TEST(LedDevice, SameTargetsAreBitIdentical) {
   AtAWall first(sim::sim_lwr()), second(sim::sim_lwr());
   std::mt19937 random(9);
   std::uniform_real_distribution<double> anywhere(-0.05, 0.05);
@@ -238,7 +238,7 @@ TEST(LedDevice, SameTargetsGiveTheSameBits) {
   }
 }
 
-TEST(LedDevice, RestsWhereItStartsBeforeTheFirstTarget) {
+TEST(LedDevice, RestsAtItsStartUntilTheFirstTarget) {
   AtAWall at_wall(sim::sim_phantom());
   for (int n = 0; n < 500; ++n)
     EXPECT_EQ(at_wall.step(), 0.0);

@@ -120,7 +120,7 @@ class LedHand : public testing::Test {
 
 constexpr double kFrictionM = 0.002;  ///< of the device, over the hand's stiffness
 
-TEST_F(LedHand, FollowsItsPageAndNoStranger) {
+TEST_F(LedHand, FollowsItsPageOnly) {
   const Vec3 start = tip();
   Page stranger(rig), page(rig);
   page.stand_in.say(state.session_id), stranger.stand_in.say(state.session_id);
