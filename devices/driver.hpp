@@ -92,6 +92,9 @@ class Driver {
   /// nothing that it knows of. For people: allocates, so not for the loop, but any other thread may
   /// ask while the loop runs.
   virtual std::string last_error() const { return {}; }
+  /// The device's own serial number, the same from opening to the end; empty: it reports none. Any
+  /// thread; real-time safe.
+  virtual std::string_view serial() const noexcept { return {}; }
   /// The arm that the device is, the same from opening to the end; null where it is none, or its
   /// joints are not reported.
   virtual const arm::ArmDescription* arm_description() const noexcept { return nullptr; }

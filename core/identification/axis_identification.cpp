@@ -40,7 +40,21 @@ double mass_by_path(const PulseResult& p, double coulomb_n) {
          (1.0 + p.force_n / (2.0 * coulomb_n + p.force_n));
 }
 
+Fit fit_strokes(const FitInput& input, bool with_curves) {
+  const double step = input.encoder_step_m;
+  const std::vector<Window> windows =
+      stroke_windows(*input.record, Part::kStroke, {.encoder_step_m = step});
+  FitOptions options = options_for(input.model, input.limits.period_s, step);
+  options.with_mode = true;
+  options.with_lag = true;
+  options.loss_passes = 5;
+  options.with_curves = with_curves;
+  return fit_output_error(*input.record, windows, options);
+}
+
 }  // namespace
+
+std::vector<Curve> fitted_strokes(const FitInput& input) { return fit_strokes(input, true).curves; }
 
 std::string_view name_of(Outcome outcome) noexcept {
   return kOutcomes[static_cast<std::size_t>(outcome)];
@@ -91,14 +105,7 @@ AxisModel model_so_far(const FitInput& input) {
 AxisFigures final_figures(const FitInput& input) {
   AxisFigures figures;
   figures.break_away_n = input.break_away_n;
-  const double step = input.encoder_step_m;
-  const std::vector<Window> windows =
-      stroke_windows(*input.record, Part::kStroke, {.encoder_step_m = step});
-  FitOptions options = options_for(input.model, input.limits.period_s, step);
-  options.with_mode = true;
-  options.with_lag = true;
-  options.loss_passes = 5;
-  Fit fit = fit_output_error(*input.record, windows, options);
+  Fit fit = fit_strokes(input, false);
   if (!fit.converged || !plausible(fit.figures) || fit.windows < 5 ||
       !(fit.figures.mass_kg.half_width < 0.2 * fit.figures.mass_kg.value))
     return figures;

@@ -15,6 +15,9 @@ AxisModel model_so_far(const FitInput& input);
 /// The figures of a finished record. Not for the loop.
 AxisFigures final_figures(const FitInput& input);
 
+/// The strokes behind `final_figures`, measured and fitted: the same fit once more.
+std::vector<Curve> fitted_strokes(const FitInput& input);
+
 /// Jitter and loss from the stamps of a record.
 ClockFigures clock_figures(const AxisRecord& record, double nominal_period_s);
 

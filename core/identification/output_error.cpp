@@ -117,6 +117,19 @@ class Problem {
     }
     return found;
   }
+  std::vector<Curve> curves(const Vector& residual) const {
+    std::vector<Curve> out;
+    for (std::size_t w = 0; w < responses_.size(); ++w) {
+      const WindowResponse& r = responses_[w];
+      const Vector rest = residual.segment(first_row(w), row_count(w));
+      out.push_back({r.direction(),
+                     r.start_s(),
+                     r.times_s(),
+                     {r.measured().begin(), r.measured().end()},
+                     {rest.begin(), rest.end()}});
+    }
+    return out;
+  }
   double lost_ratio() const {
     double lost = 0.0, all = 0.0;
     for (const WindowResponse& r : responses_) {
@@ -478,6 +491,8 @@ Fit fit_output_error(const AxisRecord& record, const std::vector<Window>& window
     return out;
   out.figures = figures_of(problem, rigid, options);
   out.figures.lost_commands = lost_ratio;
+  if (options.with_curves)
+    out.curves = problem.curves(rigid.linear.residual);
   if (!options.with_mode || problem.windows() < kFewestWindows)
     return out;
   const Minimum mode = search_mode(problem, rigid, options.most_delay_s);
@@ -488,6 +503,8 @@ Fit fit_output_error(const AxisRecord& record, const std::vector<Window>& window
     return out;
   out.figures = figures_of(problem, mode, options);
   out.figures.lost_commands = lost_ratio;
+  if (options.with_curves)
+    out.curves = problem.curves(mode.linear.residual);
   const double f = std::exp(mode.at.log_frequency);
   const double t = student_975(static_cast<double>(problem.windows()) - 1.0);
   out.figures.mode = {

@@ -24,6 +24,15 @@ struct FitOptions {
   double spacing_s = 0.8e-3;        ///< samples closer than this are skipped; every command counts
   int loss_passes = 0;              ///< searches for commands that the device lost
   bool friction_known = false;      ///< friction and bias are those of `start`
+  bool with_curves = false;         ///< fills Fit::curves
+};
+
+/// A window as it was measured, and what the model leaves of it.
+struct Curve {
+  int direction = 0;
+  double start_s = 0.0;  ///< of the record
+  /// From the window's start; position from its first sample; measured less modelled.
+  std::vector<double> times_s, position_m, residual_m;
 };
 
 struct Fit {
@@ -31,6 +40,7 @@ struct Fit {
   AxisFigures figures;
   std::size_t windows = 0;
   double samples = 0.0;
+  std::vector<Curve> curves;  ///< of the fit whose figures these are
 };
 
 /// Allocates; takes milliseconds to tenths of a second. Not for the loop.

@@ -2,6 +2,8 @@
 
 #include <Eigen/Dense>
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -228,11 +230,12 @@ StartFigure judged(double low, double high, double least, double most) {
 }
 
 /// More axes must differ than agree.
-StartFigure judged(const std::vector<std::array<double, 2>>& axes, double least, double most) {
-  StartFigure out{.least = least, .most = most};
+StartFigure judged(const std::vector<StartFigure>& axes) {
+  StartFigure out;
+  if (!axes.empty())
+    out.least = axes[0].least, out.most = axes[0].most;
   std::array<int, 3> counts{};
-  for (const auto& [low, high] : axes) {
-    const StartFigure axis = judged(low, high, least, most);
+  for (const StartFigure& axis : axes) {
     ++counts[static_cast<std::size_t>(axis.finding)];
     if (axis.finding > out.finding)
       out = axis;
@@ -243,6 +246,55 @@ StartFigure judged(const std::vector<std::array<double, 2>>& axes, double least,
 }
 
 }  // namespace
+
+namespace {
+
+struct NamedFigure {
+  const char *name, *unit;
+  double scale;
+  const StartFigure* figure;
+};
+std::array<NamedFigure, 3> named(const StartFindings& f) {
+  return {{{"mass", "g", 1e3, &f.mass_kg},
+           {"delay", "ms", 1e3, &f.delay_s},
+           {"encoder step", "um", 1e6, &f.encoder_step_m}}};
+}
+std::string between(double low, double high, double scale) {
+  return low == high ? fmt::format("{:.4g}", scale * low)
+                     : fmt::format("{:.4g} to {:.4g}", scale * low, scale * high);
+}
+
+}  // namespace
+
+std::string differences(const StartFindings& findings) {
+  std::string out;
+  for (const NamedFigure& f : named(findings))
+    if (f.figure->finding == Finding::kDiffers)
+      out += fmt::format("{}{} {} {}, its file allows {} {}", out.empty() ? "" : "; ", f.name,
+                         between(f.figure->low, f.figure->high, f.scale), f.unit,
+                         between(f.figure->least, f.figure->most, f.scale), f.unit);
+  return out;
+}
+
+std::string to_text(const StartFindings& findings) {
+  std::string out;
+  for (const NamedFigure& f : named(findings)) {
+    out += fmt::format("{}{} ", out.empty() ? "" : ", ", f.name);
+    if (f.figure->finding == Finding::kNotMeasured)
+      out += "not measured";
+    else
+      out += fmt::format("{} ({} {})", f.figure->finding == Finding::kAgrees ? "agrees" : "differs",
+                         between(f.figure->low, f.figure->high, f.scale), f.unit);
+  }
+  return out;
+}
+
+int count_differences(const StartFindings& findings) noexcept {
+  int count = 0;
+  for (const StartFigure* f : {&findings.mass_kg, &findings.delay_s, &findings.encoder_step_m})
+    count += f->finding == Finding::kDiffers;
+  return count;
+}
 
 void StartCheck::start(const DeviceDescription& expected) {
   expected_ = expected;
@@ -292,9 +344,7 @@ StartFindings StartCheck::findings() const {
   const double delay_s = expected_.delay_s + lag_s;
   const double wait_s = expected_.simulated ? 0.0 : period_s;
   const double hand_kg = expected_.grip == "pen" ? kPenHandKg : kArmHandKg;
-  const double least_kg = expected_.mass_min_kg / kAgreeingFactor,
-               most_kg = kAgreeingFactor * expected_.mass_max_kg + hand_kg;
-  const double most_s = kAgreeingFactor * delay_s + wait_s;  // a shorter delay harms no certificate
+  const double least_s = delay_s / kAgreeingFactor, most_s = kAgreeingFactor * delay_s + wait_s;
   const double step_m = expected_.position_resolution_m;
   if (static_cast<double>(samples_.size()) < 0.5 * kSeconds * expected_.rate_hz)
     return {};
@@ -303,7 +353,7 @@ StartFindings StartCheck::findings() const {
     times.push_back(s.time_s - first_s_);
   const auto rows = static_cast<Eigen::Index>(samples_.size());
   AxisRecord record;
-  std::vector<std::array<double, 2>> found_steps, masses;
+  std::vector<StartFigure> steps_found, masses;
   std::vector<std::vector<AtDelay>> axes;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Vector position(rows), force(rows);
@@ -318,7 +368,8 @@ StartFindings StartCheck::findings() const {
     }
     if (increments >= kFewestIncrements)
       if (const double step = encoder_step(record); step > 0.0)
-        found_steps.push_back({step, step});
+        steps_found.push_back(
+            judged(step, step, step_m / kAgreeingFactor, step_m * kAgreeingFactor));
     position.array() -= position[0];
     const ToneFit tones(
         times,
@@ -342,19 +393,19 @@ StartFindings StartCheck::findings() const {
     if (auto solved = solve(r, period_s, expected_.mass_max_kg))
       axes.push_back(std::move(*solved));
   }
-  StartFindings out{
-      .mass_kg = {},
-      .delay_s = {},
-      .encoder_step_m = judged(found_steps, step_m / kAgreeingFactor, step_m * kAgreeingFactor)};
+  StartFindings out{.mass_kg = {}, .delay_s = {}, .encoder_step_m = judged(steps_found)};
   if (axes.empty())
     return out;
   const DelayRange delay = common_delay(axes);
   if (delay.high == kDelaySteps)
     return out;
-  for (const std::vector<AtDelay>& axis : axes)
-    masses.push_back(mass_range(axis, delay));
-  out.mass_kg = judged(masses, least_kg, most_kg);
-  out.delay_s = judged(delay_at(delay.low), delay_at(delay.high), 0.0, most_s);
+  for (const std::vector<AtDelay>& axis : axes) {
+    const auto [low, high] = mass_range(axis, delay);
+    masses.push_back(judged(low, high, expected_.mass_min_kg / kAgreeingFactor,
+                            kAgreeingFactor * expected_.mass_max_kg + hand_kg));
+  }
+  out.mass_kg = judged(masses);
+  out.delay_s = judged(delay_at(delay.low), delay_at(delay.high), least_s, most_s);
   return out;
 }
 

@@ -11,6 +11,7 @@
 /// as not measured.
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "core/types/device_description.hpp"
@@ -34,6 +35,13 @@ struct StartFindings {
            encoder_step_m.finding == Finding::kDiffers;
   }
 };
+
+/// "delay 4.1 to 4.4 ms, the file allows at most 3.2 ms; ...": the figures that differ. Empty:
+/// none.
+std::string differences(const StartFindings& findings);
+/// What the check found of each figure, in a line: "mass not measured, delay agrees, ...".
+std::string to_text(const StartFindings& findings);
+int count_differences(const StartFindings& findings) noexcept;
 
 /// The loop calls `force` and `applied` with each sample for a second; then `findings` may be
 /// computed in another thread. Both are real-time safe after `start`.

@@ -106,6 +106,7 @@ WindowResponse::WindowResponse(const AxisRecord& record, const Window& window, d
     : direction_(window.direction) {
   const auto& e = record.entries();
   const double start = e[window.begin].time_s;
+  start_ = start;
   double next = start;
   std::vector<double> positions;
   for (std::size_t i = window.begin; i < window.end; ++i) {

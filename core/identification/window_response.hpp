@@ -40,6 +40,8 @@ class WindowResponse {
   std::size_t samples() const noexcept { return times_.size(); }
   int direction() const noexcept { return direction_; }
   const Eigen::VectorXd& measured() const noexcept { return measured_; }
+  const std::vector<double>& times_s() const noexcept { return times_; }  ///< from start_s
+  double start_s() const noexcept { return start_; }
 
   /// Replaces the two columns of friction and bias by forces that are known [N].
   void set_known_force(double force_n) noexcept { known_force_n_ = force_n; }
@@ -65,6 +67,7 @@ class WindowResponse {
   std::vector<Command> sent_;
   Eigen::VectorXd measured_;
   int direction_;
+  double start_ = 0.0;
   std::size_t lost_ = 0;
   bool coupled_ = false;
   double known_force_n_ = 0.0;  // added to all commands

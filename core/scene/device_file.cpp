@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/scene/device_figures.hpp"
@@ -137,6 +138,12 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
   }
   if (map.has("workspace_m"))
     map.read("workspace_m", out.workspace_m.emplace());
+  if (map.has("measured")) {
+    const MapReader measured = map.inner("measured");
+    out.measured =
+        Measurement{measured.get<std::string>("date"), measured.get<std::string>("command"), {}};
+    measured.read("serial", out.measured->serial);
+  }
   derive_slew_limits(d);
   return out;
 }
@@ -151,6 +158,53 @@ std::string assumed_sentence(const DeviceFile& file) {
   return fmt::format("the device file of {} omits keys; assumed values of {}: {}",
                      file.description.model, file.description.grip == "pen" ? "a stylus" : "an arm",
                      fmt::join(file.assumed, ", "));
+}
+
+std::string measured_sentence(const DeviceFile& file) {
+  if (!file.measured)
+    return {};
+  return fmt::format("the figures of {} were measured on {} by: {}", file.description.model,
+                     file.measured->date, file.measured->command);
+}
+
+std::string other_device(const DeviceFile& file, const DeviceDescription& driver,
+                         std::string_view serial) {
+  const DeviceDescription& d = file.description;
+  constexpr double kSameRate = 0.01;
+  if (d.model != driver.model)
+    return fmt::format("it is of '{}', the device is '{}'", d.model, driver.model);
+  if (file.measured && !file.measured->serial.empty() && !serial.empty() &&
+      file.measured->serial != serial)
+    return fmt::format("it is of the {} with serial number '{}', this one has '{}'", d.model,
+                       file.measured->serial, serial);
+  if (!(std::abs(d.rate_hz - driver.rate_hz) <= kSameRate * driver.rate_hz))
+    return fmt::format("it is of {:.6g} Hz, the device runs at {:.6g} Hz", d.rate_hz,
+                       driver.rate_hz);
+  if (d.grip != driver.grip)
+    return fmt::format("it is of grip '{}', the device has '{}'", d.grip, driver.grip);
+  if ((d.max_torque_nm > 0.0) != (driver.max_torque_nm > 0.0))
+    return fmt::format("it is of {:.6g} Nm, the device gives {:.6g} Nm", d.max_torque_nm,
+                       driver.max_torque_nm);
+  return {};
+}
+
+DeviceDescription measured_device(const DeviceFile& file, const DeviceDescription& driver) {
+  DeviceDescription d = file.description;
+  d.max_force_n = std::min(d.max_force_n, driver.max_force_n);
+  d.max_torque_nm = std::min(d.max_torque_nm, driver.max_torque_nm);
+  d.max_stiffness_n_per_m = std::min(d.max_stiffness_n_per_m, driver.max_stiffness_n_per_m);
+  if (d.max_torque_nm > 0.0)
+    d.max_stiffness_nm_per_rad =
+        std::min(d.max_stiffness_nm_per_rad, driver.max_stiffness_nm_per_rad);
+  else
+    d.orientation_resolution_rad = driver.orientation_resolution_rad;
+  d.network_delay_s = driver.network_delay_s;
+  d.input_dof = driver.input_dof, d.output_dof = driver.output_dof;
+  d.simulated = driver.simulated;
+  if (!d.simulated)
+    d.delay_s = std::max(0.0, d.delay_s - 1.0 / d.rate_hz);
+  derive_slew_limits(d);
+  return d;
 }
 
 }  // namespace voxtouch::scene

@@ -23,6 +23,7 @@
 ///            max_stiffness_nm_per_rad: 300}   # only where max_torque_nm is above 0
 /// jitter: 0.2                       # the longest period is (1 + jitter) / rate_hz
 /// lost_in_a_row: 1                  # samples that may be lost one after the other
+/// measured: {date: 2026-11-29, command: voxtouch identify --device x, serial: "7"}
 /// ```
 #include <filesystem>
 #include <optional>
@@ -35,6 +36,12 @@
 
 namespace voxtouch::scene {
 
+/// Where the figures of a file come from.
+struct Measurement {
+  std::string date, command;
+  std::string serial;  ///< of the device; empty: its driver reported none
+};
+
 struct DeviceFile {
   /// As of a simulated device: `delay_s` is all that lies between a sample and its force. How fast
   /// force may change is no key: it follows from the other numbers (derive_slew_limits).
@@ -42,6 +49,7 @@ struct DeviceFile {
   std::optional<Vec3> workspace_m;  ///< edges of the box that the tool reaches, along the axes of D
   std::vector<std::string>
       assumed;  ///< "damping_ns_per_m 0.005": what the file leaves out, with what stands for it
+  std::optional<Measurement> measured;  ///< absent: the figures are assumed
 };
 
 /// Reads `file`. Throws SceneError.
@@ -53,5 +61,19 @@ DeviceFile parse_device_file(const std::string& text, const std::filesystem::pat
 /// "figures that the file leaves out, with the standards of a stylus: ..."; empty where it leaves
 /// nothing out.
 std::string assumed_sentence(const DeviceFile& file);
+
+/// Date and command of the measurement; empty where the file names none.
+std::string measured_sentence(const DeviceFile& file);
+
+/// Why `file` cannot be that of the open device that `driver` describes: its name, serial number,
+/// rate, grip or torque differ. Empty: nothing contradicts it. `serial`: empty where the driver
+/// reports none; then the name decides.
+std::string other_device(const DeviceFile& file, const DeviceDescription& driver,
+                         std::string_view serial);
+
+/// The file's figures within the driver's limits of force, torque and stiffness. The file counts
+/// the whole delay from a sample to its force; that of a device whose command may leave a period
+/// later is stored without this period. Requires that `other_device` is empty.
+DeviceDescription measured_device(const DeviceFile& file, const DeviceDescription& driver);
 
 }  // namespace voxtouch::scene

@@ -29,7 +29,12 @@ constexpr auto kDeviceFile = std::to_array<Key>(
       nullptr, 0, 10},
      {"lost_in_a_row", kCount, kOptional, none, "Largest number of consecutive samples lost.", "",
       nullptr, 0, 1000},
-     {"grip", kWord, kRequired, none, "How the hand grips it.", "pen arm"}});
+     {"grip", kWord, kRequired, none, "How the hand grips it.", "pen arm"},
+     {"measured", kMap, kOptional, none, "", "", &device_measured}});
+constexpr auto kDeviceMeasured = std::to_array<Key>(
+    {{"date", kText, kRequired, none, "Day of the measurement."},
+     {"command", kText, kRequired, none, "Command that measured."},
+     {"serial", kText, kOptional, none, "Serial number, if the driver reports one."}});
 constexpr auto kDeviceRotation = std::to_array<Key>(
     {{"inertia_kg_m2", kRange, kOptional, none, "Apparent inertia: smallest and largest [kg m^2]."},
      {"damping_nms_per_rad", kNotNegative, kOptional, none, "Smallest viscous damping [Nms/rad]."},
@@ -45,5 +50,7 @@ constinit const KeyGroup device_file{"", "Properties of a device that the coupli
                                      kDeviceFile};
 constinit const KeyGroup device_rotation{
     "", "Required if max_torque_nm is above 0, otherwise refused.", kDeviceRotation};
+constinit const KeyGroup device_measured{
+    "", "Written by `voxtouch identify`: the figures are those of one device.", kDeviceMeasured};
 
 }  // namespace voxtouch::scene::keys

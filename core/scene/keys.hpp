@@ -84,8 +84,8 @@ extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, e
     device, motion;
 extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, turn,
     circle;
-/// A device file and its part for devices that give torque.
-extern const KeyGroup device_file, device_rotation;
+/// A device file, its part for devices that give torque, and where its figures come from.
+extern const KeyGroup device_file, device_rotation, device_measured;
 /// A motion without what only a hand has.
 extern const KeyGroup object_motion;
 

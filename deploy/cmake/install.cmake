@@ -29,7 +29,7 @@ install(TARGETS voxtouch_hd_sim LIBRARY DESTINATION lib/voxtouch)
 # What draws is Python, beside its parts; a link by its own name stands beside the programs.
 set(tools ${PROJECT_SOURCE_DIR}/deploy/tools)
 install(PROGRAMS ${tools}/plot.py DESTINATION ${here}/deploy/tools)
-install(FILES ${tools}/plot_style.py ${tools}/plot_layout.py ${tools}/plot_accuracy.py ${tools}/plot_design.py ${tools}/plot_forces.py ${tools}/bag_data.py ${tools}/bag_files.py ${tools}/run_data.py ${tools}/run_pictures.py ${tools}/run_page.py
+install(FILES ${tools}/plot_style.py ${tools}/plot_layout.py ${tools}/plot_accuracy.py ${tools}/plot_design.py ${tools}/plot_forces.py ${tools}/plot_identify.py ${tools}/bag_data.py ${tools}/bag_files.py ${tools}/run_data.py ${tools}/run_pictures.py ${tools}/run_page.py
   ${tools}/voxtouch.rviz ${tools}/voxtouch.foxglove.json DESTINATION ${here}/deploy/tools)
 file(CREATE_LINK ${tools}/plot.py ${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/voxtouch_plot SYMBOLIC)
 file(CREATE_LINK ../share/voxtouch/deploy/tools/plot.py ${PROJECT_BINARY_DIR}/installed/voxtouch_plot SYMBOLIC)

@@ -28,9 +28,11 @@ def figure(text, key):
 
 
 def measured_by(text):
-    """Command and date of the measurement: `voxtouch identify` writes them into the first line."""
-    found = re.search(r"^# Measured on (\S+): ", text)
-    return f"identify, {found.group(1)}" if found else "none"
+    """Command and date of the measurement, as `voxtouch identify` writes them."""
+    found = re.search(
+        r"^measured:\n  date: \"?([-\d]+)\"?\n  command: \"voxtouch (\w+)", text, re.M
+    )
+    return f"{found.group(2)}, {found.group(1)}" if found else "none"
 
 
 def design(program, file):

@@ -14,6 +14,9 @@ python3-matplotlib.
                                         over the depth of the hand
   %(prog)s replay RUN.json PICTURE      forces of a recorded run and of its replay; voxtouch replay
                                         --plot calls it
+  %(prog)s identify RUN.json PICTURE    strokes, residuals, friction and response of a measured
+                                        device; PICTURE may end in .html; voxtouch identify --plots
+                                        calls it
   %(prog)s report BAG PAGE.html         all of a recorded run on one page; voxtouch report calls it
   %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn
                                         and written there
@@ -32,6 +35,8 @@ written; else 1 and a sentence on stderr.
 """
 
 import argparse
+import base64
+import io
 import json
 import math
 import os
@@ -45,6 +50,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from plot_accuracy import accuracy_figure, page_figure  # noqa: E402
 from plot_design import design_figure  # noqa: E402
 from plot_forces import comparison_figure, forces_figure, replay_figure  # noqa: E402
+from plot_identify import identify_figure, identify_page  # noqa: E402
 from plot_style import *  # noqa: E402, F403
 from plot_style import NO_MATPLOTLIB  # noqa: E402
 
@@ -59,7 +65,7 @@ ENDINGS = {
 def check_picture(picture, endings=tuple(ENDINGS)):
     """Ends with a sentence where a picture cannot be drawn, or not be written there."""
     if picture.suffix.lower() not in endings:
-        allowed = ".png, .svg or .pdf" if ".png" in endings else ".html"
+        allowed = "{} or {}".format(", ".join(endings[:-1]), endings[-1]).removeprefix(" or ")
         sys.exit(f"{picture}: valid file extensions: {allowed}.")
     if NO_MATPLOTLIB:
         sys.exit(NO_MATPLOTLIB)
@@ -94,6 +100,14 @@ def save(figure, picture):
     keep(picture, write)
 
 
+def save_page(figure, data, page):
+    """The report of an identification with its picture."""
+    picture = io.BytesIO()
+    figure.savefig(picture, format="png", metadata=ENDINGS[".png"])
+    text = identify_page(data, base64.b64encode(picture.getvalue()).decode("ascii"))
+    keep(page, lambda part: part.write_text(text, encoding="utf-8"))
+
+
 def read_json(file, verb):
     try:
         data = json.load(sys.stdin if file == "-" else open(file, encoding="utf-8"))
@@ -105,7 +119,8 @@ def read_json(file, verb):
         )
     if (
         not isinstance(data, dict)
-        or {"accuracy": "rows", "design": "region", "replay": "curves"}[verb] not in data
+        or {"accuracy": "rows", "design": "region", "replay": "curves", "identify": "axes"}[verb]
+        not in data
     ):
         sys.exit(
             f"{file} has no result of `voxtouch {verb} --json`"
@@ -187,11 +202,12 @@ def main(arguments=None):
         )
         return one
 
-    for verb in ("accuracy", "costs", "design", "replay"):
+    for verb in ("accuracy", "costs", "design", "replay", "identify"):
+        given = {"replay": "replay ... --plot", "identify": "identify ... --plots"}.get(verb)
         printed = (
-            f"output of `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json`"
-            if verb != "replay"
-            else "input from `voxtouch replay ... --plot`"
+            f"input from `voxtouch {given}`"
+            if given
+            else f"output of `voxtouch {'accuracy' if verb == 'costs' else verb} ... --json`"
         )
         command(
             verb,
@@ -237,10 +253,14 @@ def main(arguments=None):
     )
     report.add_argument("--rig", default="", help="rig name (default: the only one)")
     report.add_argument("--progress", action="store_true", help="prints its progress on stderr")
-    command("check", None, "plots nothing; prints missing packages")
+    check = command("check", None, "plots nothing; prints missing packages")
+    check.add_argument("--page", action="store_true", help="the picture may be an .html page")
     a = parser.parse_args(None if arguments is None else [str(word) for word in arguments])
     warnings.simplefilter("ignore")  # a user cannot act on the warnings of matplotlib
-    check_picture(a.picture, (".html",) if a.command == "report" else tuple(ENDINGS))
+    endings = (".html",) if a.command == "report" else tuple(ENDINGS)
+    if a.command == "identify" or (a.command == "check" and a.page):
+        endings += (".html",)
+    check_picture(a.picture, endings)
     if a.command == "report":
         progress = report_progress if a.progress else lambda fraction: None
         return print(f"{a.picture} {write_report(a.data, a.picture, a.compared, a.rig, progress)}")
@@ -259,13 +279,17 @@ def main(arguments=None):
                     "costs": page_figure,
                     "design": design_figure,
                     "replay": replay_figure,
+                    "identify": identify_figure,
                 }[a.command](data)
             except (KeyError, TypeError) as error:
                 sys.exit(
                     f"{a.data} is not as this version of `voxtouch {a.command} --json` prints it:"
                     f" {type(error).__name__} {error}."
                 )
-        save(figure, a.picture)
+        if a.picture.suffix.lower() == ".html":
+            save_page(figure, data, a.picture)
+        else:
+            save(figure, a.picture)
     print(f"{a.picture} {shows}")
 
 

@@ -149,6 +149,9 @@ void HdSession::ask() {
   const hd::HDstring model = api_.hdGetString(hd::kDeviceModelType);
   must("asking for the model");
   facts_.model = model != nullptr ? model : "";
+  const hd::HDstring serial = api_.hdGetString(hd::kDeviceSerialNumber);
+  if (take_errors(api_) == hd::kSuccess && serial != nullptr)
+    facts_.serial = serial;
   facts_.input_dof = integer(hd::kInputDof).value_or(6);
   facts_.output_dof = integer(hd::kOutputDof).value_or(3);
   facts_.max_force_n = number(hd::kNominalMaxForce).value_or(0.0);

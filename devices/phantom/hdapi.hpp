@@ -79,6 +79,7 @@ inline constexpr HDenum kCurrentTorque = 0x2701;     // get, set: double x3, mNm
 
 // --- properties and settings of a device
 inline constexpr HDenum kDeviceModelType = 0x2501;            // string
+inline constexpr HDenum kDeviceSerialNumber = 0x2504;         // string
 inline constexpr HDenum kInputDof = 0x2553;                   // int
 inline constexpr HDenum kOutputDof = 0x2554;                  // int
 inline constexpr HDenum kCalibrationStyle = 0x2555;           // int, bit set

@@ -57,6 +57,7 @@ class PhantomDriver : public devices::Driver {
   void stop() noexcept override;
   bool simulated() const noexcept override { return virtual_time_; }
   std::string last_error() const override;
+  std::string_view serial() const noexcept override { return session_->facts().serial; }
   /// For a Premium 1.5 with a gimbal that reports its angles. Its joints are computed from tip and
   /// stylus: reading them would be an additional call in each tick, and a refused call would cost
   /// force.

@@ -10,7 +10,8 @@ namespace voxtouch::phantom {
 
 /// Properties reported by an opened device, in SI units; zero if not reported.
 struct PhantomFacts {
-  std::string model;  ///< as named by the library
+  std::string model;     ///< as named by the library
+  std::string serial{};  ///< empty: the library reports none
   double rate_hz = 0.0;
   double max_force_n = 0.0, continuous_force_n = 0.0;
   double max_torque_nm = 0.0;

@@ -80,8 +80,14 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "with zero\n"
       "force. Exit status 1 if an axis is not measured. Steps: deploy/doc/howto/identify.md\n"
       "\n"
-      "Example:\n"
-      "  voxtouch identify --device emulated-phantom --out mine.yaml"}},
+      "The force scale without a payload, other poses and rotation stay unknown. `up "
+      "--device-file` "
+      "uses the\n"
+      "file; its check at start sees no tool that rests and no mass within that of a hand.\n"
+      "\n"
+      "Examples:\n"
+      "  voxtouch identify --device phantom --out mine.yaml --plots mine.html\n"
+      "  voxtouch up cup --device phantom --device-file mine.yaml"}},
     {"accuracy",
      {"Measure what accuracy costs in time, for each contact model",
       "The tool touches the scene at --contacts random places, --depth-edges voxels deep. The "

@@ -88,8 +88,12 @@ std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
 
 }  // namespace
 
-void check_picture(const std::filesystem::path& picture) {
-  run_tool({"check", "--", picture.string()}, "");
+void check_picture(const std::filesystem::path& picture, bool may_be_page) {
+  std::vector<std::string> words{"check"};
+  if (may_be_page)
+    words.emplace_back("--page");
+  words.insert(words.end(), {"--", picture.string()});
+  run_tool(words, "");
 }
 
 std::string draw_picture(const std::string& kind, const std::string& json,

@@ -9,13 +9,13 @@
 namespace voxtouch::cli {
 
 /// Throws std::runtime_error, a sentence, where no picture could be drawn at `picture`: Python,
-/// matplotlib or the folder is missing, or the name ends in something else than .png, .svg or .pdf.
-/// Before a long run, so that it is reported then and not after it.
-void check_picture(const std::filesystem::path& picture);
+/// matplotlib or the folder is missing, or the name ends in something else than .png, .svg or .pdf
+/// (`may_be_page`: or .html). Before a long run, so that it is reported then and not after it.
+void check_picture(const std::filesystem::path& picture, bool may_be_page = false);
 
-/// Draws `json`, what the verb `kind` (accuracy, design) prints with --json. Gives the tool's
-/// sentence on what the picture shows; throws std::runtime_error, a sentence, where it was not
-/// drawn.
+/// Draws `json`, what the verb `kind` (accuracy, design, identify) prints with --json. Gives the
+/// tool's sentence on what the picture shows; throws std::runtime_error, a sentence, where it was
+/// not drawn.
 std::string draw_picture(const std::string& kind, const std::string& json,
                          const std::filesystem::path& picture);
 

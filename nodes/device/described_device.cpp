@@ -40,4 +40,13 @@ std::optional<DeviceDescription> description_of(const std::string& device) {
   return file ? std::optional(file->description) : std::nullopt;
 }
 
+void require_same_device(const std::filesystem::path& path, const scene::DeviceFile& file,
+                         const DeviceDescription& driver, std::string_view serial) {
+  if (const std::string other = scene::other_device(file, driver, serial); !other.empty())
+    throw devices::DeviceOpenError(
+        fmt::format("--device-file {} is not the file of this device: {}. Measure this device: "
+                    "voxtouch identify --out FILE",
+                    path.string(), other));
+}
+
 }  // namespace voxtouch::device_node

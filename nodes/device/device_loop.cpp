@@ -125,13 +125,17 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
     let_go();
     return End::kNone;
   }
-  return give(command, sample->time_ns);
+  return give(command, *sample);
 }
 
-End DeviceLoop::give(const std::optional<devices::GuardInput>& command,
-                     std::int64_t sample_ns) noexcept {
+End DeviceLoop::give(std::optional<devices::GuardInput> command,
+                     const devices::DeviceSample& sample) noexcept {
   const devices::GuardCounts before = guard_.counts();
-  const Wrench force = guard_.pass(command, sample_ns + settings_.epoch_ns);
+  const Vec3 tones = next_tones(sample);
+  if (command && command->wrench.finite())
+    command->wrench.force += tones;
+  const Wrench force = guard_.pass(command, sample.time_ns + settings_.epoch_ns);
+  note_tones(force.force);
   record(force, before);
   const auto written = driver_.write(force);
   note(written ? force : Wrench{});
@@ -139,6 +143,29 @@ End DeviceLoop::give(const std::optional<devices::GuardInput>& command,
   if (written)
     accepts_force_ = true;
   return written ? End::kNone : on_device_error(written.error());
+}
+
+Vec3 DeviceLoop::next_tones(const devices::DeviceSample& sample) noexcept {
+  identification::StartCheck& check = progress_.start_check;
+  if (!check.started() || check.finished())
+    return Vec3::Zero();
+  if (!sample.pose_valid) {
+    check.restart();
+    return Vec3::Zero();
+  }
+  const Vec3 tones = check.force(1e-9 * static_cast<double>(sample.time_ns), sample.pose.position);
+  if (check.finished())
+    progress_.start_checked.store(true, std::memory_order_release);
+  return tones;
+}
+
+/// Without force the operator alone moves the device, so nothing can be measured.
+void DeviceLoop::note_tones(const Vec3& given_n) noexcept {
+  identification::StartCheck& check = progress_.start_check;
+  if (guard_.fraction() > 0.0)
+    check.applied(given_n);
+  else
+    check.restart();
 }
 
 /// The session ends only if the device has disconnected or requires the operator. Any other error
@@ -163,6 +190,7 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
 void DeviceLoop::let_go() noexcept {
   driver_.stop();
   guard_.restart();
+  progress_.start_check.restart();
   progress_.counters.note(DeviceCounter::kForce, 0.0);
   progress_.counters.note(DeviceCounter::kZeroForce);
   if (std::exchange(accepts_force_, false))

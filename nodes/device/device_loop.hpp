@@ -12,6 +12,7 @@
 #include <array>
 #include <atomic>
 
+#include "core/identification/start_check.hpp"
 #include "devices/command_gate.hpp"
 #include "devices/driver.hpp"
 #include "devices/force_guard.hpp"
@@ -103,6 +104,9 @@ struct Progress {
   std::atomic<End> end{End::kNone};
   runtime::LatencyHistogram latency;
   faults::ForceLock lock;
+  /// Of a device with a measured file; the loop's until `start_checked`, then the monitor's.
+  identification::StartCheck start_check;
+  std::atomic<bool> start_checked{false};
 };
 
 /// One sample, for the record of a fault.
@@ -164,8 +168,12 @@ class DeviceLoop {
  private:
   End asked_to_end(const std::atomic<bool>& stop) const noexcept;
   End cycle(const std::atomic<bool>& stop) noexcept;
-  /// Writes the command through the guard to the device, at the device's time `sample_ns`.
-  End give(const std::optional<devices::GuardInput>& command, std::int64_t sample_ns) noexcept;
+  /// Writes the command through the guard to the device, at the device's time of `sample`.
+  End give(std::optional<devices::GuardInput> command,
+           const devices::DeviceSample& sample) noexcept;
+  /// Force of the check at start, to be added to the command [N].
+  Vec3 next_tones(const devices::DeviceSample& sample) noexcept;
+  void note_tones(const Vec3& given_n) noexcept;
   End on_device_error(devices::DeviceError error) noexcept;
   void let_go() noexcept;
   bool stood_still() noexcept;

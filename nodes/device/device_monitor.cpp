@@ -4,12 +4,24 @@
 
 #include <fmt/format.h>
 
+#include "nodes/console/log.hpp"
 #include "nodes/runtime/clock.hpp"
 
 namespace voxtouch::device_node {
 
 using runtime::NodeState;
 using runtime::StatusPriority;
+
+namespace {
+
+std::string differing(const identification::StartFindings& findings) {
+  return fmt::format(
+      "the device is not as its file says: {}. Its certificate does not hold; measure it again "
+      "with voxtouch identify",
+      identification::differences(findings));
+}
+
+}  // namespace
 
 void LateCommands::look(const Progress& progress, double rate_hz) {
   using enum DeviceCounter;
@@ -163,8 +175,29 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
   if (ended)
     status.say(StatusPriority::kEnded, sentence(end));
   fill(report);
+  judge_start(report, status);
   progress_.lock.report_to(report, !ended);
   status.say(StatusPriority::kLocked, std::exchange(report.message, {}));
+}
+
+/// What the check at start found, for a device with a measured file.
+void DeviceMonitor::judge_start(runtime::NodeReport& report, runtime::StatusText& status) {
+  if (!start_ && progress_.start_checked.load(std::memory_order_acquire)) {
+    start_ = progress_.start_check.findings();
+    if (start_->differs())
+      console::log("warning: device: {}\n", differing(*start_));
+  }
+  if (!start_) {
+    if (progress_.start_check.started())
+      report.values["start_check"] = "not finished: it needs a second with force";
+    return;
+  }
+  report.values["start_check"] = to_text(*start_);
+  report.values["start_differences"] = identification::differences(*start_);
+  report.figures["start_check_differences"] = {
+      static_cast<double>(identification::count_differences(*start_)), "figures"};
+  if (start_->differs())
+    status.say(StatusPriority::kNetwork, differing(*start_));
 }
 
 void DeviceMonitor::fill(runtime::NodeReport& report) {

@@ -1,5 +1,7 @@
 #pragma once
 /// Status of the device node, and the state of other nodes that its loop needs.
+#include <optional>
+
 #include "nodes/device/device_loop.hpp"
 #include "nodes/device/last_second.hpp"
 #include "nodes/device/lockstep_peers.hpp"
@@ -47,6 +49,7 @@ class DeviceMonitor {
   void note_error(End end);
   std::string find_late_peer(const runtime::NodeRegistry& registry) const;
   void fill(runtime::NodeReport& report);
+  void judge_start(runtime::NodeReport& report, runtime::StatusText& status);
 
   runtime::NodeHost& host_;
   const devices::Driver& driver_;
@@ -64,6 +67,7 @@ class DeviceMonitor {
   std::string late_peer_;   ///< lockstep: the node that the device waits for, and why
   std::string diagnostic_;  ///< last reason why the device displayed no force
   double reported_gap_ms_ = 0.0;
+  std::optional<identification::StartFindings> start_;  ///< of the check at start, once it is over
 };
 
 }  // namespace voxtouch::device_node

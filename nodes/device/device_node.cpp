@@ -107,6 +107,19 @@ std::unique_ptr<devices::Driver> with_joints(std::unique_ptr<devices::Driver> dr
                                        *arm, host.options().mode());
 }
 
+/// What the ring is designed for: the driver's figures, or those of a file that may be its own.
+/// Throws where the file is another device's, or of none.
+DeviceDescription describe_driver(const Options& options, const devices::Driver& driver) {
+  DeviceDescription device = driver.description();
+  device.simulated = driver.simulated();
+  device.network_delay_s = 1e-3 * options.network_delay_ms;
+  if (options.device_file.empty())
+    return device;
+  const scene::DeviceFile file = scene::load_device_file(options.device_file);
+  require_same_device(options.device_file, file, device, driver.serial());
+  return scene::measured_device(file, device);
+}
+
 class DeviceNode {
  public:
   /// `sessions`: number of sessions that the other nodes of the rig have observed.
@@ -117,6 +130,7 @@ class DeviceNode {
         session_(make_session_id(options, scene, sessions)),
         host_("device", options, std::move(participant)),
         driver_(with_page(with_joints(open(stop), host_))),
+        description_(describe_opened()),
         states_(host_.writer<msg::DeviceState>(qos::kDeviceState)),
         descriptions_(host_.writer<msg::DeviceDescription>(qos::kDeviceDescription)),
         commands_(host_.reader<bus::FollowedReader<msg::ForceCommand>>(qos::kForceCommand)) {
@@ -124,6 +138,8 @@ class DeviceNode {
     host_.link_writer(qos::kDeviceDescription, descriptions_);
     host_.link_reader(qos::kForceCommand, commands_);
     faults_ = make_faults(options.fault_records, options.rig, driver_->description().rate_hz);
+    if (!options.device_file.empty())
+      progress_.start_check.start(description_);
     monitor_.emplace(host_, *driver_, commands_, progress_, requests_, *faults_,
                      options.network_delay_ms);
     describe();
@@ -177,11 +193,17 @@ class DeviceNode {
     }
   }
 
+  DeviceDescription describe_opened() const {
+    try {
+      return describe_driver(options_, *driver_);
+    } catch (const std::exception& error) {
+      host_.report_failure(error.what());
+      throw;
+    }
+  }
+
   void describe() {
-    DeviceDescription device = driver_->description();
-    device.simulated = driver_->simulated();
-    device.network_delay_s = 1e-3 * options_.network_delay_ms;
-    msg::DeviceDescription message = runtime::to_msg(device);
+    msg::DeviceDescription message = runtime::to_msg(description_);
     message.session_id = session_, message.lockstep = options_.lockstep;
     descriptions_.write(message);
   }
@@ -227,6 +249,7 @@ class DeviceNode {
   std::unique_ptr<Faults> faults_;
   LedDriver* led_ = nullptr;  ///< the driver, if a page leads the simulated operator
   std::unique_ptr<devices::Driver> driver_;
+  const DeviceDescription description_;  ///< that the ring is designed for
   bus::Writer<msg::DeviceState> states_;
   bus::Writer<msg::DeviceDescription> descriptions_;
   bus::FollowedReader<msg::ForceCommand> commands_;
@@ -255,6 +278,12 @@ void add_device_options(CLI::App& app, Options& options) {
   app.add_option("--device-option", options.settings,
                  "KEY=VALUE of this device (see deploy/devices/*.md); repeatable")
       ->allow_extra_args(false);
+  app.add_option(
+         "--device-file", options.device_file,
+         "Measured figures of this device, as `voxtouch identify --out FILE` writes them: the\n"
+         "coupling is designed for them, and a check in the first second with force compares\n"
+         "delay, encoder step and mass with the device. A heavier tool is not told from a hand")
+      ->check(CLI::ExistingFile);
   faults::add_option(app, options.fault_records);
   app.add_option("--network-delay", options.network_delay_ms,
                  "Round-trip network delay between device and coupling [ms]. The coupling is "

@@ -71,6 +71,7 @@ class ShownDriver final : public devices::Driver {
   void stop() noexcept override { driver_->stop(); }
   bool simulated() const noexcept override { return driver_->simulated(); }
   std::string last_error() const override { return driver_->last_error(); }
+  std::string_view serial() const noexcept override { return driver_->serial(); }
   const arm::ArmDescription* arm_description() const noexcept override {
     return driver_->arm_description();
   }

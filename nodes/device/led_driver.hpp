@@ -30,6 +30,7 @@ class LedDriver final : public devices::Driver {
   }
   void stop() noexcept override { driver_->stop(); }
   bool simulated() const noexcept override { return driver_->simulated(); }
+  std::string_view serial() const noexcept override { return driver_->serial(); }
 
   /// Called by the monitor: binds the page, and reports its participant and refused targets.
   void report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report,

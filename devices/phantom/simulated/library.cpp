@@ -182,6 +182,8 @@ phantom::hd::HDstring Library::string(phantom::hd::HDenum name) {
     return nullptr;
   if (name == phantom::hd::kDeviceModelType)
     return device_->model().type;
+  if (name == phantom::hd::kDeviceSerialNumber)
+    return "simulated";
   note(phantom::hd::kInvalidEnum);
   return nullptr;
 }

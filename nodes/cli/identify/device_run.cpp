@@ -1,8 +1,10 @@
 #include "nodes/cli/identify/device_run.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <future>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -207,6 +209,14 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
     if (!o.session.axes[a])
       continue;
     out.axes[a] = session.figures(a);
+    if (o.with_curves && out.axes[a].outcome == id::Outcome::kMeasured) {
+      const id::FitInput input = session.excitation(a).fit_input();
+      out.curves[a].strokes = id::fitted_strokes(input);
+      std::ranges::copy_if(input.record->entries(), std::back_inserter(out.curves[a].record),
+                           [](const id::RecordEntry& e) {
+                             return e.part == id::Part::kStroke || e.part == id::Part::kDenseTones;
+                           });
+    }
     out.encoder_step_m[a] = id::encoder_step(session.excitation(a).record());
     const id::ClockFigures clock =
         id::clock_figures(session.excitation(a).record(), o.session.limits.period_s);

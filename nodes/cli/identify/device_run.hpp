@@ -15,6 +15,13 @@ struct DeviceRunOptions {
   bool virtual_time = false;  ///< fits run between two samples, and nothing waits
   bool hand_check = true;
   double hand_check_s = 60.0;  ///< for each axis
+  bool with_curves = false;    ///< fills DeviceRunResult::curves
+};
+
+/// What a picture of an axis shows.
+struct AxisCurves {
+  std::vector<identification::Curve> strokes;
+  std::vector<identification::RecordEntry> record;  ///< strokes and dense tones
 };
 
 struct DeviceRunResult {
@@ -22,6 +29,7 @@ struct DeviceRunResult {
   std::array<double, 3> encoder_step_m{};
   identification::ClockFigures clock;
   identification::Outcome outcome = identification::Outcome::kMeasured;
+  std::array<AxisCurves, 3> curves;
   std::string problem;  ///< why the run ended early; empty: it did not
   std::uint64_t guard_clamped = 0;
 };

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -8,6 +9,7 @@
 #include "nodes/cli/identify/identify_report.hpp"
 #include "nodes/cli/known_device.hpp"
 #include "nodes/cli/output_file.hpp"
+#include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/console/log.hpp"
 #include "nodes/device/described_device.hpp"
@@ -24,7 +26,7 @@ constexpr double kUsualForceRatio = 0.2;
 
 struct IdentifyOptions {
   std::string device = "sim-phantom";
-  std::filesystem::path out;
+  std::filesystem::path out, plots;
   std::vector<std::string> settings;
   std::string axes = "xyz";
   double force_n = 0.0;  ///< 0: a fifth of the device's
@@ -76,23 +78,29 @@ int identify(const IdentifyOptions& o, const std::string& command) {
   std::unique_ptr<OutputFile> file;
   if (!o.out.empty())
     file = std::make_unique<OutputFile>(o.out);
+  if (!o.plots.empty())
+    check_picture(o.plots, true);
   runtime::catch_signals();
   const auto report = [](const std::string& text) { console::log("identify: {}\n", text); };
   DeviceRunOptions run;
   run.virtual_time = virtual_time;
+  run.with_curves = !o.plots.empty();
   run.hand_check = !simulated && !o.skip_hand_check;
   if (simulated)
     report("hand check skipped (simulated device)");
   IdentifyContext context{
       .assumed = devices::describe_device(device, options_for(o, device, virtual_time, 0.0)),
-      .device = o.device,
+      .serial = {},
       .date = today(),
       .command = command,
       .allowed_force_n = 0.0};
   const auto measure = [&](double payload_kg) {
     const auto driver =
         devices::open_device(device, options_for(o, device, virtual_time, payload_kg));
-    const DeviceDescription& d = driver->description();
+    context.assumed = driver->description();
+    context.assumed.simulated = devices::can_be_led(device);
+    context.serial = driver->serial();
+    const DeviceDescription& d = context.assumed;
     context.allowed_force_n = o.force_n > 0.0 ? o.force_n : kUsualForceRatio * d.max_force_n;
     if (context.allowed_force_n > d.max_force_n)
       throw std::runtime_error(
@@ -131,6 +139,12 @@ int identify(const IdentifyOptions& o, const std::string& command) {
     text += design_table(context.assumed, measured_description(result, run.session, context, false),
                          measured_description(result, run.session, context, true));
   console::print_result("{}", text);
+  if (std::ranges::any_of(
+          result.axes,
+          [](const id::AxisFigures& f) { return f.outcome == id::Outcome::kMeasured; }) &&
+      !o.plots.empty())
+    console::log("{}\n",
+                 draw_picture("identify", plots_json(result, run.session, context, text), o.plots));
   if (!measured)
     return 1;
   if (file) {
@@ -151,6 +165,9 @@ void add_identify(CLI::App& app, Action& action) {
   verb->add_option("--device-option", o->settings,
                    "KEY=VALUE of the device, repeatable (deploy/devices)");
   verb->add_option("--out", o->out, "Writes a device file, for `design` and sim:FILE");
+  verb->add_option("--plots", o->plots,
+                   "Plots strokes, residuals, friction and response of each measured axis: .png,\n"
+                   ".svg, .pdf, or .html with the report");
   verb->add_option("--axes", o->axes, "Axes of frame D to measure")
       ->capture_default_str()
       ->check([](const std::string& text) {

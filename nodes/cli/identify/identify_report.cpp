@@ -78,6 +78,19 @@ std::string measured_comment(const DeviceRunResult& r, const id::SessionOptions&
   return out + fmt::format(" {}\n", unit);
 }
 
+/// As YAML reads it back, whatever it holds.
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text)
+    if (c == '"' || c == '\\')
+      out += fmt::format("\\{}", c);
+    else if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    else
+      out += c;
+  return out + "\"";
+}
+
 double designed(const DeviceDescription& d, std::string& limit) {
   const auto problem = problem_for_device({}, coupling::design::model_of(d));
   const auto design = coupling::design::design_coupling(problem);
@@ -182,9 +195,8 @@ std::string device_file_text(const DeviceRunResult& r, const id::SessionOptions&
                              const IdentifyContext& c) {
   const DeviceDescription d = measured_description(r, s, c, true);
   using F = id::AxisFigures;
-  std::string out = fmt::format("# Measured on {}: {}\n", c.date, c.command);
-  out += "# Each measured value is the conservative end of its 95 % interval.\n";
-  out += fmt::format("device: {}\n", d.model);
+  std::string out = "# Each measured value is the conservative end of its 95 % interval.\n";
+  out += fmt::format("device: {}\n", quoted(d.model));
   out += fmt::format("rate_hz: {:.6g}  # measured\n", d.rate_hz);
   out += fmt::format("max_force_n: {:.6g}  # assumed: from the driver\n", d.max_force_n);
   out += fmt::format("max_torque_nm: {:.6g}  # assumed: from the driver\n", d.max_torque_nm);
@@ -208,6 +220,9 @@ std::string device_file_text(const DeviceRunResult& r, const id::SessionOptions&
   out += fmt::format("lost_in_a_row: {}  # measured {}, at least 1\n", d.lost_in_a_row,
                      r.clock.lost_in_a_row);
   out += fmt::format("grip: {}\n", d.grip);
+  out += fmt::format("measured:\n  date: {}\n  command: {}\n", quoted(c.date), quoted(c.command));
+  if (!c.serial.empty())
+    out += fmt::format("  serial: {}\n", quoted(c.serial));
   if (d.max_torque_nm > 0.0)
     out += fmt::format(
         "# assumed: from the driver, rotation is not measured\nrotation:\n"

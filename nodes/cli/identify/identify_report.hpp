@@ -8,8 +8,9 @@
 namespace voxtouch::cli {
 
 struct IdentifyContext {
-  DeviceDescription assumed;  ///< what the driver says of itself
-  std::string device, date, command;
+  DeviceDescription assumed;  ///< what the open driver says of itself
+  std::string serial;         ///< of the device; empty: its driver reports none
+  std::string date, command;
   bool answers_at_once = true;  ///< false: in the ring a command leaves up to a period later
   double allowed_force_n = 0.0;
 };
@@ -36,5 +37,10 @@ std::string device_file_text(const DeviceRunResult& result,
 /// Stiffness, its limit and what the intervals cost: the design before and after.
 std::string design_table(const DeviceDescription& before, const DeviceDescription& values,
                          const DeviceDescription& interval_ends);
+
+/// For the drawing tool: figures, strokes and records of the measured axes. `text`: the report that
+/// a page repeats.
+std::string plots_json(const DeviceRunResult& result, const identification::SessionOptions& session,
+                       const IdentifyContext& context, const std::string& text);
 
 }  // namespace voxtouch::cli

@@ -142,6 +142,8 @@ std::vector<std::string> device_arguments(const device_node::Options& o) {
   device_node::append_arguments(o.hand, a);
   for (const std::string& setting : o.settings)
     a.insert(a.end(), {"--device-option", setting});
+  if (!o.device_file.empty())
+    a.insert(a.end(), {"--device-file", o.device_file.string()});
   if (o.network_delay_ms > 0.0)
     a.insert(a.end(), {"--network-delay", fmt::format("{}", o.network_delay_ms)});
   if (!o.fault_records.empty())

@@ -69,6 +69,8 @@ RunFigures figures_of(const RunRecord& s) {
   f.force_losses = number(r, "device", "force_losses");
   f.force_lost_s = number(r, "device", "force_lost_s"),
   f.longest_loss_s = number(r, "device", "longest_force_loss_s");
+  f.start_differences = find(r, "device", "start_check_differences");
+  f.start_check = word(r, "device", "start_differences");
   f.restarts = static_cast<double>(s.restarts.size());
   for (const Restart& restart : s.restarts)
     f.restarted += (f.restarted.empty() ? "" : ", ") + restart.node;

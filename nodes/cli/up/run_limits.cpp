@@ -58,6 +58,9 @@ constexpr Limit kLimits[] = {
     {"force_losses", "times", false, 0.0, false, "losses of force",
      "no command arrived or the device process stalled; see the fault records and the machine's "
      "load"},
+    {"start_check_differences", "figures", false, 0.0, true,
+     "figures in which the device differs from its file",
+     "the coupling is certified for the file; measure the device again with voxtouch identify"},
     {"restarts", "restarts", false, 0.0, false, "restarts of nodes",
      "force is zero until the node is ready; --limit restarts=N accepts N restarts"},
 };
@@ -148,6 +151,8 @@ Measured measure(std::string_view name, const RunFigures& run) {
                                   ? fmt::format("{:.3g} s in total, longest {:.3g} s",
                                                 run.force_lost_s, run.longest_loss_s)
                                   : ""};
+  if (name == "start_check_differences")
+    return {run.start_differences, run.start_check};
   if (name == "restarts")
     return {run.restarts, run.restarted};
   if (!run.recording)

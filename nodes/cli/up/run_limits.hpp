@@ -59,9 +59,11 @@ struct RunFigures {
   double silence_s = 0.0;  ///< longest time for which a node gave no sign of life
   std::string silent;      ///< which, and who else hung
   double force_losses = 0.0, force_lost_s = 0.0,
-         longest_loss_s = 0.0;  ///< times that force was lost, and for how long
-  double restarts = 0.0;        ///< nodes that died and were started again
-  std::string restarted;        ///< which
+         longest_loss_s = 0.0;              ///< times that force was lost, and for how long
+  std::optional<double> start_differences;  ///< figures in which the device is not as its file says
+  std::string start_check;                  ///< which
+  double restarts = 0.0;                    ///< nodes that died and were started again
+  std::string restarted;                    ///< which
 };
 
 /// One limit compared with one run.

@@ -49,6 +49,7 @@ enum class RunFact : std::uint8_t {
   kPageEnded,    ///< text: how
   kBagGoesOn,    ///< text: the folder
   kFaultRecord,  ///< text: what it holds, and where
+  kStartCheck,   ///< text: what the check at start found of each figure
 };
 struct Found {
   RunFact what;

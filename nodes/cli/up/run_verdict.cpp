@@ -160,6 +160,8 @@ class Judgement {
       if (const double n = count("rendering", note.figure);
           n > note.most && (note.with_virtual_tool || !has_virtual_tool(run_)))
         put({RunFact::kSamples, "rendering", n, 0.0, note.what});
+    if (const std::string found = word(run_.reports, "device", "start_check"); !found.empty())
+      put({RunFact::kStartCheck, "device", 0.0, 0.0, found});
     put_count(RunFact::kChanges, "rendering", "changes",
               word(run_.reports, "rendering", "change_requests"));
     for (const Restart& one : run_.restarts)

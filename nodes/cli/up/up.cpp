@@ -74,8 +74,8 @@ RunSummary run_up(const UpOptions& options) {
   }
   const std::vector<std::string> notes = check_before_start(
       scene, {device.device, devices::parse_settings(device.settings), device.motion,
-              options.no_record ? "" : options.ring.logger.bag, device.network_delay_ms,
-              options.node.lockstep, device.hand.from_page});
+              device.device_file, options.no_record ? "" : options.ring.logger.bag,
+              device.network_delay_ms, options.node.lockstep, device.hand.from_page});
   for (const std::string& note : notes)
     console::log("note: {}\n", note);
   return run.go();

@@ -46,6 +46,22 @@ std::string refused_unbuilt(const scene::Scene& scene, const DeviceDescription& 
       device_fit::least_stiffness_n_per_m(scene), device_fit::demand_of(scene));
 }
 
+/// The figures of a measured file. What hardware reports of itself is known once it is open: its
+/// node checks the file then.
+DeviceDescription measured(const Plans& plans, const DeviceDescription& description,
+                           std::vector<std::string>& notes) {
+  const scene::DeviceFile file = scene::load_device_file(plans.device_file);
+  if (devices::has_simulated_hand(plans.device))
+    device_node::require_same_device(plans.device_file, file, description, {});
+  notes.push_back(
+      file.measured
+          ? scene::measured_sentence(file) +
+                "; the mass is that of the start pose, and the certificate knows no lighter one"
+          : fmt::format("{} names no measurement: its figures are assumed",
+                        plans.device_file.string()));
+  return scene::measured_device(file, description);
+}
+
 }  // namespace
 
 std::string does_not_go_with(const std::filesystem::path& scene, const std::string& device,
@@ -61,15 +77,18 @@ std::vector<std::string> check_before_start(const scene::Scene& scene, const Pla
     options.described = file->description;
   DeviceDescription description = devices::describe_device(plans.device, options);
   description.network_delay_s = 1e-3 * plans.network_delay_ms;
+  std::vector<std::string> notes;
+  if (!plans.device_file.empty())
+    description = measured(plans, description, notes);
   const Motion motion = device_node::choose_motion(scene, plans.motion);
   check_bag(plans.bag);
   if (const std::string why = refused_unbuilt(scene, description); !why.empty())
     throw std::runtime_error(does_not_go_with(scene.file, plans.device, why));
-  std::vector<std::string> notes;
   if (!scene.design)
-    notes = device_fit::check_device(scene, coupling::design::model_of(description),
-                                     device_fit::least_stiffness_n_per_m(scene))
-                .warnings;
+    std::ranges::copy(device_fit::check_device(scene, coupling::design::model_of(description),
+                                               device_fit::least_stiffness_n_per_m(scene))
+                          .warnings,
+                      std::back_inserter(notes));
   if (file) {
     notes.push_back(scene::assumed_sentence(*file));
     const Motion tip = motion_in_device(motion, scene.device.pose_WD, scene.device.pose_PT,

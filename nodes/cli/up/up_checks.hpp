@@ -13,7 +13,8 @@ struct Plans {
   std::string device;
   devices::DeviceSettings settings;
   std::string motion;
-  std::filesystem::path bag;  ///< empty: none
+  std::filesystem::path device_file;  ///< empty: none
+  std::filesystem::path bag;          ///< empty: none
   double network_delay_ms = 0.0;
   bool lockstep = false;
   bool hand_from_page = false;

@@ -101,6 +101,8 @@ std::string sentence(const RunRecord& run, const Found& f) {
       return fmt::format("The recording continues in {} after the logger's restart.", f.text);
     case RunFact::kFaultRecord:
       return f.text;
+    case RunFact::kStartCheck:
+      return "check at start against the device file: " + f.text;
   }
   return "";
 }

@@ -102,6 +102,29 @@ TEST(Identify, EmulatedLwrHasTheMassAndDelayOfItsPlant) {
   }
 }
 
+TEST(Identify, CurvesHoldWhatTheFitLeaves) {
+  const auto driver = devices::open_device("sim-phantom", released());
+  DeviceRunOptions options = options_for(driver->description());
+  options.session.axes = {true, false, false};
+  options.with_curves = true;
+  const std::atomic<bool> stop{false};
+  const DeviceRunResult r = run_identification(*driver, options, stop, [](const std::string&) {});
+  ASSERT_EQ(r.axes[0].outcome, id::Outcome::kMeasured);
+  ASSERT_GE(r.curves[0].strokes.size(), 5U);
+  double squares = 0.0, samples = 0.0, longest_m = 0.0;
+  for (const id::Curve& c : r.curves[0].strokes) {
+    ASSERT_EQ(c.times_s.size(), c.position_m.size());
+    ASSERT_EQ(c.times_s.size(), c.residual_m.size());
+    longest_m = std::max(longest_m, std::abs(c.position_m.back()));
+    samples += static_cast<double>(c.residual_m.size());
+    for (const double rest : c.residual_m)
+      squares += rest * rest;
+  }
+  EXPECT_NEAR(std::sqrt(squares / samples), r.axes[0].residual_m, 0.02 * r.axes[0].residual_m);
+  EXPECT_GT(longest_m, 100.0 * r.axes[0].residual_m);
+  EXPECT_TRUE(r.curves[1].strokes.empty());
+}
+
 TEST(Identify, StopRequestEndsInZeroForce) {
   const auto driver = devices::open_device("sim-phantom", released());
   const std::atomic<bool> stop{true};

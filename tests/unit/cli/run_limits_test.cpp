@@ -23,6 +23,7 @@ RunFigures good_run() {
                  {"rendering/contact", 25, 25, 9'970, 9'975},
                  {"coupling/command", 240, 240, 9'755, 9'760}};
   run.silence_s = 0.11, run.silent = "coupling";
+  run.start_differences = 0;
   return run;
 }
 
@@ -71,6 +72,9 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"deadlines_133_missed",
             [](RunFigures& r) { r.deadline_misses = 133; },
             {"deadline_miss_ratio"}},
+        Bad{"is_not_as_its_file_says",
+            [](RunFigures& r) { r.start_differences = 1; },
+            {"start_check_differences"}},
         Bad{"clamps_57", [](RunFigures& r) { r.clamped = 57; }, {"clamped_ratio"}},
         Bad{"was_in_a_wall_that_nothing_holds_it_from_passing",
             [](RunFigures& r) { r.passed_through = 1; },

@@ -147,7 +147,7 @@ TEST(RunVerdict, NamesFadesAndFaultRecordsInItsLine) {
   set(run, "device", "force_losses", 3), set(run, "device", "force_lost_s", 0.24),
       set(run, "device", "longest_force_loss_s", 0.08);
   EXPECT_EQ(verdict_line(run, judge(run)),
-            "FAILED (1 of 19 limits, 3 force fades, 6 fault records)");
+            "FAILED (1 of 20 limits, 3 force fades, 6 fault records)");
   EXPECT_TRUE(
       problems_of(run, judge(run)).front().contains("3 times (0.24 s in total, longest 0.08 s)"))
       << problems_of(run, judge(run)).front();

@@ -255,6 +255,41 @@ TEST(DeviceFile, ReportsWhereAMotionLeavesTheWorkspace) {
   EXPECT_NE(beyond_workspace(motion, {0.3, 0.15, 0.1}, "d"), "");
 }
 
+TEST(DeviceFile, OfAnotherDeviceIsNamed) {
+  const std::string measured = kArm + "measured: {date: 2026-11-29, command: c, serial: '7'}\n";
+  const DeviceFile file = parse_device_file(measured, "a.yaml");
+  const DeviceDescription own = file.description;
+  EXPECT_EQ(other_device(file, own, "7"), "");
+  EXPECT_EQ(other_device(file, own, ""), "") << "the driver reports no serial number";
+  EXPECT_TRUE(other_device(file, own, "8").contains("serial number '7', this one has '8'"));
+  EXPECT_EQ(other_device(parse_device_file(kArm, "a.yaml"), own, "8"), "");
+  const auto differs = [&](auto change) {
+    DeviceDescription other = own;
+    change(other);
+    return !other_device(file, other, "7").empty();
+  };
+  EXPECT_TRUE(differs([](DeviceDescription& d) { d.model = "fourth"; }));
+  EXPECT_TRUE(differs([](DeviceDescription& d) { d.rate_hz = 1000; }));
+  EXPECT_TRUE(differs([](DeviceDescription& d) { d.grip = "pen"; }));
+  EXPECT_TRUE(differs([](DeviceDescription& d) { d.max_torque_nm = 0; }));
+  EXPECT_FALSE(differs([](DeviceDescription& d) { d.rate_hz *= 1.005; }));
+  EXPECT_FALSE(differs([](DeviceDescription& d) { d.mass_min_kg = 1; }));
+}
+
+TEST(DeviceFile, MeasuredFiguresKeepTheDriversLimits) {
+  const DeviceFile file = parse_device_file(kArm, "a.yaml");
+  DeviceDescription driver = file.description;
+  driver.max_force_n = 100, driver.mass_min_kg = 1, driver.max_stiffness_n_per_m = 4000;
+  driver.simulated = false;
+  const DeviceDescription d = measured_device(file, driver);
+  EXPECT_EQ(d.max_force_n, 100);
+  EXPECT_EQ(d.max_stiffness_n_per_m, 4000);
+  EXPECT_EQ(d.mass_min_kg, 3);
+  EXPECT_EQ(validate(d), "");
+  EXPECT_NEAR(coupling::design::model_of(d).timing.delay_s, 0.002, 1e-12)
+      << "the period that a command may wait is a part of the file's delay";
+}
+
 TEST(DeviceFile, IsAFileWithADeviceInIt) {
   const auto refusal = [](const std::filesystem::path& file) -> std::string {
     try {
