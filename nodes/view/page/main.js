@@ -17,8 +17,7 @@
   }
   const charts = new Charts($('charts'), hold => setPaused(hold));
   const effects = new Panels.Effects(send);
-  const hand = state.hand = scene3d && new Hand(scene3d, order => socket && socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(order)), () => state.connected && state.frame,
-    () => state.facts && state.facts.device && state.facts.device.max_force_n);
+  const hand = state.hand = scene3d && new Hand(scene3d, order => socket && socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(order)), () => state.connected && state.frame);
 
   function send(order) {
     if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(order));
