@@ -30,14 +30,15 @@ KEEP_SOCKETS = """
 """
 
 
-def largest_step(bag, from_s):
-    """Of the commanded force between two samples, from so long after the first command on [N]."""
+def largest_step(bag, from_s, to_s):
+    """Of the commanded force between two samples in this time since the first one [N]."""
     command = Bag(bag, requested=["coupling/command"]).rows["coupling/command"].table()
     number, time_ns = command["sequence_number"], command["sample_time_ns"]
     force = vector(command["wrench"]["force"])
     follows = numpy_diff(number) == 1
-    late = time_ns[1:] - time_ns[0] > 1e9 * from_s
-    steps = norm(force[1:] - force[:-1])[follows & late]
+    time_s = 1e-9 * (time_ns[1:] - time_ns[0])
+    within = (time_s > from_s) & (time_s < to_s)
+    steps = norm(force[1:] - force[:-1])[follows & within]
     assert len(steps) > 1000, "the recording is short"
     return float(steps.max())
 
@@ -75,9 +76,11 @@ class Robust(unittest.TestCase):
         pointer.press()
         for _ in range(40):
             pointer.move(0, 6, 1, button="left", buttons=1)
+            time.sleep(0.15)
             if size(self.browser.frame().get("force")) > 0.8:
-                return pointer
-            time.sleep(0.05)
+                time.sleep(0.5)  # no impact alone
+                if size(self.browser.frame().get("force")) > 0.8:
+                    return pointer
         raise AssertionError("no contact")
 
     def resting(self, watching):
@@ -105,7 +108,7 @@ class Robust(unittest.TestCase):
                 with WebSocket(up.address()) as watching:
                     self.press()
                     rest = self.resting(watching)
-                    began = time.monotonic()
+                    windows = [[newest_frame(watching)["t"]]]
 
                     # Lost under the page: it comes back as another one, and the hand is free.
                     before = self.browser.js("voxtouch.page")
@@ -117,6 +120,7 @@ class Robust(unittest.TestCase):
                     self.browser.driver.refresh()
                     self.ready()
                     self.assert_rests(watching, rest, "a reload")
+                    windows[0].append(newest_frame(watching)["t"])
                     pointer = Pointer(self.browser)
                     pointer.drag(0, 4, 2)
                     self.assertEqual(
@@ -125,19 +129,20 @@ class Robust(unittest.TestCase):
 
                     # Asleep in contact: nothing is sent, and the hand is not another page's.
                     rest = self.resting(watching)
+                    windows.append([newest_frame(watching)["t"]])
                     self.cdp("Page.setWebLifecycleState", state="frozen")
                     self.assert_rests(watching, rest, "asleep")
                     aim(watching, [x + 0.02 for x in rest[1][:3]], 0.5)
                     self.assert_rests(watching, rest, "it keeps the hand for ten seconds")
                     time.sleep(8)
+                    windows[1].append(newest_frame(watching)["t"])
                     aim(watching, [*rest[1][:2], 0.04], 1.5)
                     self.assertGreater(newest_frame(watching)["tool"][2], 0.03, "then it is free")
                     self.cdp("Page.setWebLifecycleState", state="active")
-                    took = time.monotonic() - began
                 up.process.send_signal(signal.SIGINT)
                 up.process.wait(60)
-                self.assertLess(took, 200)
-            self.assertLess(largest_step(bag, 1.0), RAMP_N)
+            for window in windows:
+                self.assertLess(largest_step(bag, *window), RAMP_N)
 
     def test_stops_where_it_is_once_its_page_sends_no_more(self):
         """Along the wall, to a target far beyond it."""

@@ -27,12 +27,12 @@ from PIL import Image  # noqa: E402
 MOST_BYTES = 200_000
 
 
-# Pixels from where the hand wants to be to the middle of the scene.
+# From where the hand wants to be to the middle of the scene: wheel in depth, and pixels.
 WAY = """(() => {
   const hand = voxtouch.hand;
   if (!hand.position) hand.grip();
-  const way = voxtouch.scene3d.middle.clone().sub(hand.position), {right, up} = hand.axes();
-  return [way.dot(right) / hand.pixel(), -way.dot(up) / hand.pixel()];
+  const way = voxtouch.scene3d.middle.clone().sub(hand.position), {right, up, away} = hand.axes(), pixel = hand.pixel();
+  return [way.dot(away) / (-0.3 * pixel), way.dot(right) / pixel, -way.dot(up) / pixel];
 })()"""
 
 
@@ -42,7 +42,8 @@ def drag_along(browser):
         lambda: browser.js("Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length)"), 40, ""
     )
     pointer = Pointer(browser)
-    dx, dy = browser.js(WAY)
+    wheel, dx, dy = browser.js(WAY)
+    pointer.wheel(wheel)
     pointer.press()
     pointer.move(dx, dy, 20, button="left", buttons=1)
     for up in (-25, 50, -50, 50, -25):
