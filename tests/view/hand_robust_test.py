@@ -2,14 +2,15 @@
 that sleeps, one whose socket is lost, one without the token. The hand rests, and the force of the
 recorded run has no step above the ramp.
 """
+import json
 import pathlib
+import random
 import signal
 import sys
 import tempfile
 import time
 import unittest
 
-import hand_measure
 import hand_test
 from browser_test import Browser
 from hand_test import Pointer, aim, distance, led_ring, newest_frame, rigid_plane
@@ -45,6 +46,63 @@ def largest_step(bag, from_s, to_s):
 
 def numpy_diff(numbers):
     return numbers[1:].astype("int64") - numbers[:-1].astype("int64")
+
+
+class OfManyPages(unittest.TestCase):
+    """Without a browser: targets as pages send them."""
+
+    def test_passes_no_wall_in_200_drags(self):
+        random.seed(45)
+        with led_ring("cup_virtual_tool", "--json") as up:
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                scene = socket.wait_for(
+                    lambda m: m["type"] == "scene" and m["meshes"], 30, "the scene"
+                )
+                points = next(m for m in scene["meshes"] if m["role"] != "dynamic")["positions"]
+                at, touched, largest = newest_frame(socket)["tool"][:3], 0, 0.0
+                for _ in range(200):
+                    n = 3 * random.randrange(len(points) // 3)
+                    to = [x + random.uniform(-0.006, 0.006) for x in points[n : n + 3]]
+                    steps = random.choice((1, 2, 4, 8, 16))  # any speed
+                    for k in range(1, steps + 1):
+                        place = [a + (b - a) * k / steps for a, b in zip(at, to)]
+                        socket.order(aim={"p": place, "q": list(hand_test.UP)})
+                        time.sleep(1 / 60)
+                    aim(socket, to, random.uniform(0.1, 0.3))
+                    force = size(newest_frame(socket)["force"])
+                    at, touched, largest = to, touched + (force > 0.05), max(largest, force)
+            up.process.send_signal(signal.SIGINT)
+            up.process.wait(60)
+            output = up.output()
+        limits = json.loads(output[output.index("\n{") :])["limits"]
+        print(f"{touched} of 200 drags ended in contact, {largest:.2f} N at most")
+        self.assertGreaterEqual(touched, 150)
+        self.assertLess(largest, MAX_FORCE_N)
+        for name in ("passed_through_samples", "tunnelling_suspected_samples", "swing_s"):
+            self.assertEqual(limits[name]["value"], 0, name)
+
+    def test_of_fifty_pages_the_first_has_the_hand(self):
+        with tempfile.TemporaryDirectory() as folder, led_ring(rigid_plane(folder)) as up:
+            until_it_runs(up)
+            with WebSocket(up.address()) as first:
+                number = first.wait_for(lambda m: m["type"] == "page", 5, "its number")["page"]
+                start = newest_frame(first)["tool"]
+                aim(first, (start[0], start[1], 0.004), 2.0)
+                rest = newest_frame(first)
+                self.assertGreater(size(rest["force"]), 0.5, "in contact")
+                others = [WebSocket(up.address()) for _ in range(49)]
+                for other in others:
+                    other.order(aim={"p": [0.0, 0.0, 0.06], "q": list(hand_test.UP)})
+                for other in others:
+                    who = other.facts(lambda m: m["hand"]["page"] is not None, 20, "who has it")
+                    self.assertEqual(who["hand"]["page"], number)
+                    other.close()
+                frame = newest_frame(first)
+                self.assertLess(distance(frame["tool"], rest["tool"]), 3e-4, "it rests")
+                self.assertAlmostEqual(
+                    size(frame["force"]), size(rest["force"]), delta=0.1 * size(rest["force"])
+                )
 
 
 class Robust(unittest.TestCase):
@@ -186,13 +244,6 @@ class Robust(unittest.TestCase):
                     )
                     self.browser.js("voxtouch.hand.grip() && voxtouch.hand.shiftBy('right', 0.05)")
                 self.assert_rests(watching, rest, "it is none of theirs")
-
-    def test_passes_no_wall_in_200_drags(self):
-        found = hand_measure.drags(self.browser, 200)
-        self.assertGreaterEqual(found["in_contact"], 150, found)
-        self.assertLess(found["largest_n"], MAX_FORCE_N, found)
-        for name in ("passed_through_samples", "tunnelling_suspected_samples", "swing_s"):
-            self.assertEqual(found["met"][name]["value"], 0, found)
 
     def test_without_the_token_no_page_opens_and_nothing_moves(self):
         with led_ring("plane") as up:
