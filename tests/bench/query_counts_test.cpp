@@ -56,14 +56,14 @@ TEST(QueryCounts, FlatLoopsFindTheSamePoints) {
   }
 }
 
-TEST(QueryCounts, FewPointsAreTestedWhereNothingTouches) {
+TEST(QueryCounts, FewPointsAreTestedWithoutContact) {
   EXPECT_EQ(counts(Place::kFar, 10'000).tested, 0.0);
   EXPECT_LE(counts(Place::kNear, 1'000).tested, 0.05);
   EXPECT_LE(counts(Place::kNear, 10'000).tested, 0.01);
   EXPECT_LE(counts(Place::kNear, 100'000).tested, 0.001);
 }
 
-TEST(QueryCounts, PointsTestedAreInProportionToThoseThatTouch) {
+TEST(QueryCounts, TestedPointsAreProportionalToTouchingOnes) {
   for (const auto& [points, most] :
        {std::pair{10'000U, 15.0}, {100'000U, 8.0}, {1'000'000U, 5.0}}) {
     const Counts light = counts(Place::kLight, points);
@@ -75,7 +75,7 @@ TEST(QueryCounts, PointsTestedAreInProportionToThoseThatTouch) {
   EXPECT_LE(heavy.tested, 3.5 * heavy.not_free);
 }
 
-TEST(QueryCounts, BytesAreThoseOfTheSurfaceAndOfTheNumbersThatAreReadOften) {
+TEST(QueryCounts, BytesScaleWithSurfaceAndLookupTable) {
   const double voxels = static_cast<double>(ground().surface_count());
   std::printf("voxmap: %.2f bytes a surface voxel; tree and single precision: %.1f bytes a point\n",
               static_cast<double>(ground().bytes()) / voxels,
@@ -124,7 +124,7 @@ double instructions(const std::string& place, int points, const std::string& wha
   return out;
 }
 
-TEST(QueryCounts, InstructionsStayWhatTheyAreWithAvx2) {
+TEST(QueryCounts, InstructionsWithAvx2StayWithinTheirLimit) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitiser's own would be among them";
   if (!__builtin_cpu_supports("avx2"))

@@ -62,7 +62,7 @@ Times times(const voxmap::Voxmap& map, Place place) {
   return out;
 }
 
-TEST(QueryRatios, StayWithinTwiceOfWhatIsMeasured) {
+TEST(QueryRatios, StayWithinTwiceTheMeasuredOnes) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitiser's own would be among them";
   if (!__builtin_cpu_supports("avx2"))

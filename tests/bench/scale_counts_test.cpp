@@ -33,7 +33,7 @@ void print(const char* what, double size, Place place, const FrameCounts& counts
 /// A frame's points, and the groups of spheres in points. One leaf more or less is no growth.
 double cost(const FrameCounts& counts) { return counts.tested + 2.0 * counts.looked_at + 8.0; }
 
-TEST(Scale, AFrameCostsTheSameWhateverTheNumberOfTriangles) {
+TEST(Scale, FrameCostDoesNotDependOnTriangleCount) {
   double least[3], least_bytes = 0.0;
   for (const std::size_t triangles :
        {std::size_t{10'000}, std::size_t{1'000}, std::size_t{100'000}, std::size_t{1'000'000}}) {
@@ -52,7 +52,7 @@ TEST(Scale, AFrameCostsTheSameWhateverTheNumberOfTriangles) {
   }
 }
 
-TEST(Scale, AFrameCostsNearlyTheSameAndAMapGrowsAsTheSurfaceWhateverTheResolution) {
+TEST(Scale, CostStaysFlatAndMemoryScalesWithTheSurface) {
   double at_256[3] = {}, bytes_at_256 = 0.0;
   for (const int resolution : {256, 128, 512, 1024}) {
     const voxmap::Voxmap map = map_of(10'000, resolution);
@@ -100,7 +100,7 @@ TEST(Scale, DistancesGrowAsTheSurface) {
 
 /// In a table whose free distances are of larger cells, every kernel finds what doubles say of
 /// every point.
-TEST(Scale, TheHitsAreThoseOfAllPointsInALargeTable) {
+TEST(Scale, HitsInALargeTableEqualBruteForce) {
   const voxmap::Voxmap map = map_of(1'000, 1024);
   ASSERT_GT(map.arrays().free_shift, voxmap::free_distance::kMinShift);
   ASSERT_EQ(map.arrays().table, nullptr) << "bricks are found by pages";

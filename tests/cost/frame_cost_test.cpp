@@ -41,7 +41,7 @@ class FrameCostTest : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(FrameCostTest, OfASceneWithoutEffectsIsThatOfContactThatHasNeverHeardOfThem) {
+TEST_F(FrameCostTest, UnusedEffectsCostNothing) {
   // Names of one length: a scene's strings are on the heap too.
   const auto never = cylinder("bare", ""), none = cylinder("none", "effects: []");
   for (const char* motion : {"slide", "free"}) {
@@ -65,7 +65,7 @@ TEST_F(FrameCostTest, OfASceneWithoutEffectsIsThatOfContactThatHasNeverHeardOfTh
   }
 }
 
-TEST_F(FrameCostTest, OfASceneWithOneEffectIsThatOfTheContactAndThatEffect) {
+TEST_F(FrameCostTest, OneEffectCostsContactPlusEffect) {
   const auto none = cylinder("none", "effects: []"),
              one = cylinder("one", "effects: [{viscosity: {damping_ns_per_m: 0.5}}]");
   const FrameCost without = cost_of(none, "slide", "scene"), with = cost_of(one, "slide", "scene"),
@@ -83,7 +83,7 @@ TEST_F(FrameCostTest, OfASceneWithOneEffectIsThatOfTheContactAndThatEffect) {
   EXPECT_LT(with.live_bytes, without.live_bytes + 4'000.0);
 }
 
-TEST_F(FrameCostTest, OfAnEffectThatIsSwitchedOffIsItsGateAndOfASecondOneNoMoreThanOfTheFirst) {
+TEST_F(FrameCostTest, DisabledEffectCostsOneGateAndSecondNoMore) {
   const auto none = cylinder("none", "effects: []"),
              off = cylinder("off", "effects: [{viscosity: {damping_ns_per_m: 0.5}, on: false}]"),
              one = cylinder("one", "effects: [{viscosity: {damping_ns_per_m: 0.5}}]"),
@@ -104,7 +104,7 @@ TEST_F(FrameCostTest, OfAnEffectThatIsSwitchedOffIsItsGateAndOfASecondOneNoMoreT
   EXPECT_GT(both, first);
 }
 
-TEST_F(FrameCostTest, OfASceneWithAnEffectOfAnyKindIsThatOfItsContactAndThatEffect) {
+TEST_F(FrameCostTest, EachEffectKindCostsContactPlusEffect) {
   const std::map<std::string, std::string> effects = {
       {"viscosity", "damping_ns_per_m: 0.5"},
       {"friction", "coulomb: 0.3"},

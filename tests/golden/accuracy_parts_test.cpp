@@ -65,7 +65,7 @@ void expect_measured(const Part& part, const Part& tool, const std::string& name
     EXPECT_NE(entry.path().extension(), ".part") << entry.path();
 }
 
-TEST(AccuracyOfParts, EndsWithinAMinuteOfOneCoreForABracketAndAPeg) {
+TEST(AccuracyOfParts, TakesAMinuteAtMostForABracketAndAPeg) {
   expect_measured(bracket(), peg(), "bracket and peg");
 }
 

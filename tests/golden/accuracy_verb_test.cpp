@@ -26,7 +26,7 @@ nlohmann::json small_json(std::vector<std::string> more) {
   return nlohmann::json::parse(run.out);
 }
 
-TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
+TEST(AccuracyVerb, MeasuresEveryRequestedSetting) {
   const TemporaryFolder folder;
   const Finished run =
       voxtouch(small_run({"--json", "--csv", (folder / "a.csv").string(), "--seed", "5"}));
@@ -98,7 +98,7 @@ TEST(AccuracyVerb, MeasuresEverySettingAskedFor) {
   }
 }
 
-TEST(AccuracyVerb, GivesTheSameErrorsForTheSameSeedAndOthersForAnother) {
+TEST(AccuracyVerb, ErrorsDependOnTheSeedOnly) {
   const auto errors = [](const char* seed) {
     std::vector<nlohmann::json> out;
     const nlohmann::json j = small_json({"--models", "adapted", "--seed", seed});
@@ -121,14 +121,14 @@ TEST(AccuracyVerb, PrintsATableAndTheChosenSetting) {
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 
-TEST(AccuracyVerb, SaysWhatComesNearestAndExitsWithOneWhereTheWishIsNotMet) {
+TEST(AccuracyVerb, PrintsTheNearestAndExitsWithOneIfNoneMeets) {
   const Finished run = voxtouch(small_run({"--models", "original", "--within-us", "0.001"}));
   EXPECT_EQ(run.status, 1);
   EXPECT_NE(run.out.find("original/"), std::string::npos) << run.out;
   EXPECT_EQ(run.err.find("error:"), std::string::npos) << run.err;
 }
 
-TEST(AccuracyVerb, ShowsASettingThatCannotBeBuiltAsARowWithTheReason) {
+TEST(AccuracyVerb, PrintsARefusedSettingWithItsReason) {
   const Finished run = voxtouch({"accuracy", kPlane, "--models", "adapted", "--weights", "one",
                                  "--voxel-sizes", "0.004,1e-7", "--contacts", "8", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
@@ -156,7 +156,7 @@ void expect_refused(const std::vector<std::string>& more, const std::string& say
       << "it measured before it looked at its arguments";
 }
 
-TEST(AccuracyVerb, RefusesWhatCannotBeMeasuredBeforeItMeasures) {
+TEST(AccuracyVerb, RefusesInvalidRequestsBeforeMeasuring) {
   expect_refused({"--models", "best"}, "--models: best");
   expect_refused({"--voxel-sizes", "0.002,0"}, "--voxel-sizes: '0'");
   expect_refused({"--voxel-sizes", "-0.002"}, "--voxel-sizes: '-0.002'");
@@ -176,7 +176,7 @@ TEST(AccuracyVerb, RefusesWhatCannotBeMeasuredBeforeItMeasures) {
   expect_refused({"--csv", "/no/such/folder/a.csv"}, "/no/such/folder/a.csv");
 }
 
-TEST(AccuracyVerb, LeavesNoFileBehindWhereTheSceneIsRefused) {
+TEST(AccuracyVerb, RefusedSceneLeavesNoFile) {
   const TemporaryFolder folder;
   std::ofstream(folder / "bad.yaml") << "scene: 1\n";
   const Finished run = voxtouch(
@@ -193,7 +193,7 @@ TEST(AccuracyVerb, TakesTheSceneBeforeOrAfterItsLists) {
   EXPECT_EQ(run.status, 0) << run.err;
 }
 
-TEST(AccuracyVerb, TeachesWithItsHelp) {
+TEST(AccuracyVerb, HelpHasAnExample) {
   const Finished run = voxtouch({"accuracy", "--help"});
   EXPECT_EQ(run.status, 0);
   for (const char* word :

@@ -48,7 +48,7 @@ TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
   expect_refused({"sing"}, "subcommand");
 }
 
-TEST_F(BadCall, WithANameOf300LettersIsASentence) {
+TEST_F(BadCall, WithANameOf300LettersIsReported) {
   const std::string name(300, 'a'), said = std::string(64, 'a');
   for (const char* verb : {"up", "view", "plan", "accuracy", "report", "replay"})
     expect_refused({verb, name}, said);
@@ -57,7 +57,7 @@ TEST_F(BadCall, WithANameOf300LettersIsASentence) {
   expect_refused({"view", name + "/x.yaml"}, said);
 }
 
-TEST_F(BadCall, InAFolderThatMayNotBeEnteredIsASentence) {
+TEST_F(BadCall, InAnInaccessibleFolderIsReported) {
   const std::filesystem::path closed = folder_ / "closed";
   std::filesystem::create_directories(closed / "in");
   std::filesystem::permissions(closed, std::filesystem::perms::none);
@@ -79,12 +79,12 @@ TEST_F(BadCall, OfProbeWithoutItsFiles) {
   expect_refused({"probe", kScene, "--poses", kPoses, "--no-such"}, "--no-such");
 }
 
-TEST_F(BadCall, OfProbeWithAModelThatIsNotThere) {
+TEST_F(BadCall, OfProbeWithAnUnknownModel) {
   expect_refused({"probe", kScene, "--poses", kPoses, "--model", "best"}, "--model: best");
   expect_refused({"probe", kScene, "--poses", kPoses, "--model", "Field"}, "--model: Field");
 }
 
-TEST_F(BadCall, OfProbeWithPosesThatAreNone) {
+TEST_F(BadCall, OfProbeWithInvalidPoses) {
   for (const char* row :
        {"nan,0,0,0,0,0,0", "1,0,0,0,0,0,nan", "1,0,0,0,inf,0,0", "1,0,0,0,1e999,0,0",
         "0,0,0,0,0,0,0", "1e-4,0,0,0,0,0,0", "1e4,0,0,0,0,0,0", "1,0,0,0,0,0", "1,0,0,0,0,0,one",
@@ -98,7 +98,7 @@ TEST_F(BadCall, OfProbeWithPosesThatAreNone) {
   expect_refused({"probe", kScene, "--poses", file("other.csv", "x,y,z\n1,2,3\n")}, "'qw'");
 }
 
-TEST_F(BadCall, OfProbeWithAPoseFarOutsideAnyGridIsAnsweredWithNoContact) {
+TEST_F(BadCall, ProbeFarOutsideTheGridFindsNoContact) {
   const Finished run =
       voxtouch({"probe", kScene, "--poses", poses("1,0,0,0,1e300,0,0\n1,0,0,0,-1e12,1e12,0")});
   EXPECT_EQ(run.status, 0) << run.err;

@@ -91,7 +91,7 @@ TEST_P(BuildVerb, WritesTheVectorsInteriorByteForByte) {
   EXPECT_EQ(file_text(built("interior.csv")), expected("interior"));
 }
 
-TEST_P(BuildVerb, SaysInJsonWhatItBuilt) {
+TEST_P(BuildVerb, PrintsItsResultAsJson) {
   const nlohmann::json said = nlohmann::json::parse(result_.out);
   const nlohmann::json& mesh = vector_index().at("meshes").at(GetParam().mesh);
   EXPECT_EQ(said.at("surface_voxels"), mesh.at("n_surface_closed"));

@@ -9,7 +9,7 @@ namespace {
 
 const std::string kCup = std::string(VOXTOUCH_DEPLOY) + "/scenes/cup.yaml";
 
-TEST(DesignVerb, PrintsWhatRunsWithWhichMarginAndWhatLimits) {
+TEST(DesignVerb, PrintsTheDesignItsMarginAndItsLimit) {
   const Finished run = voxtouch({"design", "--device", "sim-phantom", "--scene", kCup});
   EXPECT_EQ(run.status, 0) << run.err;
   for (const char* word :
@@ -17,7 +17,7 @@ TEST(DesignVerb, PrintsWhatRunsWithWhichMarginAndWhatLimits) {
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 
-TEST(DesignVerb, GivesOneJsonObjectWhoseMarginIsTheOneAskedFor) {
+TEST(DesignVerb, PrintsOneJsonObjectWithTheRequestedMargin) {
   for (const double margin : {1.5, 2.0, 3.0}) {
     const Finished run = voxtouch({"design", "--device", "sim-phantom", "--kind", "shaping_filter",
                                    "--gain-margin", std::to_string(margin), "--json"});
@@ -33,7 +33,7 @@ TEST(DesignVerb, GivesOneJsonObjectWhoseMarginIsTheOneAskedFor) {
   }
 }
 
-TEST(DesignVerb, PrintsWhichContactsAreCertifiedAndWhatThatLeavesOut) {
+TEST(DesignVerb, PrintsCertifiedContactsAndTheLimits) {
   const Finished text = voxtouch({"design", "--device", "sim-phantom"});
   EXPECT_NE(text.out.find("certificate   any contact up to "), std::string::npos) << text.out;
   EXPECT_NE(
@@ -56,7 +56,7 @@ TEST(DesignVerb, PrintsWhichContactsAreCertifiedAndWhatThatLeavesOut) {
   EXPECT_LT(sum, 1.0);
 }
 
-TEST(DesignVerb, ThePapersRecipeIsStableWhereTheContactIsSoftAndTheDeviceDamped) {
+TEST(DesignVerb, PaperRecipeIsStableForSoftContactAndDamping) {
   const Finished run = voxtouch({"design", "--device", "sim-lwr", "--stiffness", "200", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
   const nlohmann::json j = nlohmann::json::parse(run.out);
@@ -64,7 +64,7 @@ TEST(DesignVerb, ThePapersRecipeIsStableWhereTheContactIsSoftAndTheDeviceDamped)
   EXPECT_EQ(j["paper_recipe"]["held"]["stable"], true);
 }
 
-TEST(DesignVerb, DesignsForADeviceThatALabHasWrittenDown) {
+TEST(DesignVerb, DesignsForADeviceFile) {
   const Finished run = voxtouch(
       {"design", "--device", std::string(VOXTOUCH_DEPLOY) + "/devices/premium_3.yaml", "--json"});
   ASSERT_EQ(run.status, 0) << run.err;
@@ -72,7 +72,7 @@ TEST(DesignVerb, DesignsForADeviceThatALabHasWrittenDown) {
             250.0);
 }
 
-TEST(DesignVerb, ExitsWithOneWhereNothingHolds) {
+TEST(DesignVerb, ExitsWithOneIfInfeasible) {
   const Finished run = voxtouch({"design", "--device", "sim-phantom", "--hand", "any_passive"});
   EXPECT_EQ(run.status, 1);
   EXPECT_NE(run.out.find("infeasible"), std::string::npos) << run.out;

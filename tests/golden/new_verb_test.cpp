@@ -14,7 +14,7 @@ const std::filesystem::path kMeshes = std::filesystem::path(VOXTOUCH_DEPLOY) / "
 
 class NewVerb : public testing::TestWithParam<const char*> {};
 
-TEST_P(NewVerb, WritesASceneThatIsFeltAtOnce) {
+TEST_P(NewVerb, WritesASceneReadyToTouch) {
   const TemporaryFolder out;
   const std::filesystem::path scene = out / "mine.yaml";
   const Finished made = voxtouch({"new", (kMeshes / GetParam()).string(), "--out", scene.string()});
@@ -66,7 +66,7 @@ std::string collada_box(const std::string& unit, double length) {
       unit, numbers);
 }
 
-TEST(NewVerb, BelievesTheUnitThatAFileDeclares) {
+TEST(NewVerb, UsesTheUnitDeclaredInAFile) {
   const TemporaryFolder out;
   const std::filesystem::path part = out / "part.dae", scene = out / "mine.yaml";
   const struct {
@@ -89,7 +89,7 @@ TEST(NewVerb, BelievesTheUnitThatAFileDeclares) {
   }
 }
 
-TEST(NewVerb, SaysWhereSinglePrecisionIsCoarseForAPart) {
+TEST(NewVerb, WarnsIfSinglePrecisionIsTooCoarse) {
   const TemporaryFolder out;
   const std::filesystem::path part = out / "map.obj";
   std::string text;

@@ -36,7 +36,7 @@ const nlohmann::json& part(const nlohmann::json& plan, const std::string& name) 
   throw std::runtime_error("no part " + name);
 }
 
-TEST(PlanVerb, SaysTheSameOnEveryMachineWhereNothingIsMeasured) {
+TEST(PlanVerb, PrintsTheSameOnEveryMachineUnmeasured) {
   const std::vector<std::string> call{"plan", kCylinder, "--no-measure"};
   const Finished first = voxtouch(call), second = voxtouch(call);
   ASSERT_EQ(first.status, 0) << first.err;
@@ -47,7 +47,7 @@ TEST(PlanVerb, SaysTheSameOnEveryMachineWhereNothingIsMeasured) {
             nlohmann::json::parse(file_text(kData / "golden/plan_cylinder.json")));
 }
 
-TEST(PlanVerb, MeasuresEachPartBesideWhatIsExpectedOfIt) {
+TEST(PlanVerb, MeasuresEachPartNextToItsEstimate) {
   const TemporaryFolder folder;
   const nlohmann::json j = plan_json({with_effects(folder, "[{viscosity: {damping_ns_per_m: 1}}]"),
                                       "--device", "sim-phantom", "--frames", "200"});
@@ -72,7 +72,7 @@ TEST(PlanVerb, MeasuresEachPartBesideWhatIsExpectedOfIt) {
 
 /// A hand at rest or on its way straight in keeps the rows of the frame before: such frames say
 /// nothing of what a virtual tool takes.
-TEST(PlanVerb, TimesAVirtualToolWhoseHandSlides) {
+TEST(PlanVerb, TimesAVirtualToolDuringASlidingMotion) {
   const TemporaryFolder folder;
   std::string text = file_text(kScenes + "/cup_virtual_tool.yaml");
   for (std::size_t at; (at = text.find("../meshes")) != std::string::npos;)
@@ -95,7 +95,7 @@ TEST(PlanVerb, TimesAVirtualToolWhoseHandSlides) {
   }
 }
 
-TEST(PlanVerb, TakesSeededPlacesWhereTheSceneHasNoMotion) {
+TEST(PlanVerb, UsesSeededPlacesWithoutAMotion) {
   const TemporaryFolder folder;
   std::string text = file_text(with_effects(folder, "[]"));
   std::ofstream(folder / "scene.yaml") << text.substr(0, text.find("motions:"));
@@ -108,7 +108,7 @@ TEST(PlanVerb, TakesSeededPlacesWhereTheSceneHasNoMotion) {
       << "it is designed for a device, and none is named";
 }
 
-TEST(PlanVerb, BuildsForTheModelThatIsNamed) {
+TEST(PlanVerb, BuildsForTheNamedModel) {
   const nlohmann::json j =
       plan_json({kScenes + "/cup_field.yaml", "--model", "adapted", "--no-measure"});
   EXPECT_EQ(j["contact_model"], "adapted");
@@ -118,7 +118,7 @@ TEST(PlanVerb, BuildsForTheModelThatIsNamed) {
       100'000);
 }
 
-TEST(PlanVerb, SaysWhatTheDeviceCannotShowAndExitsWithOneWhereItCannotRun) {
+TEST(PlanVerb, PrintsDeviceLimitsAndExitsWithOneIfImpossible) {
   const TemporaryFolder folder;
   const std::string rotation =
       with_effects(folder, "[{viscosity: {damping_ns_per_m: 1, damping_nms_per_rad: 0.01}}]");
@@ -132,7 +132,7 @@ TEST(PlanVerb, SaysWhatTheDeviceCannotShowAndExitsWithOneWhereItCannotRun) {
     EXPECT_EQ(note.get<std::string>().find("torque"), std::string::npos) << note;
 }
 
-TEST(PlanVerb, TellsAPersonInATable) {
+TEST(PlanVerb, PrintsATable) {
   const Finished run = voxtouch({"plan", kCylinder, "--frames", "50", "--device", "sim-phantom"});
   ASSERT_EQ(run.status, 0) << run.err;
   for (const char* word : {"expected ns    measured ns", "culling tree", "(pointshell)", "Topics",
@@ -140,7 +140,7 @@ TEST(PlanVerb, TellsAPersonInATable) {
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 
-TEST(PlanVerb, RefusesWhatItCannotDo) {
+TEST(PlanVerb, RefusesInvalidOptions) {
   EXPECT_NE(voxtouch({"plan"}).status, 0);
   EXPECT_NE(voxtouch({"plan", "no_such.yaml"}).status, 0);
   EXPECT_NE(voxtouch({"plan", kCylinder, "--model", "best"}).status, 0);

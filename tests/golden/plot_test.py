@@ -126,7 +126,7 @@ class Pictures(unittest.TestCase):
         self.assertEqual([p.name for p in self.at.glob("refused*")], [])
 
     # -------------------- the verbs
-    def test_accuracy_draws_the_models_that_were_measured_and_no_other(self):
+    def test_accuracy_draws_the_measured_models_only(self):
         file = self.at / "models.png"
         done = voxtouch(
             "accuracy",
@@ -146,7 +146,7 @@ class Pictures(unittest.TestCase):
                 check = self.assertGreater if model in ("adapted", "field") else self.assertLess
                 check(painted(file, colour), 200)  # the edges of black letters have some grey
 
-    def test_design_draws_a_region_that_holds_the_chosen_point_and_writes_it_as_csv(self):
+    def test_design_region_holds_the_chosen_point_also_as_csv(self):
         file, table = self.at / "region.png", self.at / "region.csv"
         done = voxtouch(
             "design",
@@ -186,7 +186,7 @@ class Pictures(unittest.TestCase):
         for colour in (plot.BLUE, plot.GREEN, plot.RED):
             self.assertGreater(painted(file, colour), 300, colour)
 
-    def test_design_draws_the_law_that_was_chosen_with_its_point_where_it_is_certified(self):
+    def test_design_draws_the_chosen_law_within_its_certificate(self):
         for kind in ("direct", "spring_damper"):
             file = self.at / f"{kind}.png"
             done = voxtouch(
@@ -227,7 +227,7 @@ class Pictures(unittest.TestCase):
             )["region"],
         )
 
-    def test_without_matplotlib_one_sentence_says_what_to_install_before_anything_is_measured(self):
+    def test_missing_matplotlib_is_reported_before_measuring(self):
         (self.at / "broken.py").write_text('raise ImportError("hidden by this test")\n')
         done = with_matplotlib_from(
             self.at / "broken.py",
@@ -255,7 +255,7 @@ class Pictures(unittest.TestCase):
             0,
         )
 
-    def test_a_verb_refuses_a_picture_it_cannot_write_before_it_measures(self):
+    def test_unwritable_picture_is_refused_before_measuring(self):
         for verb, name, says in (
             (
                 ["accuracy", DEPLOY / "scenes/tilted_plane.yaml"],
@@ -269,14 +269,14 @@ class Pictures(unittest.TestCase):
             self.assertEqual(done.stdout, "")
             self.assertNotIn(" %]", done.stderr)
 
-    def test_a_picture_whose_name_looks_like_an_option_or_has_blanks_is_a_picture(self):
+    def test_picture_name_may_resemble_an_option_or_have_blanks(self):
         for name in ("--help.png", "a b; c.png"):
             done = voxtouch("design", f"--plot={name}", cwd=self.at)
             self.assertEqual(done.returncode, 0, done.stderr)
             self.assertTrue((self.at / name).exists())
 
     # -------------------- the tool
-    def test_svg_and_pdf_are_whole_and_the_same_data_give_the_same_bytes(self):
+    def test_pictures_are_complete_and_reproducible(self):
         for ending in ("svg", "pdf", "png"):
             files = [self.at / f"{name}.{ending}" for name in ("a", "b")]
             for file in files:
@@ -286,7 +286,7 @@ class Pictures(unittest.TestCase):
         self.assertTrue((self.at / "a.pdf").read_bytes().startswith(b"%PDF"))
         self.assertTrue((self.at / "a.pdf").read_bytes().rstrip().endswith(b"%%EOF"))
 
-    def test_forces_of_a_bag_are_those_that_the_run_counted(self):
+    def test_forces_of_a_bag_match_the_run(self):
         bag, file = self.at / "bag", self.at / "forces.png"
         run = voxtouch(
             "up",
@@ -336,7 +336,7 @@ class Pictures(unittest.TestCase):
             "/other/rendering/contact",
         )
 
-    def test_the_tool_says_the_version_of_the_build_that_it_belongs_to(self):
+    def test_tool_prints_the_version_of_its_build(self):
         reported, of_build = (
             subprocess.run(
                 [BIN / program, "--version"], capture_output=True, text=True, timeout=60, check=True
@@ -345,7 +345,7 @@ class Pictures(unittest.TestCase):
         )
         self.assertEqual(reported, of_build)
 
-    def test_runs_side_by_side_share_their_axes_and_an_empty_bag_is_refused(self):
+    def test_compared_runs_have_common_axes_and_empty_bags_fail(self):
         for scene in ("cup", "cup_virtual_tool"):
             done = voxtouch(
                 "up",
@@ -370,7 +370,7 @@ class Pictures(unittest.TestCase):
             "nothing",
         )
 
-    def test_what_cannot_be_drawn_is_refused_in_a_sentence(self):
+    def test_undrawable_data_is_refused_with_a_message(self):
         (self.at / "words.json").write_text("not json")
         (self.at / "told.json").write_text('{"ok": false, "problems": ["the scene is not there"]}')
         (self.at / "empty").mkdir(exist_ok=True)
@@ -395,7 +395,7 @@ class Pictures(unittest.TestCase):
                 tool("accuracy", self.at / "run.json", self.at / name), name, ".png, .svg or .pdf"
             )
 
-    def test_a_full_disk_leaves_no_picture_and_no_part_of_one(self):
+    def test_full_disk_leaves_no_partial_picture(self):
         def small_files():
             resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
 
@@ -433,7 +433,7 @@ class Pictures(unittest.TestCase):
                     inside = [p for p in points if math.isfinite(p[1]) and box.contains(*p)]
                     self.assertEqual(len(inside), 0, f"the legend covers '{line.get_label()}'")
 
-    def test_texts_stay_on_the_page_legends_cover_nothing_and_every_row_is_drawn(self):
+    def test_texts_and_legends_fit_and_every_row_is_drawn(self):
         with plot.matplotlib.rc_context(plot.STYLE):
             figure, _ = plot.accuracy_figure(self.run_json)
             self.judge(figure)
@@ -491,7 +491,7 @@ class Pictures(unittest.TestCase):
         )
         self.assertTrue(title.endswith("field 90 % (1 e), adapted 240 % (0.25 e)"), title)
 
-    def test_a_stability_map_is_grey_where_nothing_touches(self):
+    def test_stability_map_is_grey_without_contact(self):
         table = self.at / "map.csv"
         with open(table, "w", encoding="utf-8") as out:
             out.write(
@@ -517,7 +517,7 @@ class Pictures(unittest.TestCase):
             painted(self.at / "map.png", "#d9d9d9"), 5000, "the cell without contact is not grey"
         )
 
-    def test_wishes_zeros_and_nothing_at_all_are_drawn_too(self):
+    def test_goals_zeros_and_no_rows_are_drawn(self):
         requested = json.loads(json.dumps(self.run_json))
         requested["request"].update(direction_deg=0.5, noise=0.02, within_us=3.0)
         requested["rows"][0].update(direction_mean_deg=0.0, magnitude_noise=0.0)

@@ -70,7 +70,7 @@ TEST_P(ProbeVerb, PrintsTheVectorsCountsSetsForcesAndTorques) {
 
 const Case kOne{"sphere__cylinder__exact", "adapted"};
 
-TEST(Probe, TakesTheScenesModelWhereNoneIsNamedAndPrintsPointsOnlyOnRequest) {
+TEST(Probe, UsesTheScenesModelAndPrintsPointsOnRequest) {
   const std::vector<std::string> call{"probe", kOne.scene().string(), "--poses",
                                       kOne.poses().string()};
   const auto with = [&](std::vector<std::string> more) {

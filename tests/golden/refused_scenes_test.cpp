@@ -67,7 +67,7 @@ class RefusedScene : public testing::Test {
   TemporaryFolder folder_;
 };
 
-TEST_F(RefusedScene, IsNoneThatCanBeBuilt) {
+TEST_F(RefusedScene, CannotBeBuilt) {
   const std::filesystem::path file = scene((kMeshes / "cup.obj").string());
   EXPECT_EQ(refusal(file), "");
   const Finished run = probed(file);
@@ -93,7 +93,7 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
   EXPECT_NE(sentence.find("locked.obj"), std::string::npos) << sentence;
 }
 
-TEST_F(RefusedScene, HasAMeshFileThatOpensButCannotBeRead) {
+TEST_F(RefusedScene, HasAMeshFileThatCannotBeRead) {
   const std::filesystem::path unreadable =
       "/proc/self/mem";  // at its start nothing is mapped: fails for root as well
   ASSERT_TRUE(std::filesystem::exists(unreadable)) << "/proc must be mounted";

@@ -133,7 +133,7 @@ class Storages(unittest.TestCase):
     other cases change in SQL.
     """
 
-    def test_a_split_bag_in_mcap_gives_the_same_bits_and_has_its_report(self):
+    def test_split_mcap_bag_is_bit_identical_with_its_report(self):
         with tempfile.TemporaryDirectory(prefix="voxtouch_test_replay_") as folder:
             bag = pathlib.Path(folder) / "cup"
             ran = voxtouch(
@@ -214,7 +214,7 @@ class Replay(unittest.TestCase):
         self.assertRegex(ran.stderr.splitlines()[-1], r"^error: .{20,}")
         return ran.stderr
 
-    def test_lockstep_gives_the_same_bits_and_the_text_says_so(self):
+    def test_lockstep_is_bit_identical_and_reported(self):
         said = self.equal(self.cup, 2000)
         self.assertTrue(said["ok"] and said["scene"]["same"] and said["lockstep"])
         self.assertGreater(said["forces"]["returned"]["recorded"]["largest_n"], 0.1)
@@ -248,7 +248,7 @@ class Replay(unittest.TestCase):
         program.chmod(0o755)
         return program.parents[1]
 
-    def test_what_a_build_makes_of_a_recording_is_written_as_a_bag(self):
+    def test_replay_of_a_build_is_written_as_a_bag(self):
         made, changed = self.folder / "made", self.folder / "changed"
         self.assertEqual(replay(self.cup, "--write", made)[0], 0)
         self.equal(made, 2000)
@@ -270,7 +270,7 @@ class Replay(unittest.TestCase):
         )
         self.assertIn("exists", self.refused(self.cup, "--write", made))
 
-    def test_two_builds_are_held_against_each_other_on_a_recorded_hand(self):
+    def test_two_builds_are_compared_on_a_recorded_hand(self):
         status, said, _ = replay(self.cup, "--against", BIN.parent)
         self.assertEqual(
             (status, said["ok"], said["other_build"], said["bag"]),
@@ -318,7 +318,7 @@ class Replay(unittest.TestCase):
         self.assertIn("other build", picture.read_text())
         self.assertIn(f"{other} makes", voxtouch("replay", bag, "--against", other).stdout)
 
-    def test_a_build_that_cannot_replay_is_told(self):
+    def test_build_without_replay_is_reported(self):
         self.assertIn("'voxtouch'", self.refused(self.cup, "--against", self.folder))
         other = self.other_build("import shutil", "shutil.rmtree(made)")
         self.assertIn("replay --write", self.refused(self.cup, "--against", other))
@@ -326,7 +326,7 @@ class Replay(unittest.TestCase):
         other = self.other_build("import os, signal", "os.kill(os.getpid(), signal.SIGKILL)")
         self.assertIn("signal 9", self.refused(self.cup, "--against", other))
 
-    def test_moving_objects_and_a_virtual_tool_give_the_same_bits(self):
+    def test_moving_objects_and_virtual_tool_are_bit_identical(self):
         for scene, motion in (
             ("objects", "slide"),
             ("cup_virtual_tool", "slide"),
@@ -344,7 +344,7 @@ class Replay(unittest.TestCase):
                 )
                 self.equal(self.folder / scene, 2000)
 
-    def test_the_clutch_gives_the_same_bits(self):
+    def test_clutch_is_bit_identical(self):
         scene = scene_of(self.folder, "plane")
         text = re.sub(
             r"^device:.*$",
@@ -397,7 +397,7 @@ class Replay(unittest.TestCase):
             ring.kill()
             ring.communicate()
 
-    def test_changes_and_a_scene_that_is_built_anew_hold_from_their_samples(self):
+    def test_changes_and_reloads_hold_from_their_samples(self):
         changes = [
             ("friction", "coulomb=0.2", "--from-sample", 4000),
             ("friction", "stiffness_n_per_m=80", "--from-sample", 10000),
@@ -434,7 +434,7 @@ class Replay(unittest.TestCase):
             any(re.search(r"\b3 changes\b.*\b0\b", s) for s in said["missing"]), said["missing"]
         )
 
-    def test_a_record_more_than_the_rendering_counts_is_said(self):
+    def test_surplus_record_is_reported(self):
         """As in a bag of `ros2 bag record`, which takes a stranger's record too: our recorder
         refuses it (tests/ring/forged_record_test.cpp).
         """
@@ -475,7 +475,7 @@ class Replay(unittest.TestCase):
         self.assertIn("sample 1000", said["missing"][0])
         self.assertRegex(said["missing"][1], r"\b1 records\b.*\b0\b")
 
-    def test_a_design_that_holds_from_another_sample_or_differs_by_a_bit_is_found(self):
+    def test_design_shifted_or_off_by_a_bit_is_detected(self):
         bag = self.folder / "bag"
         self.change(
             bag,
@@ -517,14 +517,14 @@ class Replay(unittest.TestCase):
             self.assertEqual((said["contact"]["differ"], said["command"]["differ"]), (0, 0), said)
         return said
 
-    def test_a_run_in_real_time_gives_the_same_bits_or_says_what_is_missing(self):
+    def test_real_time_run_is_bit_identical_or_reports_gaps(self):
         record(
             self.folder / "bag", DEPLOY / "scenes/cup.yaml", "--motion", "slide", "--duration", "3"
         )
         said = self.real_time(self.folder / "bag")
         self.assertFalse(said["lockstep"])
 
-    def test_in_real_time_the_bag_tells_from_where_a_new_design_holds(self):
+    def test_real_time_bag_records_where_a_design_holds(self):
         self.change(
             self.folder / "bag",
             DEPLOY / "scenes/cup_friction.yaml",
@@ -560,7 +560,7 @@ class Replay(unittest.TestCase):
         self.assertIn("sample 1234;", text)
         self.assertIn("tool_pose.position.x: ", text)
 
-    def test_a_wrench_from_outside_is_felt_from_the_sample_that_saw_it_until_it_is_late(self):
+    def test_external_wrench_acts_from_its_sample_until_stale(self):
         bag = self.folder / "bag"
         record(
             bag,
@@ -590,7 +590,7 @@ class Replay(unittest.TestCase):
         # given no energy.
         self.assertTrue(68 <= said["contact"]["differ"] <= 74, said)
 
-    def test_one_bit_of_a_recorded_answer_is_found_and_nothing_else(self):
+    def test_one_bit_of_a_recorded_answer_is_found(self):
         for topic, at, name, field in (
             (CONTACT, HEADER + 24 + 112, "contact", "wrench.force.x"),
             (COMMAND, HEADER + 32, "command", "wrench.force.x"),
@@ -614,7 +614,7 @@ class Replay(unittest.TestCase):
                     (777, [field]),
                 )
 
-    def test_another_scene_is_said_and_its_forces_stand_beside_the_recorded_ones(self):
+    def test_another_scene_is_reported_with_both_forces(self):
         scene = scene_of(self.folder, "cup", ("voxel_size: 0.002", "voxel_size: 0.003"))
         picture = self.folder / "forces.png"
         ran = voxtouch("replay", self.cup, "--scene", scene, "--plot", picture)
@@ -633,7 +633,7 @@ class Replay(unittest.TestCase):
             said["forces"]["rendered"]["recorded"], said["forces"]["rendered"]["replayed"]
         )
 
-    def test_a_scene_file_that_has_changed_since_or_is_gone_is_said(self):
+    def test_changed_or_missing_scene_file_is_reported(self):
         scene = scene_of(self.folder, "plane")
         record(self.folder / "bag", scene, "--motion", "slide", "--lockstep", "--duration", "1")
         self.equal(self.folder / "bag", 1000)
@@ -647,7 +647,7 @@ class Replay(unittest.TestCase):
         scene.unlink()
         self.assertIn("--scene", self.refused(self.folder / "bag"))
 
-    def test_messages_that_the_recorder_lost_are_counted_and_said(self):
+    def test_lost_messages_are_counted_and_reported(self):
         bag = self.copy()
         for topic, number in ((STATE, 500), (CONTACT, 800)):
             edit(bag, "DELETE FROM messages WHERE id = ?", message_of(bag, topic, number)[0])
@@ -673,7 +673,7 @@ class Replay(unittest.TestCase):
         _, said, _ = replay(bag)
         self.assertTrue(any("1 contacts" in s for s in said["missing"]), said["missing"])
 
-    def test_a_command_that_the_recorder_got_twice_is_made_once(self):
+    def test_duplicate_command_is_replayed_once(self):
         bag = self.copy()
         edit(
             bag,
@@ -685,7 +685,7 @@ class Replay(unittest.TestCase):
         )
         self.assertIn("1 messages", self.equal(bag, 2000)["notes"][0])
 
-    def test_what_cannot_be_replayed_gets_a_sentence(self):
+    def test_unreplayable_bag_is_refused_with_a_message(self):
         bag = self.copy("undescribed")
         edit(
             bag,

@@ -229,7 +229,7 @@ class Reports(unittest.TestCase):
         return bag
 
     # -------------------- figures
-    def test_the_figures_are_those_of_the_summary_and_of_the_bytes_of_the_bag(self):
+    def test_figures_match_the_summary_and_the_bag(self):
         (figures,) = self.page.figures
         commands = rows(self.bag, "/haptic/coupling/command")
         force = [math.dist((0, 0, 0), struct.unpack_from("<3d", m, 32)) for m in commands]
@@ -258,7 +258,7 @@ class Reports(unittest.TestCase):
         self.assertAlmostEqual(figures["ratio_to_limit"], max(force) / limit, 9)
         self.says(self.page, f"{max(force):.3g} N")
 
-    def test_layouts_are_read_where_they_are_written_down(self):
+    def test_layouts_match_offsets_counted_by_hand(self):
         """Against offsets that this test has counted by hand."""
         contact = rows(self.bag, "/haptic/rendering/contact")
         run = run_data.Run(self.bag)
@@ -271,7 +271,7 @@ class Reports(unittest.TestCase):
         self.assertEqual(run.description["model"], "sim-phantom")
 
     # -------------------- page
-    def test_the_page_is_whole_loads_nothing_and_tells_those_who_do_not_see_it(self):
+    def test_page_is_self_contained_and_accessible(self):
         self.assertEqual(self.page.problems, [])
         for key in ("src", "href", "xlink:href", "data", "action"):
             for tag in {tag for tag, _ in self.page.tags}:
@@ -292,7 +292,7 @@ class Reports(unittest.TestCase):
         self.assertIn("lang", dict(self.page.tags[0][1]))
         self.assertLess(len(self.page.source), 2_000_000)
 
-    def test_light_and_dark_both_have_every_colour_and_enough_contrast(self):
+    def test_light_and_dark_define_all_colours_with_contrast(self):
         light, dark = (
             dict(
                 pair.split(":", 1)
@@ -348,7 +348,7 @@ class Reports(unittest.TestCase):
         in_css = set(run_page.CSS.replace(";", " ").split())
         self.assertEqual(drawn - in_css, set(), "a colour of a picture does not follow the page")
 
-    def test_titles_say_what_is_seen_and_the_caption_tells_the_two_forces_apart(self):
+    def test_titles_describe_the_plot_and_both_forces(self):
         (figures,) = self.page.figures
         self.says(
             self.page,
@@ -367,7 +367,7 @@ class Reports(unittest.TestCase):
                 self.assertRegex(axis.get_ylabel(), r"\[[^ ]+\]$")
             self.assertRegex(axes[-1].get_xlabel(), r"\[[^ ]+\]$")
 
-    def test_coupling_scene_and_what_went_wrong_are_told_in_sentences(self):
+    def test_coupling_scene_and_faults_are_described(self):
         self.says(self.page, "margin of 2")
         self.says(self.page, "Voxmap of 1")
         on_a_busy_machine = [
@@ -442,7 +442,7 @@ class Reports(unittest.TestCase):
             )
         self.assertFalse((self.at / "again" / "report.html").exists())
 
-    def test_two_runs_stand_side_by_side_on_one_scale(self):
+    def test_two_runs_are_drawn_on_one_scale(self):
         other = self.at / "other"
         self.assertEqual(
             up(
@@ -468,7 +468,7 @@ class Reports(unittest.TestCase):
                 )
 
     # -------------------- bags of any kind
-    def test_faults_stand_on_the_page_with_their_times(self):
+    def test_page_lists_faults_with_their_times(self):
         """Three stretches without an answer, a command that the coupling held and a contact that
         the reference disputes.
         """
@@ -527,7 +527,7 @@ class Reports(unittest.TestCase):
                 "a line is drawn where nothing was recorded",
             )
 
-    def test_of_many_samples_no_peak_is_lost_and_few_points_are_drawn(self):
+    def test_decimation_keeps_every_peak(self):
         n = 600_000
         y = [0.0] * n
         y[123_456], y[400_001] = 7.0, -3.0
@@ -562,7 +562,7 @@ class Reports(unittest.TestCase):
                 0,
             )
 
-    def test_of_a_bag_that_is_none_or_not_ours_a_sentence_is_said(self):
+    def test_invalid_or_foreign_bag_is_reported(self):
         (self.at / "empty").mkdir()
         self.refused(self.at / "empty", str(self.at / "empty"))
         (self.at / "mcap").mkdir()
@@ -597,7 +597,7 @@ class Reports(unittest.TestCase):
             self.copy("short", "UPDATE messages SET data = substr(data, 1, 40)"), "this version"
         )
 
-    def test_a_bag_without_contact_without_latency_or_without_words_says_so(self):
+    def test_missing_contact_latency_or_messages_are_reported(self):
         still = self.at / "still"
         self.assertEqual(
             up(
@@ -644,7 +644,7 @@ class Reports(unittest.TestCase):
         )
         self.assertEqual(page.figures[0]["samples"], 2000)
 
-    def test_numbers_that_are_none_leave_a_page_all_the_same(self):
+    def test_invalid_numbers_still_give_a_page(self):
         bag = self.copy("nan")
         for topic, at in (
             ("coupling/command", 32),
@@ -657,7 +657,7 @@ class Reports(unittest.TestCase):
         self.assertTrue(math.isfinite(page.figures[0]["max_force_n"]))
         self.assertNotIn("NaN", page.scripts)
 
-    def test_bytes_of_any_kind_leave_a_page_or_a_sentence(self):
+    def test_any_bytes_give_a_page_or_a_message(self):
         dice = random.Random(int(os.environ.get("VOXTOUCH_SEED", "1")))
         for turn in range(12):
             bag = self.copy(f"spoiled {turn}")
@@ -684,7 +684,7 @@ class Reports(unittest.TestCase):
                 except run_data.BagError as error:
                     self.assertTrue(str(error).startswith(str(bag)))
 
-    def test_a_ring_that_was_killed_has_a_page_that_says_so(self):
+    def test_page_of_a_killed_ring_reports_it(self):
         bag = self.at / "killed"
         ring = subprocess.Popen(
             [
@@ -722,7 +722,7 @@ class Reports(unittest.TestCase):
         self.assertFalse((bag / "report.html").exists())
 
     # -------------------- next to a run
-    def test_settings_of_the_users_python_change_nothing(self):
+    def test_user_python_settings_change_nothing(self):
         packages = self.at / "packages"
         packages.mkdir()
         for name in ("numpy", "matplotlib", "sqlite3", "json"):
@@ -740,7 +740,7 @@ class Reports(unittest.TestCase):
         self.assertTrue(output.stdout.startswith(f"{page} "), output.stdout)
         self.assertEqual(page.read_bytes(), self.report_of(self.bag).source.encode())
 
-    def test_up_writes_it_and_leaves_it_out_and_is_no_worse_without_matplotlib(self):
+    def test_up_writes_or_skips_it_and_works_without_matplotlib(self):
         self.assertIn(f"report: {self.bag / 'report.html'}", self.done.stderr)
         self.assertNotIn("report", self.summary)
         (self.at / "broken.py").write_text('raise ImportError("hidden by this test")\n')
@@ -761,7 +761,7 @@ class Reports(unittest.TestCase):
         self.assertTrue(json.loads(done.stdout)["ok"])
         self.assertFalse((self.at / "plain" / "report.html").exists())
 
-    def test_up_waits_a_few_seconds_at_most_and_the_page_comes_all_the_same(self):
+    def test_up_waits_briefly_and_the_page_still_appears(self):
         (self.at / "slow.py").write_text(
             "import time\ntime.sleep(8)\n" + pathlib.Path(matplotlib_file()).read_text()
         )

@@ -24,7 +24,7 @@ Count read_count(const std::filesystem::path& file) {
   return count;
 }
 
-TEST(Allocation, OursIsZeroInDeviceRenderingAndCouplingLoops) {
+TEST(Allocation, LoopsOfAllNodesAllocateNothing) {
   const TemporaryFolder folder;
   const std::string scene = std::string(VOXTOUCH_DEPLOY) + "/scenes/cup.yaml",
                     domain = fresh_domain();
@@ -55,7 +55,7 @@ TEST(Allocation, OursIsZeroInDeviceRenderingAndCouplingLoops) {
   }
 }
 
-TEST(Allocation, OursIsZeroInTheRenderingLoopWhileItIsChanged) {
+TEST(Allocation, RenderingLoopAllocatesNothingDuringChanges) {
   const TemporaryFolder folder;
   std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   std::string scene((std::istreambuf_iterator<char>(in)), {});
@@ -87,7 +87,7 @@ TEST(Allocation, OursIsZeroInTheRenderingLoopWhileItIsChanged) {
   EXPECT_EQ(read_count(folder / "rendering").ours, 0);
 }
 
-TEST(Allocation, IsSeenByTheCounterWhereItHappens) {
+TEST(Allocation, OfTheCommandLineIsCounted) {
   const TemporaryFolder folder;
   // The command line itself allocates in its main thread: the counter must see that.
   Process up({VOXTOUCH_BIN "/voxtouch", "--help"},

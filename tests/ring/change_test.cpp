@@ -198,7 +198,7 @@ std::vector<msg::ForceCommand> commands(const TemporaryFolder& folder, const std
   return read_ring_topic<msg::ForceCommand>(folder / name, "/haptic/coupling/command");
 }
 
-TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
+TEST(Change, OfAnEffectIsContinuousAndReproducible) {
   const TemporaryFolder folder;
   const std::vector<Change> changes = {
       {kActionSwitch, 0.0, 1500},
@@ -243,7 +243,7 @@ TEST(Change, OfAnEffectInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
   EXPECT_FALSE(once.at("rendering/contact") == hashes(folder / "plain").at("rendering/contact"));
 }
 
-TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameBitsTwice) {
+TEST(Change, ToAReloadedSceneIsContinuousAndReproducible) {
   const TemporaryFolder folder;
   const std::vector<Change> changes = {{kActionReload, 0.0, 1800, 0.0015, "", "", "adapted"}};
   lockstep(folder, "plain", "slide", {}, {}, true);
@@ -304,7 +304,7 @@ TEST(Change, ToASceneThatWasBuiltAnewInContactIsNoStepOfTheForceAndGivesTheSameB
       << "designed anew for what the new scene can show";
 }
 
-TEST(Change, GarbageOnTheTopicIsNotFelt) {
+TEST(Change, IgnoresGarbageOnTheTopic) {
   const TemporaryFolder folder;
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   lockstep(folder, "plain", "slide", {});
@@ -342,7 +342,7 @@ Verb change(std::vector<std::string> words) {
   return verb;
 }
 
-TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
+TEST(ChangeVerb, PrintsTheResultOrTheReason) {
   const TemporaryFolder folder;
   Process up(up_arguments(oily_plane(folder), {"--motion", "slide", "--no-record"}));
   for (int i = 0; i < 1500 && !runs(up); ++i)
@@ -372,7 +372,7 @@ TEST(ChangeVerb, SaysWhatWasDoneOrWhyNot) {
 
 /// What is refused at the start is refused while running: by the same sentence, whichever way it
 /// comes.
-TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
+TEST(ChangeVerb, RefusesMoreThanTheDeviceBears) {
   const TemporaryFolder folder;
   std::string file;
   const auto write = [&](const std::string& damping) {
@@ -403,7 +403,7 @@ TEST(ChangeVerb, IsRefusedWhatTheDeviceDoesNotStand) {
   EXPECT_EQ(end.status, 0) << end.err << end.out;
 }
 
-TEST(ChangeVerb, SaysSoWhereNobodyAnswersWithinTwoSeconds) {
+TEST(ChangeVerb, FailsAfterTwoSecondsWithoutAnAnswer) {
   const Verb verb = change({"viscosity", "off"});
   EXPECT_EQ(verb.end.status, 1);
   EXPECT_FALSE(verb.end.err.empty());

@@ -43,7 +43,7 @@ double force(const msg::ForceCommand& c) {
   return std::hypot(c.wrench.force.x, c.wrench.force.y, c.wrench.force.z);
 }
 
-TEST(Clutch, PressedInContactTheToolStaysAndTheForceFadesOutAndIn) {
+TEST(Clutch, InContactHoldsTheToolAndFadesTheForce) {
   const TemporaryFolder folder;
   const RingResult r =
       run_ring(scene_with_clutch(folder / ""),

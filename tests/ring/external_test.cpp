@@ -78,8 +78,7 @@ bool was_fed(const std::vector<msg::ExternalSample>& taken, std::int64_t at_ns) 
   return at_ns - before <= 40'000'000;
 }
 
-TEST(ExternalRing,
-     ALoopThatIsClosedOutsideIsStableBoundedFadesWhenItsNodeStopsAndIsReplayedBitByBit) {
+TEST(ExternalRing, IsBoundedFadesOnStopAndReplaysExactly) {
   const TemporaryFolder folder;
   const std::filesystem::path bag = folder / "bag";
   Process up(up_arguments(shipped_scene("cup_external"), {"--device", "sim-phantom", "--motion",

@@ -53,7 +53,7 @@ double printed_force_n(const std::string& lines) {
 
 /// A busy machine may bring about records of its own, before the kill and behind it. The contact
 /// does not end, so each holds force.
-TEST(FaultRecord, OfAKilledRenderingHoldsTheTwoSecondsBefore) {
+TEST(FaultRecord, HoldsTwoSecondsBeforeAKill) {
   const TemporaryFolder folder;
   Process up(up_arguments(pressed_scene(folder.path()), {"--motion", "press", "--duration", "60",
                                                          "--record", (folder / "bag").string()}));
@@ -115,7 +115,7 @@ std::filesystem::path unstable_scene(const std::filesystem::path& folder) {
   return folder / "unstable.yaml";
 }
 
-TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
+TEST(ForceLock, HoldsAfterInstabilityUntilRecover) {
   const TemporaryFolder folder;
   Process up(up_arguments(unstable_scene(folder.path()), {"--motion", "hit", "--duration", "0",
                                                           "--record", (folder / "bag").string()}));
@@ -140,7 +140,7 @@ TEST(ForceLock, OfAnUnstableContactHoldsUntilAPersonSaysRecover) {
   EXPECT_NE(summary["problems"].dump().find("coupling locked"), std::string::npos) << end.out;
 }
 
-TEST(ForceLock, IsNotThereToBeOpenedWhereNothingIsLocked) {
+TEST(ForceLock, HasNothingToResetWithoutAFault) {
   Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--rig", "nobody",
                                            "--domain", fresh_domain(), "--json"});
   const Finished said = recover.wait();
@@ -148,7 +148,7 @@ TEST(ForceLock, IsNotThereToBeOpenedWhereNothingIsLocked) {
   EXPECT_NE(said.out.find("'nobody'"), std::string::npos) << said.out;
 }
 
-TEST(FaultRecord, OfAGoodRunIsNone) {
+TEST(FaultRecord, IsAbsentForAPassedRun) {
   const TemporaryFolder folder;
   const RingResult r =
       run_ring(shipped_scene("cup"), {"--lockstep", "--one-process", "--motion", "slide",

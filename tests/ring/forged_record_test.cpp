@@ -21,7 +21,7 @@ bool comes(const std::function<bool()>& holds) {
   return holds();
 }
 
-TEST(ForgedRecord, IsNotInTheBagAndItsReplayGivesTheSameBits) {
+TEST(ForgedRecord, IsNotInTheBagAndReplayIsBitIdentical) {
   const TemporaryFolder folder;
   const bus::Participant participant(
       {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "forger"});

@@ -58,7 +58,7 @@ class StoppedNode : public testing::TestWithParam<const char*> {};
 std::string only_name(const testing::TestParamInfo<const char*>& info) { return info.param; }
 const auto kNodes = testing::Values("device", "rendering", "coupling", "validator", "logger");
 
-TEST_P(StoppedNode, IsNamedByUpAndByTheOthersAndTheRunIsNoGoodOne) {
+TEST_P(StoppedNode, IsNamedByAllAndFailsTheRun) {
   const std::string node = GetParam();
   const TemporaryFolder folder;
   Process up(
@@ -112,7 +112,7 @@ struct Broken {
 
 class StoppedForAWhile : public testing::TestWithParam<Broken> {};
 
-TEST_P(StoppedForAWhile, BreaksTheLimitThatIsThereForIt) {
+TEST_P(StoppedForAWhile, BreaksItsOwnLimit) {
   const auto [node, limit] = GetParam();
   const TemporaryFolder folder;
   std::vector<std::string> more = {"--motion", "slide",        "--duration",
@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(RealTime, StoppedForAWhile,
                            return std::string(one.param.node) + "_" + one.param.limit;
                          });
 
-TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
+TEST(HungDisk, IsNamedAndFailsTheRun) {
   const TemporaryFolder folder;
   const std::string flag = (folder / "hangs").string();
   Process up(
@@ -178,7 +178,7 @@ TEST(HungDisk, IsNamedAndTheRunIsNoGoodOne) {
   EXPECT_EQ(summary["recording"]["dropped"], 0) << "the queue holds more than a second";
 }
 
-TEST(HungDisk, ThatIsStoppedMeanwhileLosesNothing) {
+TEST(HungDisk, RingStoppedMeanwhileLosesNothing) {
   const TemporaryFolder folder;
   const std::string flag = (folder / "hangs").string();
   Process up(up_arguments(shipped_scene("cup"), {"--motion", "slide", "--duration", "0", "--record",
@@ -208,7 +208,7 @@ bool has_samples(const Process& up) {
   return std::regex_search(up.err(), std::regex(" [1-9][0-9]* samples  force"));
 }
 
-TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {
+TEST_P(StoppedInLockstep, EndsTheRunWithAMessage) {
   const std::string node = GetParam();
   const TemporaryFolder folder;
   Process up(
@@ -230,7 +230,7 @@ TEST_P(StoppedInLockstep, EndsTheRunWithASentence) {
 INSTANTIATE_TEST_SUITE_P(Lockstep, StoppedInLockstep, kNodes, only_name);
 
 /// It has said nothing yet, so only who waits for it can tell.
-TEST(StoppedInLockstep, IsNamedWhileTheOthersWaitForItToStart) {
+TEST(StoppedInLockstep, IsNamedWhileOthersAwaitItsStart) {
   Process up(up_arguments(shipped_scene("cup"),
                           {"--motion", "slide", "--duration", "1", "--lockstep", "--no-record"}));
   pid_t validator = 0;
@@ -247,7 +247,7 @@ TEST(StoppedInLockstep, IsNamedWhileTheOthersWaitForItToStart) {
   EXPECT_EQ(up.wait(seconds(50)).status, 0) << up.err();
 }
 
-TEST(StoppedInLockstep, EndsNodesThatWereStartedByHandToo) {
+TEST(StoppedInLockstep, EndsManuallyStartedNodesToo) {
   const std::string scene = shipped_scene("plane");
   const auto start = [&](const std::string& node, std::vector<std::string> more) {
     std::vector<std::string> a = {VOXTOUCH_BIN "/voxtouch_" + node,

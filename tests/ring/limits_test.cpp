@@ -23,7 +23,7 @@ Finished run_with_descriptors(int most) {
   return Process(arguments).wait(std::chrono::seconds(60));
 }
 
-TEST(Descriptors, TooFewAreSaidAndNoProcessDiesOfThem) {
+TEST(Descriptors, TooFewAreReportedWithoutACrash) {
   for (int most = 3; most <= 64; ++most) {
     const Finished end = run_with_descriptors(most);
     EXPECT_NE(end.status, 0) << most;
@@ -38,7 +38,7 @@ TEST(Descriptors, TooFewAreSaidAndNoProcessDiesOfThem) {
 }
 
 /// Root has no such limit, so the processes run as a user that has no others.
-TEST(Threads, TooFewAreReportedWithoutAnAbort) {
+TEST(Threads, TooFewAreReportedWithoutACrash) {
   if (geteuid() != 0)
     GTEST_SKIP() << "needs root: the limit counts all threads of a user";
   for (const int most : {1, 2, 3, 5, 8, 12, 16}) {
@@ -53,7 +53,7 @@ TEST(Threads, TooFewAreReportedWithoutAnAbort) {
   }
 }
 
-TEST(Options, ThatAreNoneAreRefusedAtOnce) {
+TEST(Options, InvalidOnesAreRefusedAtOnce) {
   const std::string huge(1 << 17,
                          '9');  // the longest argument that the kernel takes is a little longer
   const std::vector<std::pair<const char*, std::vector<std::string>>> bad = {
@@ -80,7 +80,7 @@ TEST(Options, ThatAreNoneAreRefusedAtOnce) {
     }
 }
 
-TEST(Missed, ARunInWhichAWallMayHaveBeenPassedUnseenIsNoGoodOne) {
+TEST(Missed, SuspectedTunnellingFailsTheRun) {
   const TemporaryFolder folder;
   // The hand `hit`s at 8 m/s: up to some voxels a sample.
   const std::string scene =
@@ -118,7 +118,7 @@ std::string pressed_plate(const TemporaryFolder& folder, const std::string& cont
   return file;
 }
 
-TEST(Memoryless, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
+TEST(Memoryless, SlowPassThroughFailsTheRun) {
   for (const char* model : {"original", "adapted"}) {
     SCOPED_TRACE(model);
     const TemporaryFolder folder;
@@ -136,7 +136,7 @@ TEST(Memoryless, ARunInWhichAWallWasPassedSlowlyIsNoGoodOne) {
   }
 }
 
-TEST(Memoryless, ARunThatOnlyTouchesIsAGoodOne) {
+TEST(Memoryless, TouchIsPassed) {
   const TemporaryFolder folder;
   std::string scene =
       pressed_plate(folder, "model: adapted, stiffness_n_per_m: 30, rendering: memoryless");

@@ -82,7 +82,7 @@ Status status_of(const std::vector<std::byte>& bytes) {
   return status;
 }
 
-TEST(Lockstep, StartsTheDeviceWhenTheNodesThatItNeedsAreReady) {
+TEST(Lockstep, StartsTheDeviceOnceItsPeersAreReady) {
   const TemporaryFolder folder;
   const RingResult r =
       run_ring(shipped_scene("plane"), {"--lockstep", "--motion", "hit", "--duration", "0.2",
@@ -104,7 +104,7 @@ TEST(Lockstep, StartsTheDeviceWhenTheNodesThatItNeedsAreReady) {
   EXPECT_TRUE(ready.contains("rendering") && ready.contains("coupling")) << ready.size();
 }
 
-TEST(Lockstep, GivesTheSameBitsAloneBesideABurnerAndInOneProcess) {
+TEST(Lockstep, IsBitIdenticalUnderLoadAndInOneProcess) {
   const TemporaryFolder folder;
   const auto alone = lockstep_run(folder, "alone", {});
   std::atomic<bool> burn{true};
@@ -129,13 +129,13 @@ TEST(Lockstep, GivesTheSameBitsAloneBesideABurnerAndInOneProcess) {
     EXPECT_EQ(alone.at(topic).messages, 4000U) << topic;
 }
 
-TEST(Lockstep, OfAnotherSceneOrDeviceGivesOtherBits) {
+TEST(Lockstep, DiffersForAnotherSceneOrDevice) {
   const TemporaryFolder folder;
   EXPECT_FALSE(lockstep_run(folder, "phantom", {}).at("coupling/command") ==
                lockstep_run(folder, "lwr", {"--device", "sim-lwr"}).at("coupling/command"));
 }
 
-TEST(Lockstep, EndsWithZeroForceAndANonZeroStatusWhenAPeerFallsSilent) {
+TEST(Lockstep, EndsWithZeroForceIfAPeerFallsSilent) {
   Process up(up_arguments(shipped_scene("plane"), {"--lockstep", "--motion", "slide", "--duration",
                                                    "3000", "--no-record"}));
   for (int i = 0; i < 1500 && !runs(up); ++i)
@@ -223,7 +223,7 @@ TEST_P(ShippedScene, GivesNoForceInFreeSpaceAndAfterIt) {
 }
 
 /// The third motion, hit, is that of the case above.
-TEST_P(ShippedScene, TouchesInEveryMotionThatShouldAndTheValidatorAgrees) {
+TEST_P(ShippedScene, TouchesInEveryMotion) {
   for (const char* motion : {"slide", "circle"}) {
     SCOPED_TRACE(motion);
     const RingResult r = run(motion, "6", {"--no-record"});
@@ -248,7 +248,7 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(all_cases()), [](c
 /// what the reference says.
 class EffectScene : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
-TEST_P(EffectScene, IsFeltAndTheContactBesideItIsTheReferences) {
+TEST_P(EffectScene, DisplaysItsEffectAndTheReferenceContact) {
   const auto& [scene, motion] = GetParam();
   const TemporaryFolder folder;
   const RingResult r = run_ring(
@@ -275,7 +275,7 @@ INSTANTIATE_TEST_SUITE_P(
                     std::pair{"cup_viscosity", "slide"}, std::pair{"objects", "slide"}),
     [](const auto& one) { return std::string(one.param.first); });
 
-TEST(BlockScene, IsCarriedFallsRestsAndIsPushedOverTheTable) {
+TEST(BlockScene, CanBeCarriedDroppedAndPushed) {
   for (const char* device : {"sim-phantom", "sim-lwr"}) {
     SCOPED_TRACE(device);
     const TemporaryFolder folder;

@@ -26,7 +26,7 @@ void wait_until_it_runs(const Process& up) {
   ASSERT_TRUE(runs(up)) << up.err();
 }
 
-TEST(RosOutputs, ShowPoseWrenchFramesMarkersAndDiagnosticsToWhoeverReads) {
+TEST(RosOutputs, PublishPoseWrenchFramesMarkersAndDiagnostics) {
   Process up(up_arguments(shipped_scene("cup"), {"--motion", "hit", "--no-record"}));
   wait_until_it_runs(up);
   const bus::Participant participant({domain(), "lo", "rviz"});
@@ -73,7 +73,7 @@ TEST(RosOutputs, ShowPoseWrenchFramesMarkersAndDiagnosticsToWhoeverReads) {
   EXPECT_EQ(up.wait().status, 0);
 }
 
-TEST(Logger, RecordsAnotherTopicThatItIsTold) {
+TEST(Logger, RecordsAnAdditionalTopic) {
   const TemporaryFolder folder;
   const RingResult r =
       run_ring(shipped_scene("plane"),
@@ -90,7 +90,7 @@ TEST(Logger, RecordsAnotherTopicThatItIsTold) {
   EXPECT_EQ(bag->topics()[*bag->find_topic("/tf")].type, "tf2_msgs/msg/TFMessage");
 }
 
-TEST(Logger, LeavesABagThatOpensAndLacksAtMostASecondWhenItIsKilled) {
+TEST(Logger, KilledLeavesABagWithoutTheLastSecondAtMost) {
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60",
                                                    "--record", (folder / "bag").string()}));
@@ -149,7 +149,7 @@ TEST(Ring, RampsTheForceInWhenItStartsInsideAContact) {
   EXPECT_LT(fastest, 0.02) << "the tool was thrown out instead of being pushed out";
 }
 
-TEST(Ring, IsBackAtExactlyZeroForceAfterEachContact) {
+TEST(Ring, ForceIsExactlyZeroAfterEachContact) {
   const TemporaryFolder folder;
   const RingResult r =
       run_ring(shipped_scene("cup"), {"--lockstep", "--motion", "slide", "--duration", "6",

@@ -81,24 +81,24 @@ void presses(const std::string& contact, double most_m, double late_m, double fr
   EXPECT_GT(measured, 50);
 }
 
-TEST(PressRing, RisesAndStaysBelowTheCertifiedWithTheField) {
+TEST(PressRing, FieldStaysBelowTheCertifiedStiffness) {
   presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1.2e-4);
 }
 /// A ball whose points are so soft takes some millimetres to become as stiff as is certified; deep
 /// in its normals cancel.
-TEST(PressRing, NeverFallsWhileTheHandGoesInWhereTheContactIsSoftAndItsNormalsCancel) {
+TEST(PressRing, SoftContactNeverFallsDuringIndentation) {
   presses("model: adapted, stiffness_n_per_m: 30", 1.0, 1e-4, 0.35);
 }
-TEST(PressRing, NeverFallsWhileTheHandGoesInWhereEachPointPushesAlongItsOwnNormal) {
+TEST(PressRing, PerPointNormalsNeverFallDuringIndentation) {
   presses("model: original, stiffness_n_per_m: 200", 0.009, 1e-4, 0.65);
 }
-TEST(PressRing, NeverFallsToTheEndWhateverTheModel) {
+TEST(PressRing, NeverFallsToTheEndForAnyModel) {
   for (const char* contact :
        {"model: original, stiffness_n_per_m: 200", "model: adapted, stiffness_n_per_m: 200"})
     presses(contact, 1.0, 1e-4, 0.65);
 }
 /// Deeper, the normals of the ball's points cancel, and the model falls back to each point's own.
-TEST(PressRing, RisesAndStaysBelowTheCertifiedWithThePapersModel) {
+TEST(PressRing, AdaptedStaysBelowTheCertifiedStiffness) {
   presses("model: adapted, stiffness_n_per_m: 200", 0.007, 1e-4, 0.65);
 }
 

@@ -83,7 +83,7 @@ bool comes(const std::function<bool()>& holds) {
 
 /// It never rests: as urgent as a ring in real time, it would keep one on the same machine from
 /// running.
-TEST(Priority, OfARingInLockstepIsThatOfAnyProgram) {
+TEST(Priority, OfARingInLockstepIsOrdinary) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   const Process up = start({"--lockstep", "--duration", "600"});
@@ -94,7 +94,7 @@ TEST(Priority, OfARingInLockstepIsThatOfAnyProgram) {
   }
 }
 
-TEST(Priority, OfARingInRealTimeIsAboveAllOthersWhileItRunsAndNotWhileItIsBuilt) {
+TEST(Priority, IsRealTimeOnlyWhileTheRingRuns) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   const Process up = start({"--duration", "600"});
@@ -114,7 +114,7 @@ TEST(Priority, OfARingInRealTimeIsAboveAllOthersWhileItRunsAndNotWhileItIsBuilt)
 
 /// All memory comes in at once, the stacks of DDS's threads with it: at the loop's priority every
 /// ring of the machine would stand still for it.
-TEST(Priority, IsTakenWhenTheMemoryIsLockedAndStacksAreSmall) {
+TEST(Priority, IsSetAfterMemoryIsLocked) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   int policy = -1;
@@ -142,7 +142,7 @@ cpu_set_t cpus_of(pid_t thread) {
 
 /// Device, rendering and coupling of one process take turns, so they share a processor; threads
 /// that they started before stay free. An ordinary thread would wait there behind others.
-TEST(Priority, OfALoopKeepsItOnItsCpuWhereItIsGranted) {
+TEST(Priority, OfALoopKeepsItOnItsCpuIfGranted) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   if (cpu_set_t all = cpus_of(0); CPU_COUNT(&all) < 2)
@@ -199,7 +199,7 @@ int effective_priority(pid_t thread) {
 
 /// A loop that waits for a lock of Cyclone's waits for whoever holds it, and that thread for every
 /// other program of the machine.
-TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
+TEST(Priority, IsInheritedByTheLockHolder) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";
   runtime::flush_denormals();  // of the object that brings the locks
@@ -231,7 +231,7 @@ TEST(Priority, OfWhoWaitsForALockIsLentToWhoHoldsIt) {
 }
 
 /// The linker's word for it that Cyclone's mutexes are made by the node.
-TEST(Priority, IsLentByTheLocksOfDdsInEachNodeOfTheLoop) {
+TEST(Priority, IsInheritedThroughDdsLocksInEachNode) {
   for (const char* node :
        {"voxtouch_device", "voxtouch_rendering", "voxtouch_coupling", "voxtouch"}) {
     Process node_says({"/usr/bin/env", "LD_DEBUG=bindings", "LD_BIND_NOW=1",

@@ -62,7 +62,7 @@ TEST_P(Streams, InAFileAtItsSizeLimit) {
   EXPECT_EQ(std::filesystem::file_size(log), 1U << 20);
 }
 
-TEST_P(Streams, AsAPipeThatNobodyReads) {
+TEST_P(Streams, AsAPipeWithoutAReader) {
   const std::string fifo = (folder_ / "fifo").string();
   ASSERT_EQ(mkfifo(fifo.c_str(), 0600), 0);
   const int end = open(fifo.c_str(), O_RDWR | O_NONBLOCK);
@@ -81,7 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Stderr, Streams, testing::Bool(), [](const auto& kind) 
 
 /// The bag's disk is full after 64 KiB, a third of the bag: the ring goes on, what is missing is
 /// counted, and the run fails.
-TEST(Bag, OnAFullDiskIsCountedAndTheRunIsNoGoodOne) {
+TEST(Bag, FullDiskIsCountedAndFailsTheRun) {
   const TemporaryFolder folder;
   const std::string path = (folder / "bag").string();
   for (const char* redirection : {"", "2>/dev/full"}) {
@@ -104,7 +104,7 @@ TEST(Bag, OnAFullDiskIsCountedAndTheRunIsNoGoodOne) {
   }
 }
 
-TEST(Stdout, ThatTakesNoSummaryIsAFailure) {
+TEST(Stdout, UnwritableSummaryFails) {
   for (const char* redirection : {">/dev/full", ">&-"}) {
     const RingResult r = run_redirected(redirection, {});
     EXPECT_EQ(r.process.status, 1) << redirection << r.process.err;
@@ -112,7 +112,7 @@ TEST(Stdout, ThatTakesNoSummaryIsAFailure) {
   }
 }
 
-TEST(Stdout, ThatTakesNoHelpIsAFailure) {
+TEST(Stdout, UnwritableHelpFails) {
   for (const char* program : {"voxtouch", "voxtouch_device"}) {
     const std::string help = std::string("exec " VOXTOUCH_BIN "/") + program + " --help";
     EXPECT_EQ(Process({"/bin/sh", "-c", help}).wait().status, 0);

@@ -57,7 +57,7 @@ Names set_of(qos::Nodes nodes) {
   return {names.begin(), names.end()};
 }
 
-TEST(TopicTable, SaysWhoWritesAndWhoReadsInARunningRing) {
+TEST(TopicTable, ListsWritersAndReadersOfARunningRing) {
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("plane"),
                           {"--device", "sim-phantom", "--motion", "slide", "--duration", "5",

@@ -50,20 +50,20 @@ class UpRefuses : public testing::TestWithParam<std::vector<std::string>> {
   TemporaryFolder folder_;
 };
 
-TEST_P(UpRefuses, ASceneForWhichNoCouplingHolds) {
+TEST_P(UpRefuses, ASceneWithoutAFeasibleCoupling) {
   const RingResult r = run(scene_with(folder_, "cup_virtual_tool",
                                       "coupling:", "coupling: {design: auto, hand: any_passive}"));
   expect_refused(folder_, r, "does not go with sim-phantom: No coupling holds");
 }
 
-TEST_P(UpRefuses, ASceneThatCannotBeBuilt) {
+TEST_P(UpRefuses, AnInvalidScene) {
   std::ofstream(folder_ / "bad.obj") << "v 0 0 0\n";
   const RingResult r =
       run(scene_with(folder_, "plane", "  - mesh: ../meshes/plane.obj", "  - mesh: bad.obj"));
   expect_refused(folder_, r, "bad.obj");
 }
 
-INSTANTIATE_TEST_SUITE_P(Ways, UpRefuses,
+INSTANTIATE_TEST_SUITE_P(Variants, UpRefuses,
                          testing::Values(std::vector<std::string>{},
                                          std::vector<std::string>{"--lockstep"},
                                          std::vector<std::string>{"--one-process"},

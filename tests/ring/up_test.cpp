@@ -57,7 +57,7 @@ void PrintTo(const Rig& rig, std::ostream* out) {
 
 class UpTouchesTheCup : public testing::TestWithParam<Rig> {};
 
-TEST_P(UpTouchesTheCup, AndTheHandFeelsIt) {
+TEST_P(UpTouchesTheCup, AndDisplaysTheContact) {
   const TemporaryFolder folder;
   std::vector<std::string> more = {
       "--device", GetParam().device,        "--motion", "slide", "--duration", "5",
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(Rigs, UpTouchesTheCup,
                            return name;
                          });
 
-TEST(Up, RefusesARigThatIsInUse) {
+TEST(Up, RefusesARigInUse) {
   Process first(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record"}));
   ASSERT_TRUE(wait_until([&] { return runs(first); }, seconds(30))) << first.err();
   Process second(
@@ -101,7 +101,7 @@ TEST(Up, RefusesARigThatIsInUse) {
   EXPECT_EQ(first.wait().status, 0);
 }
 
-TEST(Up, OfTwoAtOnceExactlyOneRunsAndTheOtherSaysSo) {
+TEST(Up, OnlyOneOfTwoConcurrentStartsRuns) {
   for (const int later_ms :
        {0, 30, 90, 180, 270}) {  // before, while and after the first one looks for others
     const auto arguments = up_arguments(shipped_scene("plane"),
@@ -123,7 +123,7 @@ TEST(Up, OfTwoAtOnceExactlyOneRunsAndTheOtherSaysSo) {
 
 /// Who has a port of the domain may be a ring that a busy machine lets answer late: the half second
 /// is looked out.
-TEST(Up, RefusesARigWhoseRingAnswersLate) {
+TEST(Up, RefusesARigThatAnswersLate) {
   const bus::Participant participant(
       {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "a ring"});
   bus::Writer<msg::RigClaim> claims(participant, qos::kRigClaim, "haptic",
@@ -145,7 +145,7 @@ TEST(Up, RefusesARigWhoseRingAnswersLate) {
   EXPECT_TRUE(end.err.contains("'haptic'")) << end.err;
 }
 
-TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
+TEST(Up, CtrlCStopsInOrderAndReportsACutRun) {
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60",
                                                    "--record", (folder / "bag").string()}));
@@ -163,7 +163,7 @@ TEST(Up, StopsInOrderOnCtrlCAndSaysThatTheRunWasCutShort) {
     EXPECT_NE(::kill(node, 0), 0) << "node " << node << " is still there";
 }
 
-TEST(Up, TakesItsNodesWithItWhenItIsKilled) {
+TEST(Up, KilledEndsItsNodes) {
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--no-record"}));
   ASSERT_TRUE(wait_until([&] { return runs(up); }, seconds(30))) << up.err();
   const std::vector<pid_t> nodes = children_of(up.pid());
@@ -173,7 +173,7 @@ TEST(Up, TakesItsNodesWithItWhenItIsKilled) {
       wait_until([&] { return std::all_of(nodes.begin(), nodes.end(), has_ended); }, seconds(10)));
 }
 
-TEST(Up, SaysWhichNodeDiedAndLeavesABagThatOpens) {
+TEST(Up, ReportsADeadNodeAndLeavesAReadableBag) {
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "slide", "--duration", "60",
                                                    "--record", (folder / "bag").string()}));
@@ -229,7 +229,7 @@ TEST(Up, FollowsOneCommandWriterAndNamesTheOther) {
   EXPECT_LT(summary["max_force_n"], 1.0) << "the intruder's 5 N reached the device";
 }
 
-TEST(Up, RefusesWhatItCannotDoWithASentence) {
+TEST(Up, RefusesWhatIsImpossibleWithAMessage) {
   const auto refusal = [](const std::string& scene, std::vector<std::string> more) {
     more.insert(more.end(), {"--duration", "1", "--no-record"});
     const RingResult r = run_ring(scene, more);
@@ -270,7 +270,7 @@ std::filesystem::path stiff_plane(const TemporaryFolder& folder, double stiffnes
   return folder / "stiff.yaml";
 }
 
-TEST(Up, RefusesASceneThatIsTooStiffForTheDeviceWithOnePointAlone) {
+TEST(Up, RefusesASceneTooStiffForTheDevice) {
   const TemporaryFolder folder;
   const RingResult r = run_ring(stiff_plane(folder, 2000.0).string(),
                                 {"--motion", "hit", "--duration", "1", "--no-record"});
@@ -278,7 +278,7 @@ TEST(Up, RefusesASceneThatIsTooStiffForTheDeviceWithOnePointAlone) {
   EXPECT_NE(r.process.err.find("sim-phantom"), std::string::npos) << r.process.err;
 }
 
-TEST(Up, SaysThatAllPointsTogetherWereTooStiff) {
+TEST(Up, ReportsThatAllPointsWereTooStiff) {
   const TemporaryFolder folder;
   const RingResult r =
       run_ring(stiff_plane(folder, 100.0).string(),
@@ -287,7 +287,7 @@ TEST(Up, SaysThatAllPointsTogetherWereTooStiff) {
   EXPECT_NE(r.process.out.find("all points"), std::string::npos) << r.process.out;
 }
 
-TEST(Up, SaysFileLineAndColumnOfASceneError) {
+TEST(Up, ReportsFileLineAndColumnOfASceneError) {
   const TemporaryFolder folder;
   std::ofstream(folder / "bad.yaml") << "scene: bad\nvoxel_size: 0.002\nstatik: []\n";
   const RingResult r = run_ring((folder / "bad.yaml").string(), {"--duration", "1", "--no-record"});
@@ -295,7 +295,7 @@ TEST(Up, SaysFileLineAndColumnOfASceneError) {
   EXPECT_NE(r.process.err.find("bad.yaml:3:1:"), std::string::npos) << r.process.err;
 }
 
-TEST(Nodes, SayThatTheyRunDifferentScenes) {
+TEST(Nodes, ReportDifferentScenes) {
   const std::string domain = fresh_domain();
   Process rendering(
       {VOXTOUCH_BIN "/voxtouch_rendering", "--scene", shipped_scene("cup"), "--domain", domain});

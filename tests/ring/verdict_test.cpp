@@ -42,7 +42,7 @@ Ended finish(Process& up) {
 }
 
 /// Ctrl-Z, and fg after the device has ended: it is not known what the rest of the samples was.
-TEST(Verdict, OfAnUpThatStoodStillIsFailed) {
+TEST(Verdict, OfAStalledUpIsFailed) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "3", "--no-record"}));
   ASSERT_TRUE(is_running(up)) << up.err();
@@ -63,7 +63,7 @@ TEST(Verdict, OfAnUpThatStoodStillIsFailed) {
   EXPECT_GT(reported.summary["limits"]["silence_s"]["value"], 2.0) << reported.end.out;
 }
 
-TEST(Verdict, OfARemovedBagIsFailedAndSaidAtOnce) {
+TEST(Verdict, FailsAtOnceIfTheBagIsRemoved) {
   const TemporaryFolder folder;
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "4",
                                                    "--record", (folder / "bag").string()}));
@@ -98,7 +98,7 @@ TEST(Verdict, NamesForeignContactsAndDescriptions) {
 
 /// A coupling that hangs for longer than its lease is lost; a stranger that claims its role in the
 /// session gets no force through.
-TEST(Roles, OfALostCouplingGoToNoStranger) {
+TEST(Roles, OfALostCouplingAreNotGrantedToOthers) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "8", "--no-record"}));
   ASSERT_TRUE(is_running(up)) << up.err();

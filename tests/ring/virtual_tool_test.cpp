@@ -155,15 +155,15 @@ void presses(double thick_m, const std::string& device, double hand_n_per_m, dou
   EXPECT_GE(deepest, least_n);
 }
 
-TEST(VirtualToolRing, ReturnsTheCertifiedStiffnessAtEveryDepthOfABlock) {
+TEST(VirtualToolRing, DisplaysTheCertifiedStiffnessAtEveryDepth) {
   presses(0.02, "sim-phantom", 300.0, 0.0, 5.0);
 }
-TEST(VirtualToolRing, ReturnsItOnAPlateOfTwoMillimetresToo) {
+TEST(VirtualToolRing, DisplaysItOnAPlateOfTwoMillimetres) {
   presses(0.002, "sim-phantom", 300.0, 0.0, 5.0);
 }
 /// It goes in by a step of the encoder in 45 ms, and its damper answers each with 2.5 mNs: means
 /// over 200 ms.
-TEST(VirtualToolRing, ReturnsItOnAnArm) { presses(0.02, "sim-lwr", 200.0, 2e-5, 6.0, 100); }
+TEST(VirtualToolRing, DisplaysItOnAnArm) { presses(0.02, "sim-lwr", 200.0, 2e-5, 6.0, 100); }
 
 /// Pressed along the plate's normal at `place` (in the plate): never a force from the far side, and
 /// never none while the hand is through.
@@ -193,7 +193,7 @@ void holds(double edges, double speed, const std::string& device, const Quat& up
   EXPECT_GT(normal.dot(r.force.back()), 1.0);
 }
 
-TEST(VirtualToolRing, IsHeldByPlatesOfAQuarterToFiveVoxelsByBothDevicesAtAnySpeed) {
+TEST(VirtualToolRing, ThinPlatesHoldAtAnySpeed) {
   int n = 0;  // the devices take turns
   for (const double edges : {0.25, 0.5, 1.0, 2.0, 5.0})
     for (const double speed : {0.02, 0.5, 3.0})
@@ -277,7 +277,7 @@ TEST(VirtualToolRing, GivesTheTorqueOfABarOverAnEdge) {
       });
 }
 
-TEST(VirtualToolRing, GivesTheTorqueOfAPinTurnedInItsHole) {
+TEST(VirtualToolRing, GivesTheTorqueOfARotatedPin) {
   constexpr double kClearance = 2e-4;
   gives_torque(
       virtual_tool::hole_mesh(virtual_tool::kPegRadius + kClearance, virtual_tool::kPegHole),
@@ -289,7 +289,7 @@ TEST(VirtualToolRing, GivesTheTorqueOfAPinTurnedInItsHole) {
       });
 }
 
-TEST(VirtualToolRing, GivesTheSameBitsInFiveProcessesAndInOne) {
+TEST(VirtualToolRing, IsBitIdenticalInFiveProcessesAndInOne) {
   const std::string scene = shipped_scene("cup_virtual_tool");
   const Recorded five = run(scene, "slide", "sim-lwr", 3.0, {}),
                  one = run(scene, "slide", "sim-lwr", 3.0);

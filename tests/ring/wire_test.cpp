@@ -36,7 +36,7 @@ class WireTouchesTheCup : public testing::TestWithParam<Case> {};
 
 /// An arm whose connection is never good enough follows, and is displayed nowhere: that is said at
 /// once, and is no good run.
-TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
+TEST(WireWithoutForce, IsReportedAndFailsTheRun) {
   const RingResult r = run_ring(
       shipped_scene("cup"), {"--device", "emulated-lwr", "--device-option", "fault=quality@0:60:1",
                              "--motion", "slide", "--duration", "3", "--no-record"});
@@ -52,7 +52,7 @@ TEST(WireWithoutForce, IsSaidWhileItLastsAndIsNoRunThatWentWell) {
 }
 
 // Nothing about deadlines: on a busy machine samples come late, and what is displayed stays right.
-TEST_P(WireTouchesTheCup, AndTheHandFeelsIt) {
+TEST_P(WireTouchesTheCup, AndDisplaysTheContact) {
   const Case& c = GetParam();
   std::vector<std::string> more = {"--device",   c.device,     "--motion",
                                    c.motion,     "--duration", std::to_string(c.seconds),
@@ -103,7 +103,7 @@ bag::TopicHash hash_of(const std::filesystem::path& folder, const std::string& t
 
 class WireLockstep : public testing::TestWithParam<const char*> {};
 
-TEST_P(WireLockstep, GivesTheSameBitsTwiceAndInOneProcess) {
+TEST_P(WireLockstep, IsBitIdenticalTwiceAndInOneProcess) {
   const TemporaryFolder folder;
   // The second arm: its hand touches in the first second, and what one process and another hand do
   // the first has shown.
@@ -180,7 +180,7 @@ double last_figure(const std::filesystem::path& folder, const std::string& name)
 
 class ControllerKilled : public testing::TestWithParam<bool> {};
 
-TEST_P(ControllerKilled, InTheMiddleEndsTheDeviceWithASentenceAtZeroForce) {
+TEST_P(ControllerKilled, MidRunEndsTheDeviceAtZeroForce) {
   const TemporaryFolder folder;
   std::vector<std::string> more = {
       "--device",   "emulated-lwr", "--motion", "slide",
@@ -214,7 +214,7 @@ INSTANTIATE_TEST_SUITE_P(Time, ControllerKilled, testing::Bool(), [](const auto&
   return lockstep.param ? "lockstep" : "real_time";
 });
 
-TEST(EmulatedLwr, TakesItsControllerWithItWhenItIsKilled) {
+TEST(EmulatedLwr, KilledEndsItsController) {
   Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain",
                   fresh_domain(), "--device", "emulated-lwr"});
   pid_t controller = 0;
@@ -225,7 +225,7 @@ TEST(EmulatedLwr, TakesItsControllerWithItWhenItIsKilled) {
   EXPECT_TRUE(wait_until([&] { return ::kill(controller, 0) != 0; }, std::chrono::seconds(5)));
 }
 
-TEST(EmulatedLwr, SaysWhyItWaitsAndEndsItsController) {
+TEST(EmulatedLwr, ReportsTheReasonForWaitingAndEndsItsController) {
   Process device({VOXTOUCH_BIN "/voxtouch_device", "--scene", shipped_scene("cup"), "--domain",
                   fresh_domain(), "--device", "emulated-lwr", "--device-option",
                   "fault=quality@0:1.5:1", "--duration", "3"});
@@ -241,7 +241,7 @@ TEST(EmulatedLwr, SaysWhyItWaitsAndEndsItsController) {
 
 class LibraryFault : public testing::TestWithParam<bool> {};
 
-TEST_P(LibraryFault, OfCommunicationEndsTheDeviceWithASentenceAtZeroForce) {
+TEST_P(LibraryFault, OfCommunicationEndsTheDeviceAtZeroForce) {
   const TemporaryFolder folder;
   std::vector<std::string> more = {"--device",        "emulated-phantom",
                                    "--device-option", "fault=comm_error@2",
@@ -283,7 +283,7 @@ void PrintTo(const Absent& a, std::ostream* out) { *out << a.device; }
 
 class NoHardware : public testing::TestWithParam<Absent> {};
 
-TEST_P(NoHardware, IsSaidInOneSentenceWithinSeconds) {
+TEST_P(NoHardware, IsReportedWithinSeconds) {
   const auto& [device, named, options] = GetParam();
   if (!no_hardware(device))
     GTEST_SKIP() << "the vendor's library is installed";

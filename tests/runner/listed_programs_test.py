@@ -59,7 +59,7 @@ class ListedPrograms(unittest.TestCase):
             minimal | {"man-db", "cdebconf", "groff-base", "less"},
         )
 
-    def test_finds_man_only_where_the_list_has_its_package(self):
+    def test_finds_man_only_with_its_package_listed(self):
         if not pathlib.Path("/var/lib/dpkg/info/man-db.list").exists():
             self.skipTest("man-db is not installed")
         with tempfile.TemporaryDirectory() as folder:

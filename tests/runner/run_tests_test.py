@@ -52,7 +52,7 @@ class Runner(unittest.TestCase):
         done = subprocess.run([RUN_TESTS, build], capture_output=True, text=True)
         return done.returncode, done.stderr, build
 
-    def test_says_nothing_more_where_all_is_well(self):
+    def test_prints_nothing_more_on_success(self):
         status, output, build = self.run_with(devices_test=GOOD, wire_test=GOOD)
         self.assertEqual(
             (status, "fail" in output.lower().replace("0 failed", ""), (build / "failed").exists()),
@@ -119,24 +119,24 @@ class Runner(unittest.TestCase):
             ["devices_test.alone.txt", "devices_test.with_others.txt"],
         )
 
-    def test_knows_a_last_case_that_fails_from_one_that_crashes(self):
+    def test_distinguishes_a_failed_last_case_from_a_crash(self):
         _, output, _ = self.run_with(devices_test=LAST)
         self.assertIn("devices_test: Guard.Fails ", output)
         self.assertNotIn("was running", output)
 
-    def test_names_the_case_in_which_a_program_crashes(self):
+    def test_names_the_case_that_crashes(self):
         status, output, _ = self.run_with(devices_test=CRASHING)
         self.assertEqual(status, 1, output)
         self.assertIn("devices_test: Guard.Crashes (", output[output.index("FAILED twice") :])
 
-    def test_tells_of_a_test_that_fails_once_and_keeps_what_it_said(self):
+    def test_reports_a_single_failure_and_keeps_its_output(self):
         status, output, build = self.run_with(ring_test=ONCE, devices_test=GOOD)
         self.assertEqual(status, 0, output)
         self.assertIn("ring_test: Guard.OfALateRing ", output[output.index("passed alone:") :])
         self.assertNotIn("twice", output)
         self.assertIn("Guard.OfALateRing", (build / "failed/ring_test.with_others.txt").read_text())
 
-    def test_tells_of_both_kinds_and_fails(self):
+    def test_reports_both_kinds_and_fails(self):
         status, output, _ = self.run_with(ring_test=ONCE, devices_test=BAD)
         self.assertEqual(status, 1, output)
         self.assertIn(
@@ -144,7 +144,7 @@ class Runner(unittest.TestCase):
         )
         self.assertIn("devices_test", output[output.index("FAILED twice") :])
 
-    def test_runs_none_again_where_many_fail(self):
+    def test_many_failures_are_not_rerun(self):
         status, output, build = self.run_with(
             **{f"ring_{n}": ONCE.replace("been", f"been{n}") for n in range(6)}
         )

@@ -72,7 +72,7 @@ TEST(Keys, ArePrivateAndTakenForEveryRole) {
     EXPECT_EQ(role_of(reader), kTool);
 }
 
-TEST(Keys, NeverOverwriteAndLeaveNothingWhereTheyFail) {
+TEST(Keys, NeverOverwriteAndLeaveNothingOnFailure) {
   const TemporaryFolder temporary;
   const fs::path folder = fresh_keys(temporary);
   const std::string before = read_file(folder / "ca.cert.pem");
@@ -131,7 +131,7 @@ TEST(Permissions, AreThoseOfTheTableOfTopics) {
   EXPECT_FALSE(half(of("logger"), "publish").contains("device/state"));
 }
 
-TEST(KeyFolder, RefusesEveryHalf) {
+TEST(KeyFolder, RefusesIncompleteKeys) {
   const TemporaryFolder temporary;
   const fs::path good = fresh_keys(temporary), other = fresh_keys(temporary, "other"),
                  folder = temporary / "spoiled";

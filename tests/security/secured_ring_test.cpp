@@ -103,7 +103,7 @@ struct RunBesideStrangers {
   std::string said;
 };
 
-TEST(SecuredRing, RunsInContactWithAllItsLinksAndTakesNothingOfStrangers) {
+TEST(SecuredRing, RunsInContactAndRejectsUnauthorisedPeers) {
   const TemporaryFolder folder;
   const auto keys = folder / "keys", others = folder / "others";
   security::make_keys(keys, kRig, 30);
@@ -135,7 +135,7 @@ TEST(SecuredRing, RunsInContactWithAllItsLinksAndTakesNothingOfStrangers) {
 }
 
 /// Asked by processes, for the reason above.
-TEST(SecuredRing, AnswersServicesOfAToolWithItsKeysAndOfNobodyElse) {
+TEST(SecuredRing, AnswersOnlyToolsWithItsKeys) {
   const TemporaryFolder folder;
   const auto keys = folder / "keys", others = folder / "others";
   security::make_keys(keys, kRig, 30);
@@ -165,7 +165,7 @@ TEST(SecuredRing, AnswersServicesOfAToolWithItsKeysAndOfNobodyElse) {
 }
 
 /// A plain stranger next to the same ring without --security: that the test above would see it.
-TEST(SecuredRing, IsNeededPlainStrangersKeepAPlainRingFromStarting) {
+TEST(SecuredRing, PlainRingIsBlockedByUnauthorisedPeers) {
   const TemporaryFolder folder;
   security::make_keys(
       folder / "keys", kRig,
@@ -176,7 +176,7 @@ TEST(SecuredRing, IsNeededPlainStrangersKeepAPlainRingFromStarting) {
   EXPECT_TRUE(run.up->wait().err.contains(std::string("'") + kRig + "'"));
 }
 
-TEST(SecuredRing, RefusesToStartHalf) {
+TEST(SecuredRing, RefusesToStartWithIncompleteKeys) {
   const TemporaryFolder folder;
   const auto keys = folder / "keys";
   security::make_keys(keys, kRig, 30);
@@ -211,7 +211,7 @@ TEST(SecuredRing, RefusesToStartHalf) {
 
 /// crl.pem is read when a participant starts: those that run stay as they are, and who starts with
 /// the new list takes the revoked in no more.
-TEST(SecuredRing, TakesNobodyInWhoIsRevoked) {
+TEST(SecuredRing, RefusesARevokedParticipant) {
   const TemporaryFolder folder;
   const auto keys = folder / "keys";
   security::make_keys(keys, kRig, 30);

@@ -102,9 +102,9 @@ void expect_caught(const reference::Judge& judge, const std::string& what) {
 }
 
 class PlantedFaults : public testing::TestWithParam<Ground (*)()> {};
-INSTANTIATE_TEST_SUITE_P(Grounds, PlantedFaults, testing::Values(&tilted_plane, &cylinder));
+INSTANTIATE_TEST_SUITE_P(Surfaces, PlantedFaults, testing::Values(&tilted_plane, &cylinder));
 
-TEST_P(PlantedFaults, NoneMeansNoAlarmAndAFifthDecided) {
+TEST_P(PlantedFaults, AbsentRaiseNoAlarmAndAFifthIsDecided) {
   std::string sentence;
   const reference::Judge judge = judged(GetParam()(), {}, &sentence);
   EXPECT_EQ(judge.counts().disagree, 0U) << sentence;
@@ -112,7 +112,7 @@ TEST_P(PlantedFaults, NoneMeansNoAlarmAndAFifthDecided) {
   EXPECT_EQ(judge.counts().checked, judge.counts().agree + judge.counts().in_band);
 }
 
-TEST_P(PlantedFaults, GridShiftedByTwoEdgesIsCaughtInEveryDirectionThatMatters) {
+TEST_P(PlantedFaults, ShiftedGridIsDetected) {
   const Ground ground = GetParam()();
   expect_caught(judged(ground, {2 * kEdge * ground.up, false}), "closer");
   expect_caught(judged(ground, {-2 * kEdge * ground.up, false}), "away");
@@ -124,17 +124,17 @@ TEST_P(PlantedFaults, GridShiftedByTwoEdgesIsCaughtInEveryDirectionThatMatters) 
     }
 }
 
-TEST_P(PlantedFaults, FlippedNormalsAreCaught) {
+TEST_P(PlantedFaults, FlippedNormalsAreDetected) {
   expect_caught(judged(GetParam()(), {Vec3::Zero(), true}), "flipped");
 }
 
-TEST_P(PlantedFaults, AnOnlyForceWithTheWrongSignIsCaught) {
+TEST_P(PlantedFaults, WrongForceSignIsDetected) {
   expect_caught(judged(GetParam()(), {},
                        [](std::size_t, reference::ReportedContact& r) { r.wrench.force *= -1.0; }),
                 "pull");
 }
 
-TEST_P(PlantedFaults, AHeldForceIsCaughtInFreeSpaceAndInContact) {
+TEST_P(PlantedFaults, FrozenForceIsDetected) {
   const Ground ground = GetParam()();
   for (const double stuck_at_gap : {0.5, -0.2, -1.0}) {
     const auto stuck = static_cast<std::size_t>((5 - stuck_at_gap) / 0.0631);
@@ -158,7 +158,7 @@ TEST_P(PlantedFaults, AHeldForceIsCaughtInFreeSpaceAndInContact) {
   }
 }
 
-TEST_P(PlantedFaults, NoContactAndNoForceAreCaught) {
+TEST_P(PlantedFaults, MissingContactAndForceAreDetected) {
   const Ground ground = GetParam()();
   expect_caught(judged(ground, {}, [](std::size_t, reference::ReportedContact& r) { r = {}; }),
                 "never a hit");

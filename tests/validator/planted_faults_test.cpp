@@ -55,7 +55,7 @@ class RealRendering : public testing::TestWithParam<std::string> {};
 INSTANTIATE_TEST_SUITE_P(ShippedScenes, RealRendering, testing::ValuesIn(resting_scene_names()),
                          [](const auto& test) { return test.param; });
 
-TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
+TEST_P(RealRendering, IsNeverRejectedAndAFifthIsDecided) {
   const Prepared& scene = prepared(GetParam());
   for (const Walk& walk : scene.walks) {
     const Outcome outcome = scene.ground.judged(walk);
@@ -74,7 +74,7 @@ TEST_P(RealRendering, WithoutAFaultIsNeverDisagreedWithAndAFifthIsDecided) {
 
 /// What else a scene file may choose: the other model, where points weigh one each; the other
 /// shell; also with the force on a lever.
-TEST_P(RealRendering, OfTheOtherModelAndShellIsNeverDisagreedWith) {
+TEST_P(RealRendering, OtherModelAndShellAreNeverRejected) {
   const bool weighs_points = shipped_scene(GetParam()).contact.stiffness_n_per_m > 0.0;
   for (const bool original : {false, true}) {
     if (original && !weighs_points)
@@ -126,7 +126,7 @@ const std::map<std::string, std::string> kBlindAxes = {
                              // caught all the same
 };
 
-TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell) {
+TEST_P(RealRendering, ShiftedGridIsDetectedOnEveryVisibleAxis) {
   const Ground& ground = prepared(GetParam()).ground;
   const std::vector<Walk>& walks = prepared(GetParam()).own_motions;
   const double e = ground.scene().voxel_size_m;
@@ -162,7 +162,7 @@ TEST_P(RealRendering, OnAGridShiftedByTwoEdgesIsCaughtAlongEveryAxisThatCanTell)
   EXPECT_LT(blind.size(), 3U) << "a scene whose motions tell no shift at all";
 }
 
-TEST_P(RealRendering, WithFlippedNormalsOrAPullInsteadOfAPushIsCaught) {
+TEST_P(RealRendering, FlippedNormalsAndPullAreDetected) {
   Ground& ground = prepared(GetParam()).ground;
   contact::ContactRenderer& right = ground.built().renderer();
   contact::ContactRenderer inverted(
@@ -199,7 +199,7 @@ Fault stuck(std::size_t onset, bool whole_report) {
   }};
 }
 
-TEST_P(RealRendering, WithAForceThatIsHeldFromSomeContactOnIsCaught) {
+TEST_P(RealRendering, ForceHeldFromSomeContactOnIsDetected) {
   const Ground& ground = prepared(GetParam()).ground;
   for (const Walk& walk : prepared(GetParam()).own_motions)
     for (const std::size_t onset : {1U, 100U, 1000U}) {
@@ -212,7 +212,7 @@ TEST_P(RealRendering, WithAForceThatIsHeldFromSomeContactOnIsCaught) {
 /// Of a sphere about the tool's origin the torque is nothing but the noise of its shell, with
 /// either sign: no reference can tell it. So the same scenes are walked with the sphere on a handle
 /// of 15 edges, where the force has a lever.
-TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheForceHasALever) {
+TEST_P(RealRendering, WrongTorqueIsDetectedIfItHasALever) {
   const Fault sign =
       tampered("torque's sign", [](reference::ReportedContact& r) { r.wrench.torque *= -1.0; });
   const Fault about_world = tampered("torque about W's origin", [](reference::ReportedContact& r) {
@@ -231,7 +231,7 @@ TEST_P(RealRendering, WithTheTorquesSignOrPointOfReferenceWrongIsCaughtWhereTheF
 }
 
 /// A file in millimetres taken for one in metres, or the other way round, on either side.
-TEST_P(RealRendering, OfAMeshAThousandTimesTooLargeOrTooSmallIsRefusedOrCaught) {
+TEST_P(RealRendering, WrongMeshScaleIsDetected) {
   const Ground& ground = prepared(GetParam()).ground;
   const std::vector<Walk>& walks = prepared(GetParam()).own_motions;
   for (const bool dynamic : {false, true})

@@ -55,7 +55,7 @@ TEST(ShippedPrimitives, StandForTheirMeshes) {
   EXPECT_GE(checked, 9U) << "six spheres, two boxes, one cylinder";
 }
 
-TEST(ShippedPrimitives, WouldBeSeenIfTheyWereATenthOffOrAnEdgeAway) {
+TEST(ShippedPrimitives, SmallErrorsAreDetected) {
   for (const std::string& name : shipped_scene_names()) {
     const scene::Scene scene = shipped_scene(name);
     for (scene::MeshSpec mesh : meshes_of(scene)) {

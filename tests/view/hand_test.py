@@ -61,7 +61,7 @@ def distance(a, b):
 
 
 class Led(unittest.TestCase):
-    def test_the_first_page_has_the_hand_until_it_closes(self):
+    def test_first_page_controls_the_hand_until_closed(self):
         with led_ring("plane") as up:
             until_it_runs(up)
             address = up.address()
@@ -108,7 +108,7 @@ class Led(unittest.TestCase):
                 time.sleep(0.5)
                 self.assertLess(distance(newest_frame(good)["tool"], start), 1e-4)
 
-    def test_a_page_that_up_did_not_start_leads_nothing(self):
+    def test_page_without_up_leads_nothing(self):
         with led_ring("plane") as up, page("--lead-hand") as stranger:
             until_it_runs(up)
             with WebSocket(stranger.address()) as socket:
@@ -141,7 +141,7 @@ class Led(unittest.TestCase):
                 aim(watching, start, 1.5)
                 self.assertLess(distance(newest_frame(watching)["tool"], start), 0.003)
 
-    def test_what_was_dragged_is_recorded_and_replays_bit_by_bit(self):
+    def test_dragged_motion_replays_bit_by_bit(self):
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
             with led_ring("cup_virtual_tool", "--record", bag) as up:
@@ -313,7 +313,7 @@ class LedByABrowser(unittest.TestCase):
             self.assertEqual(self.browser.barriers(), [])
             self.assertEqual(self.browser.faults(), [])
 
-    def test_feels_the_wall_that_is_dragged_into(self):
+    def test_tool_stays_outside_the_wall_it_is_dragged_into(self):
         with tempfile.TemporaryDirectory() as folder, led_ring(rigid_plane(folder)) as up:
             browser, pointer = self.browser, self.open(up)
             pointer.press()

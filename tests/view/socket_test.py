@@ -71,7 +71,7 @@ class Guards(unittest.TestCase):
                 self.assertEqual(socket.status == 101, admitted, host)
             self.assertEqual(request(self.address, host=host)[0], 200 if admitted else 403, host)
 
-    def test_ends_a_client_that_sends_too_much(self):
+    def test_disconnects_a_flooding_client(self):
         with WebSocket(self.address) as socket:
             socket.send('{"words": "' + "x" * 70000 + '"}')
             self.assertEqual(socket.code_of_the_end(5), 1009)
@@ -127,7 +127,7 @@ class Guards(unittest.TestCase):
         ):
             self.assertNotEqual(request(self.address, path)[0], 200, path)
 
-    def test_words_that_are_none_change_nothing(self):
+    def test_invalid_messages_change_nothing(self):
         with WebSocket(self.address) as socket:
             for text in (
                 "",
@@ -147,7 +147,7 @@ class Guards(unittest.TestCase):
             self.assertFalse(answer["ok"])
             self.assertIn("missing", answer["sentence"])
 
-    def test_takes_another_port_where_nobody_asked_for_this_one(self):
+    def test_takes_another_port_if_none_is_requested(self):
         port = str(self.parts.port)
         with Process("view", "--domain", DOMAIN, "--port", port) as second:
             self.assertEqual(second.process.wait(10), 1)
@@ -163,7 +163,7 @@ class Guards(unittest.TestCase):
 
 
 class Live(unittest.TestCase):
-    def test_shows_force_effects_and_who_has_died(self):
+    def test_shows_force_effects_and_dead_nodes(self):
         with page() as shown, WebSocket(shown.address()) as socket:
             with ring("cup_viscosity") as first:
                 drawn = socket.wait_for(
@@ -284,7 +284,7 @@ class Slices(unittest.TestCase):
 
 
 class Large(unittest.TestCase):
-    def test_meshes_are_drawn_coarser_and_nobody_waits_for_them(self):
+    def test_meshes_are_drawn_coarser_without_delay(self):
         with tempfile.TemporaryDirectory() as folder, page(
             str(fine_scene(folder, 160))
         ) as shown, WebSocket(shown.address()) as socket:
@@ -301,7 +301,7 @@ class Large(unittest.TestCase):
 
 
 class Together(unittest.TestCase):
-    def test_up_serves_the_page_within_two_seconds_and_takes_it_along(self):
+    def test_up_serves_the_page_within_two_seconds_and_ends_it(self):
         began = time.monotonic()
         with ring("cup", "--view") as run:
             with WebSocket(run.address()) as socket:
@@ -316,7 +316,7 @@ class Together(unittest.TestCase):
         with self.assertRaises(OSError):
             request(address)
 
-    def test_up_says_that_its_page_was_killed(self):
+    def test_up_reports_that_its_page_was_killed(self):
         with ring("cup", "--view") as run:
             run.address()
             children = f"/proc/{run.process.pid}/task/{run.process.pid}/children"
@@ -357,7 +357,7 @@ class Status(unittest.TestCase):
 
 
 class Recorded(unittest.TestCase):
-    def test_counts_the_latency_of_a_recorded_ring_as_its_logger_took_it(self):
+    def test_latency_of_a_recorded_ring_matches_its_logger(self):
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
             with Process(

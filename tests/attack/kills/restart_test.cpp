@@ -131,7 +131,7 @@ void expect_a_ramp(const std::filesystem::path& bag) {
       << "the coupling ramps in over 0.2 s";
 }
 
-TEST_P(Restart, IsZeroForceUntilTheNodeIsReadyAndThenARamp) {
+TEST_P(Restart, GivesZeroForceUntilReadyThenRamps) {
   PressedRing pressed({"--restart", "1", "--limit", "restarts=1"});
   ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   pressed.kill(GetParam());
@@ -167,7 +167,7 @@ TEST_P(Restart, IsZeroForceUntilTheNodeIsReadyAndThenARamp) {
 INSTANTIATE_TEST_SUITE_P(Ring, Restart, testing::Values("rendering", "coupling"),
                          [](const auto& role) { return std::string(role.param); });
 
-TEST(RestartOfUp, FailsTheRunByDefaultAndASecondDeathEndsIt) {
+TEST(RestartOfUp, FailsTheRunByDefaultAndEndsAtASecondDeath) {
   PressedRing pressed({"--restart", "1"});
   ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   pressed.kill("rendering");
@@ -192,7 +192,7 @@ TEST(RestartOfUp, NeverStartsADeviceAgain) {
   EXPECT_FALSE(pressed.summary.contains("restarts")) << end.out;
 }
 
-TEST(RestartOfUp, IsNotFeltWhereTheNodeOnlyListens) {
+TEST(RestartOfUp, LeavesTheForceIfAListenerRestarts) {
   PressedRing pressed({"--restart", "2", "--limit", "restarts=2"});
   ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   for (const char* role : {"validator", "logger"}) {
@@ -208,7 +208,7 @@ TEST(RestartOfUp, IsNotFeltWhereTheNodeOnlyListens) {
   EXPECT_GT(test::read_ring_topic<msg::DeviceState>(again, "/haptic/device/state").size(), 500U);
 }
 
-TEST(RestartOfUp, IsRefusedWhereNothingCouldBeStartedAgain) {
+TEST(RestartOfUp, IsRefusedIfNothingCouldRestart) {
   for (const char* option : {"--lockstep", "--one-process"}) {
     test::Process up({VOXTOUCH_BIN "/voxtouch", "up", "plane", "--restart", "1", option,
                       "--no-record", "--domain", test::fresh_domain()});

@@ -113,12 +113,12 @@ class ByCsv(unittest.TestCase):
             self.assertEqual(line, count + 1)
             self.assertIn("100", said)
 
-    def test_numbers_that_are_none_are_refused(self):
+    def test_nan_and_infinity_are_refused(self):
         for word in ("nan", "inf", "-inf", "", "one"):
             self.assertEqual(self.planted(51, f"0,{word},1,0,0,0,5")[0], 51, word)
         self.assertEqual(self.planted(51, "0,0,1,0,0,0,-5")[0], 51)
 
-    def test_names_and_folders_that_cannot_be_are_refused(self):
+    def test_names_and_folders_are_validated(self):
         for name, folder in (("Coal", self.answers), ("a|b", self.answers), ("Lab", "/nowhere")):
             run = self.add(folder, name)
             self.assertNotEqual(run.returncode, 0)

@@ -48,7 +48,7 @@ class Page(unittest.TestCase):
         for n in ours[:tables]:
             self.assertTrue(self.faults("".join(lines[:n] + lines[n + 1 :])), lines[n])
 
-    def test_each_figure_that_is_worse_is_found(self):
+    def test_each_worse_figure_is_found(self):
         table = figures.read_page(self.text)
         for key in self.limits:
             row, system, figure = key
@@ -73,12 +73,12 @@ class Page(unittest.TestCase):
         del self.limits[next(iter(self.limits))]
         self.assertEqual(len(self.faults(self.text)), 1)
 
-    def test_rivals_are_not_gated(self):
+    def test_competitors_are_not_gated(self):
         self.assertEqual(self.faults(re.sub(r"(?m)^\| Coal .*\n", "", self.text)), [])
 
 
 class Comparison(unittest.TestCase):
-    def test_finds_what_differs_by_more_than_a_tenth(self):
+    def test_finds_differences_above_a_tenth(self):
         def with_mean(mean, missed=0):
             return {"A1": {"Coal": {"mean": mean, "missed": missed}}}
 

@@ -25,7 +25,7 @@ std::filesystem::path made(const std::string& name) {
   return std::filesystem::path(VOXTOUCH_TEST_DATA "/hostile") / name;
 }
 
-TEST(HostileMeshes, MadeForThisAreTouchedOrRefusedForTheRightReason) {
+TEST(HostileMeshes, AreRenderedOrRefusedForTheRightReason) {
   const std::map<std::string, std::string> refused{{"far.obj", "single precision"},
                                                    {"no_faces.obj", "no triangles"},
                                                    {"wrong_index.obj", "index"},
@@ -84,7 +84,7 @@ TEST(HostileMeshes, OfTheCollectionAreTouchedOrRefused) {
   }
 }
 
-TEST(HostileMeshes, ATrialOutlivesWhateverItsProcessDoes) {
+TEST(HostileMeshes, TrialSurvivesItsProcess) {
   Limits short_of_time = limits();
   short_of_time.cpu_s = 1, short_of_time.poses = 10'000'000;
   const Verdict slow = attempt(made("inside_out.obj"), short_of_time);

@@ -15,7 +15,7 @@ const Merit& named(const std::vector<Merit>& merits, const std::string& what) {
   throw std::runtime_error("no merit " + what);
 }
 
-TEST(PaperExperiments, DistractionsOfTheAdaptedForceAreTheReferencesShareOfTheOriginals) {
+TEST(PaperExperiments, AdaptedDistractionRatiosMatchThePaper) {
   const std::vector<Merit> merits = contact_merits(180);
   EXPECT_NEAR(named(merits, "tilted plane").ours, 0.62, 0.062);
   EXPECT_NEAR(named(merits, "cylinder: adapted").ours, 0.58, 0.058);
@@ -28,7 +28,7 @@ TEST(PaperExperiments, DistractionsOfTheAdaptedForceAreTheReferencesShareOfTheOr
   EXPECT_GE(aligned.most, 0.47) << "between, by how the sphere lies in its voxels";
 }
 
-TEST(PaperExperiments, AFiveHertzFilterSmoothsWhatIsLeft) {
+TEST(PaperExperiments, FiveHertzFilterSmoothsTheRest) {
   const FilterExperiment e = filter_experiment();
   EXPECT_LT(e.of_filter.noise, 0.6 * e.of_raw.noise);
   EXPECT_LT(e.of_filter.largest_step, 0.1 * e.of_raw.largest_step);
@@ -37,7 +37,7 @@ TEST(PaperExperiments, AFiveHertzFilterSmoothsWhatIsLeft) {
   EXPECT_NEAR(e.of_filter.noise, 0.076, 0.02);
 }
 
-TEST(PaperExperiments, TheMeanNormalFailsInCornersAndSlotsAndTheFieldMendsIt) {
+TEST(PaperExperiments, MeanNormalFailsInSlotsAndFieldDoesNot) {
   const std::vector<CornerAndSlot> all = corner_and_slot(22);
   const auto of = [&](const std::string& name) {
     for (const CornerAndSlot& c : all)

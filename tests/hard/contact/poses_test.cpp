@@ -68,7 +68,7 @@ struct Ring {
   }
 };
 
-TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimitAndItRecovers) {
+TEST(F7InvalidPoses, ForceStaysFiniteAndRecovers) {
   const Ball ball(10e-3, 4);
   const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3(0, 0, -0.01), Quat::Identity()}),
@@ -117,7 +117,7 @@ TEST(F7PosesThatAreNone, ForOneToAHundredCyclesLeaveTheForceFiniteWithinItsLimit
   }
 }
 
-TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
+TEST(F7InvalidPoses, AreRefusedAndLeaveContactUnchanged) {
   const Ball ball(10e-3, 3);
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3(0, 0, -0.01), Quat::Identity()}),
                       kEdge);
@@ -148,7 +148,7 @@ TEST(F7PosesThatAreNone, AreRefusedByTheContactItselfAndLeaveItAsItWas) {
   }
 }
 
-TEST(F7PosesThatAreNone, AQuaternionAndItsNegativeAreOneOrientationToTheBit) {
+TEST(F7InvalidPoses, NegatedQuaternionIsBitIdentical) {
   const Ball ball(10e-3, 3);
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.02), {Vec3(0, 0, -0.01), Quat::Identity()}),
                       kEdge);

@@ -34,7 +34,7 @@ double most_ratio(contact::ContactModelKind model, double radius_voxels) {
   return 0.0;
 }
 
-TEST(F2SlidingOverVoxelBorders, GivesNoMoreEnergyOnAClosedLoopThanTheMapStates) {
+TEST(F2SlidingOverVoxelBorders, ClosedLoopEnergyIsBounded) {
   const std::uint64_t seed = voxtouch::testing::seed(7);
   SCOPED_TRACE(voxtouch::testing::seed_trace(seed));
   for (const double radius : {2.5, 5.0, 10.0})
@@ -97,8 +97,7 @@ Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_vox
   return out;
 }
 
-TEST(F2SlidingOverVoxelBorders,
-     StaysWithinWhatTheObserverIsPromisedFromACentimetreToThreeMetresASecond) {
+TEST(F2SlidingOverVoxelBorders, EnergyStaysBoundedFrom1CmTo3MPerS) {
   double least = 0.0;
   for (const double tilt : {0.0, 10.0}) {
     const Bench bench(5.0, tilt);
@@ -188,7 +187,7 @@ struct Round {
 
 /// Pushed in, slid and pulled out, and in rounds that never leave the contact, the hand
 /// gets no more than sliding over voxels gives in any case.
-TEST(F2SlidingOverVoxelBorders, GivesNoMoreWhereTheForceIsHeldWhileTheHandGoesIn) {
+TEST(F2SlidingOverVoxelBorders, LatchedForceAddsNoEnergy) {
   mesh::TriangleMesh hollow = test::joined(test::cylinder_mesh(0.05, 0.08, 192),
                                            test::inside_out(test::cylinder_mesh(0.04, 0.06, 192)));
   double most = 0.0;

@@ -17,7 +17,7 @@
 namespace voxtouch::virtual_tool {
 namespace {
 
-TEST(VirtualToolPoses, ThatAreNoneLeaveTheToolWhereItIs) {
+TEST(VirtualToolPoses, InvalidOnesLeaveTheToolInPlace) {
   Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.0105), Quat::Identity()}));
   const Vec3 hand(0, 0, 0.004);
@@ -59,7 +59,7 @@ TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
 
 /// A bar in a slot that cannot turn, a hand that turns on and on: the torque keeps its axis past
 /// half a turn by some degrees, then turns over.
-TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
+TEST(VirtualToolPoses, HalfRotationOfTheHandGivesNoNoise) {
   const mesh::TriangleMesh bar = test::box_mesh(Vec3(0.03, 0.008, 0.008));
   Rig rig(slot_mesh(0.0095), 0.001, bar);
   const Quat along(Eigen::AngleAxisd(std::numbers::pi / 2, Vec3::UnitZ()));
@@ -80,7 +80,7 @@ TEST(VirtualToolPoses, AHandTurnedRoundByHalfATurnGivesNoNoise) {
   EXPECT_GT(last.norm(), 2.5);
 }
 
-TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
+TEST(VirtualToolPoses, AnyLeverNearTheReachIsSound) {
   const mesh::TriangleMesh box = test::box_mesh(Vec3(0.008, 0.012, 0.03));
   for (const double lever : {0.1, 1.0, 10.0}) {
     Rig rig(scene_mesh("cup"), kEdge, box, lever * 0.017);
@@ -103,7 +103,7 @@ TEST(VirtualToolPoses, AnyLeverFromATenthToTenTimesTheReachIsSound) {
 }
 
 /// 10^4 points flat on a plane: bounded rows, no turn, the same force for any order of the points.
-TEST(VirtualToolMany, PointsFlatOnAPlaneAreAsGoodAsFew) {
+TEST(VirtualToolMany, FlatPointsGiveTheForceOfFew) {
   const mesh::TriangleMesh plate = test::box_mesh(Vec3(0.05, 0.05, 0.004));
   const pointshell::Pointshell shell = shell_of(plate, 0.0005);
   ASSERT_GT(shell.size(), 20000U);
@@ -179,7 +179,7 @@ struct Traps {
   Traps(const Traps&) = delete;
 };
 
-TEST(VirtualToolTraps, NoFrameOfATumblingToolIsInvalidOverflowsOrDividesByZero) {
+TEST(VirtualToolTraps, TumblingToolRaisesNoFloatingPointTrap) {
   const std::uint64_t seed = testing::seed(51);
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const bool box : {false, true})
@@ -234,7 +234,7 @@ TEST(VirtualToolTumbling, TakesNoMoreQueriesThanItsBound) {
   EXPECT_LT(at_eight, at_seven / 10);
 }
 
-TEST(VirtualToolTumbling, NeverHasItsMiddleInsideAndIsFreeToTheBit) {
+TEST(VirtualToolTumbling, CentreStaysOutsideAndFreePosesAreExact) {
   const std::uint64_t seed = testing::seed(52);
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const bool box : {false, true})
@@ -357,7 +357,7 @@ TEST(VirtualToolNoise, OfTheEncoderIsNotMadeLarger) {
 
 /// The scene moved by multiples of e, with numbers that a double holds exactly: bit-identical
 /// results.
-TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
+TEST(VirtualToolBits, AreEqualForASceneMovedByVoxels) {
   const double e = 0x1p-9;
   const Vec3 shift = e * Vec3(512, -1024, 256);
   const auto moved = [&](const Vec3& by) {
@@ -379,7 +379,7 @@ TEST(VirtualToolBits, AreTheSameWhereTheSceneIsMovedByVoxels) {
   }
 }
 
-TEST(VirtualToolBits, AreTheSameWhereAllIsScaledByAPowerOfTwo) {
+TEST(VirtualToolBits, AreEqualForPowersOfTwoInScale) {
   const double e = 0x1p-9;
   const auto scaled = [&](double by) {
     mesh::TriangleMesh mesh =

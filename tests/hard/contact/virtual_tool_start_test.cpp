@@ -62,7 +62,7 @@ TEST(VirtualToolStartInAThinWall, GivesNoForceUntilTheHandIsFree) {
 }
 
 /// A scene that is built anew, with a plate through the tool of the one before it.
-TEST(VirtualToolStartInAThinWall, IsNoPlaceForAToolOfASceneBefore) {
+TEST(VirtualToolStartInAThinWall, RejectsTheToolOfAnEarlierScene) {
   for (const double thick : kThick)
     for (const bool askew : {false, true}) {
       Plate plate(thick, askew);
@@ -88,7 +88,7 @@ void PrintTo(const StartTool& tool, std::ostream* out) { *out << tool.name; }
 class VirtualToolStarts : public ::testing::TestWithParam<StartTool> {};
 
 /// At random over plates and their rims, turned and not.
-TEST_P(VirtualToolStarts, AreThoseThatNoWallStandsIn) {
+TEST_P(VirtualToolStarts, AreThosePosesWithoutAWallInside) {
   const std::uint64_t seed = testing::seed(71);
   SCOPED_TRACE(testing::seed_trace(seed));
   StartFigures touching, free, rims_touching, rims_across;
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Tools, VirtualToolStarts,
                          [](const auto& one) { return std::string(one.param.name); });
 
 /// Free between two thin plates, next to one, and flat on one: nothing is in the tool.
-TEST(VirtualToolStartBesideThinWalls, IsAStart) {
+TEST(VirtualToolStartNearThinWalls, IsAFreeStart) {
   for (const double thick : kThick)
     for (const bool askew : {false, true})
       for (const double gap : {0.0, 0.1, 0.5, 1.0}) {

@@ -15,7 +15,7 @@
 namespace voxtouch::virtual_tool {
 namespace {
 
-TEST(VirtualToolWalls, FromAQuarterToFiveVoxelsAreNeverPassedAndLetTheToolRest) {
+TEST(VirtualToolWalls, FromQuarterToFiveVoxelsHoldAndRest) {
   const std::uint64_t seed = testing::seed(21);
   SCOPED_TRACE(testing::seed_trace(seed));
   int runs = 0;
@@ -54,7 +54,7 @@ TEST(VirtualToolWalls, HoldAgainstAHandFarBehind) {
 }
 
 /// Round the rim of a plate and back on the other side.
-TEST(VirtualToolWalls, LetTheHandGoRoundARim) {
+TEST(VirtualToolWalls, AllowAPathAroundARim) {
   Rig rig(test::box_mesh(Vec3(0.05, 0.05, 0.001), {Vec3(0.3e-3, 0.1e-3, 0.2e-3), tilt()}), kEdge,
           ball_mesh());
   ASSERT_TRUE(rig.place({tilt() * Vec3(0, 0, 0.03), Quat::Identity()}));
@@ -83,7 +83,7 @@ TEST(VirtualToolSlots, NarrowerThanTheToolKeepItOut) {
   EXPECT_NEAR(f.tool.position.x(), 0.0, 1.5e-3);
 }
 
-TEST(VirtualToolSlots, WiderThanTheToolLetItInWithoutAForce) {
+TEST(VirtualToolSlots, WiderThanTheToolExertNoForce) {
   Rig rig(slot_mesh(0.026), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.02), Quat::Identity()}));
   for (int n = 0; n < 600; ++n) {
@@ -115,7 +115,7 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
 /// A pin of 10 mm with a radial clearance of a twentieth to the whole of e. Its bottom passes the
 /// mouth's edge nearer than a voxel: no row may take the face round the mouth for one that reaches
 /// over the hole. At e = 2 mm the interpolated distance is flat in the floor's corner for a voxel.
-TEST(VirtualToolSlots, APinGoesIntoItsHoleWhereTheGridIsFineEnough) {
+TEST(VirtualToolSlots, PinEntersItsHoleOnAFineGrid) {
   for (const auto& [edge, clearance, drag] : {std::tuple{0.0005, 2e-4, 0.2},
                                               {0.001, 2e-4, 0.2},
                                               {0.002, 2e-4, 0.2},
@@ -135,7 +135,7 @@ TEST(VirtualToolSlots, APinGoesIntoItsHoleWhereTheGridIsFineEnough) {
 }
 
 /// A bar against an edge 16 mm from the hand: the torque is that of the exact bar.
-TEST(VirtualToolTorque, OfABarOverAnEdgeIsTheExactOnes) {
+TEST(VirtualToolTorque, BarOverAnEdgeMatchesTheExactTorque) {
   const std::uint64_t seed = testing::seed(61);
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const double edge : {0.002, 0.001})
@@ -144,7 +144,7 @@ TEST(VirtualToolTorque, OfABarOverAnEdgeIsTheExactOnes) {
 
 /// A pin in its hole, 15 mm deep, the hand turned slowly: the torque is that of the exact pin, with
 /// its play, at every turn. The mouth's edge has points of its own at every height.
-TEST(VirtualToolTorque, OfAPinTurnedInItsHoleIsTheExactOnes) {
+TEST(VirtualToolTorque, RotatedPinMatchesTheExactTorque) {
   const std::uint64_t seed = testing::seed(62);
   SCOPED_TRACE(testing::seed_trace(seed));
   for (const auto& [edge, clearance, degrees] : {std::tuple{0.001, 2e-4, 12.0},
@@ -221,7 +221,7 @@ TEST(VirtualToolObjects, ThatMoveCarryATool) {
   }
 }
 
-TEST(VirtualToolObjects, FasterThanHalfAVoxelAFrameAreToldOf) {
+TEST(VirtualToolObjects, FasterThanHalfAVoxelPerFrameAreReported) {
   const pointshell::Pointshell shell = ball_shell(kEdge);
   test::Ground ground(test::box_mesh(Vec3(0.06, 0.06, 0.5 * kEdge)), kEdge);
   contact::ContactQuery query(ground.voxmap, shell);
@@ -260,7 +260,7 @@ TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
   EXPECT_LT(first_force, 0.05);  // faded in
 }
 
-TEST(VirtualToolStart, InsideIsNoPlaceForAToolOfASceneBefore) {
+TEST(VirtualToolStart, InsideRejectsTheToolOfAnEarlierScene) {
   Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   EXPECT_FALSE(rig.place({Vec3(0, 0, -0.01), Quat::Identity()}));
   EXPECT_FALSE(rig.place({Vec3(0, 0, kBall - kEdge), Quat::Identity()}));

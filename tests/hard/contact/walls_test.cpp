@@ -86,7 +86,7 @@ Passage drive_through(const Wall& wall, contact::ContactModelKind kind, double s
   return seen;
 }
 
-TEST(V7WallThinnerThanAVoxel, IsNotPassedUntoldAtAnySpeed) {
+TEST(V7WallThinnerThanAVoxel, IsNeverPassedUnreported) {
   const std::uint64_t seed = voxtouch::testing::seed(701);
   SCOPED_TRACE(voxtouch::testing::seed_trace(seed));
   std::mt19937_64 random(seed);
@@ -117,7 +117,7 @@ TEST(V7WallThinnerThanAVoxel, IsNotPassedUntoldAtAnySpeed) {
     }
 }
 
-TEST(V7WallThinnerThanAVoxel, PushesBackFromBothSidesWhileTheToolIsPressedSlowly) {
+TEST(V7WallThinnerThanAVoxel, PushesBackFromBothSides) {
   // One-sided contact: until the tool's middle has reached the wall's.
   for (const Quat& turn : kTurns)
     for (const double thick : kWalls) {
@@ -143,7 +143,7 @@ TEST(V7WallThinnerThanAVoxel, PushesBackFromBothSidesWhileTheToolIsPressedSlowly
     }
 }
 
-TEST(FastMotion, ATurnIsToldOfToo) {
+TEST(FastMotion, RotationIsReported) {
   // A stick of 20 e swings about its end through a thin wall.
   const mesh::TriangleMesh stick =
       box_mesh(Vec3(20, 1.2, 1.2) * kEdge, {Vec3(10, 0, 0) * kEdge, Quat::Identity()});
@@ -165,7 +165,7 @@ TEST(FastMotion, ATurnIsToldOfToo) {
     }
 }
 
-TEST(FastMotion, IsNothingAfterAResetAndBesideNothing) {
+TEST(FastMotion, IsClearedByResetAndQuietOffTheWall) {
   const Wall wall(0.5, kTurns[1]);
   for (const contact::ContactModelKind kind : kModels) {
     contact::ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
@@ -213,7 +213,7 @@ Drop drop(const Wall& wall, contact::ContactModelKind kind, double speed, double
   return out;
 }
 
-TEST(F4Tunnelling, ADroppedMassThatPassesAWallIsToldOfUnlessItIsSlowAndGainsLittle) {
+TEST(F4Tunnelling, FastPassThroughIsReported) {
   const std::uint64_t seed = voxtouch::testing::seed(704);
   SCOPED_TRACE(voxtouch::testing::seed_trace(seed));
   std::mt19937_64 random(seed);

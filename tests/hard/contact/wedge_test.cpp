@@ -52,7 +52,7 @@ Pose at(const Vec3& x) { return {x, Quat::Identity()}; }
 
 /// Of the ring's stage, in the symmetric pose and 300 steps of 1e-9 e to both sides of it, and in
 /// 1e-3 e steps to 0.3 e.
-TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
+TEST(F1NormalsThatCancel, GiveZeroNetForceWithoutAJump) {
   // Of one wall's force: the spheres are symmetric about their own grid too, the pin's 64 sides are
   // not.
   const auto net = [](const Wedge& w) { return w.ground.triangles.size() == 48 ? 0.08 : 1e-6; };
@@ -101,7 +101,7 @@ TEST(F1NormalsThatCancel, PushNoWayInTheSymmetricPoseAndTurnWithoutAJump) {
   }
 }
 
-TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
+TEST(F3ManyContacts, ForceDoesNotDependOnPointOrder) {
   const pointshell::Pointshell shell =
       exact_shell(slab(Vec3(100, 100, 4) * kEdge, Vec3(0.2, 0.3, 0.1) * kEdge), kEdge);
   ASSERT_GT(shell.size(), 10000U);
@@ -147,7 +147,7 @@ TEST(F3ManyContacts, PlateOnPlateGivesTheSameForceWhateverTheOrderOfItsPoints) {
 
 /// `original` and `adapted` to 100 e: DeepPush in tests/unit/contact. Here the one that holds
 /// nothing.
-TEST(F5DeepPenetration, ForceIsFlaggedFromWhereItNoLongerGrowsAndNeverPullsTheToolIn) {
+TEST(F5DeepPenetration, FieldFlagsSaturationAndNeverPullsIn) {
   const pointshell::Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
   const Ground ground(slab(Vec3(60, 60, 150) * kEdge, Vec3(0.2, 0.1, -75) * kEdge), kEdge);
   contact::ContactRenderer renderer = ground.renderer(shell);
@@ -178,7 +178,7 @@ TEST(F5DeepPenetration, ForceIsFlaggedFromWhereItNoLongerGrowsAndNeverPullsTheTo
 }
 
 /// Over the edge of a cube and back, 0.5 e deep at the face; steps of 0.05 e.
-TEST(F6SharpEdge, ChangesTheForceByNoMoreThanTwiceItselfAndGainsNoAmplitude) {
+TEST(F6SharpEdge, ForceStepIsBoundedAndNotAmplified) {
   const pointshell::Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
   const Ground ground(slab(Vec3(40, 40, 40) * kEdge, Vec3(0.2, 0.1, -20.0) * kEdge), kEdge);
   for (const contact::ContactModelKind kind : kModels) {

@@ -26,7 +26,7 @@ double held_n(long_runs::LoopRig& rig, double seconds) {
   return sum / static_cast<double>(last);
 }
 
-TEST(BodyWeight, IsHeldWholeWhateverTheGripsStiffness) {
+TEST(BodyWeight, IsFullyHeldAtAnyGripStiffness) {
   for (const sim::SimParameters& device : {sim::sim_phantom(), sim::sim_lwr()})
     for (const int grip : {200, 1000, 2000, 10000}) {
       Inputs inputs;
@@ -57,7 +57,7 @@ effects::BodyShape bar(double length_m, double off_m) {
   return shape;
 }
 
-TEST(BodyAtTheGrip, HangsStillWithinTwoSecondsWhateverItsLength) {
+TEST(BodyAtTheGrip, OfAnyLengthSettlesInTwoSeconds) {
   for (const double length : {0.05, 0.1, 0.2, 0.4, 0.7, 1.0})
     for (const double part : {0.0, 0.25, 0.5, -0.5})
       for (const double grip_nm : {0.0, 0.3, 3.0}) {
@@ -85,7 +85,7 @@ TEST(BodyAtTheGrip, HangsStillWithinTwoSecondsWhateverItsLength) {
 }
 
 /// Of free modes as the eigenvalues of the body's own equations have them.
-TEST(BodyAtTheGrip, DampsEveryModeWithTheRatioThatIsAskedFor) {
+TEST(BodyAtTheGrip, DampsEveryModeAtTheRequestedRatio) {
   effects::BodyShape shape = bar(0.3, 0.15);
   shape.inertia_m2(0, 1) = shape.inertia_m2(1, 0) = 1e-4;
   const effects::BodyParameters p{

@@ -57,7 +57,7 @@ Outcome foils(double radius_mm, double foil_mm, double step_mm, int attempts) {
 }
 
 /// As `voxtouch plan` says: at least 1.5 voxels of wall, or a tool of 3 voxels.
-TEST(ThinFoils, HoldWhatThePlanSaysTheyHold) {
+TEST(ThinFoils, HoldAsThePlanPredicts) {
   for (const double step : {0.02, 0.5}) {
     for (const double radius : {0.5, 1.5})
       EXPECT_EQ(foils(radius, 3.0, step, 5).passed, 0) << radius;
@@ -67,7 +67,7 @@ TEST(ThinFoils, HoldWhatThePlanSaysTheyHold) {
 }
 
 /// A ball of 1.5 mm in foils of 0.2 and 0.5 mm is beyond that: such a sample is reported.
-TEST(ThinFoils, ARunInWhichOneIsPassedIsTold) {
+TEST(ThinFoils, MissedFoilsAreReported) {
   int passed = 0;
   for (const double foil : {0.02, 0.2, 0.5}) {
     const Outcome out = foils(1.5, foil, 0.05, 10);

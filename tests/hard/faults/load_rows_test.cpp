@@ -20,7 +20,7 @@ void PrintTo(const LoadCase& load, std::ostream* out) { *out << load.name; }
 class StaticLoad : public testing::TestWithParam<LoadCase> {};
 
 /// A guide far away pulls with 1 N along x, at any place alike; what is stiff lies across it.
-TEST_P(StaticLoad, IsHeldWholeNextToWhatIsStiff) {
+TEST_P(StaticLoad, IsFullyHeldNextToStiffContacts) {
   for (const sim::SimParameters& device : {sim::sim_phantom(), sim::sim_lwr()}) {
     Inputs inputs;
     inputs.mesh("floor", {{{-0.06, -0.04, -0.13}, {0.06, 0.04, -0.1}}});

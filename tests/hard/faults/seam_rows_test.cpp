@@ -50,7 +50,7 @@ void expect_as_one(rendering::BuiltScene& one, rendering::BuiltScene& other,
 
 class Seams : public testing::TestWithParam<std::string> {};
 
-TEST_P(Seams, OfBoxesInOneFileAreNotFelt) {
+TEST_P(Seams, BoxesInOneFileActAsOne) {
   Inputs inputs;
   inputs.mesh("one", {kFloor});
   inputs.mesh("touch", {{kFloor.low, {0, 0.04, 0}}, {{0, -0.04, -0.03}, kFloor.high}});
@@ -66,7 +66,7 @@ TEST_P(Seams, OfBoxesInOneFileAreNotFelt) {
     expect_as_one(*one, *scene(name), name);
 }
 
-TEST_P(Seams, OfFilesAreNotFelt) {
+TEST_P(Seams, AdjacentFilesActAsOne) {
   Inputs inputs;
   inputs.mesh("one", {kFloor});
   inputs.mesh("left", {{kFloor.low, {0.0051, 0.04, 0}}});
@@ -101,14 +101,14 @@ Floors floors(const std::string& contact) {
 
 class SeamsOfObjects : public testing::TestWithParam<std::string> {};
 
-TEST_P(SeamsOfObjects, AtRestAreNotFelt) {
+TEST_P(SeamsOfObjects, AtRestActAsOneObject) {
   const Floors made = floors(GetParam());
   expect_as_one(*made.one, *made.three, "objects");
 }
 
 /// In, along and out again in steps of 0.1 mm: points that went through in one object are held in
 /// the next.
-TEST_P(SeamsOfObjects, AreNotFeltByAToolThatSlides) {
+TEST_P(SeamsOfObjects, UnderASlidingToolActAsOneObject) {
   const Floors made = floors(GetParam());
   double worst = 0.0, largest = 0.0;
   const auto step = [&](const Vec3& at) {

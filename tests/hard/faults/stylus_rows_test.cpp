@@ -64,13 +64,13 @@ double displayed(const std::filesystem::path& file, bool side) {
   return force / displacement;
 }
 
-TEST(StylusStiffness, AlongTheArmIsTheCertifiedOne) {
+TEST(StylusStiffness, AlongTheArmIsTheCertifiedStiffness) {
   const Stylus down(0.15, false);
   const device_fit::ForcePreview p = preview_of(down.scene);
   EXPECT_NEAR(displayed(down.scene, false), p.stiffness_n_per_m, 0.03 * p.stiffness_n_per_m);
 }
 
-TEST(StylusStiffness, AcrossTheArmIsThePreviewsAtTheToolsReach) {
+TEST(StylusStiffness, AcrossTheArmMatchesTheForcePreview) {
   for (const double length : {0.1, 0.15, 0.4}) {
     const Stylus side(length, true);
     const device_fit::ForcePreview p = preview_of(side.scene);

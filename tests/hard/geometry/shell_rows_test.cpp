@@ -71,7 +71,7 @@ Real least_distance(const std::array<Vec3, 3>& corner) {
   return std::sqrt(best);
 }
 
-TEST(P1PointOfAVoxel, LiesInItAndIsTheNearestInAMillionRandomTriangles) {
+TEST(P1PointOfAVoxel, IsTheNearestForRandomTriangles) {
   const std::uint64_t seed = testing::seed(91);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
@@ -115,7 +115,7 @@ TEST(P1PointOfAVoxel, LiesInItAndIsTheNearestInAMillionRandomTriangles) {
   EXPECT_LE(beyond, 0.5);  // e/2 bit-identically: 4 eps are not needed
 }
 
-TEST(P1PointOfAVoxel, KeepsItsVoxelWhereTheWorldsNumbersRoundItOut) {
+TEST(P1PointOfAVoxel, KeepsItsVoxelDespiteRounding) {
   // Far from the grid's origin a point on its voxel's border may round into the next voxel: the
   // voxel is kept, not asked again.
   const mesh::TriangleMesh mesh = ground_mesh();

@@ -60,7 +60,7 @@ double shifted(double x, int which, double e) {
   }
 }
 
-TEST(V1PointOnAFace, TheFloodNeverReachesInsideAndMirrorImagesHaveMirroredVoxels) {
+TEST(V1PointOnAFace, FloodStaysOutAndMirrorsMatch) {
   constexpr double e = 0x1p-4;
   const voxmap::Grid grid{Vec3::Zero(), e};
   const std::array<int, 5> mirrored{0, 2, 1, 4, 3};
@@ -102,7 +102,7 @@ voxmap::Voxmap chessboard(const voxmap::Grid& grid, int n) {
   return map;
 }
 
-TEST(V1PointOnAFace, EdgeOrCornerLiesInOneVoxelWhereverItStandsInTheShell) {
+TEST(V1PointOnAFace, EdgesAndCornersHitOneVoxel) {
   constexpr double e =
       0.0037;  // no power of two: a multiple of it lies on the border, or an ulp next to it
   const voxmap::Grid grid{Vec3(0.1, -0.2, 0.3), e};
@@ -202,7 +202,7 @@ mesh::TriangleMesh littered(mesh::TriangleMesh mesh, Random& random) {
   return mesh;
 }
 
-TEST(V2DegenerateTriangles, AThousandOfThemChangeNoVoxelNoPointAndNoForce) {
+TEST(V2DegenerateTriangles, ChangeNeitherVoxelsNorForce) {
   const std::uint64_t seed = testing::seed(82);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
@@ -317,7 +317,7 @@ Vec3 middle_of_piece(const mesh::TriangleMesh& mesh, std::size_t triangle) {
   return sum;
 }
 
-TEST(V3OpenNonManifoldInverted, GroundNeverPullsTheToolInward) {
+TEST(V3OpenNonManifoldInverted, StaticSceneNeverPullsInward) {
   const double r = 3.3 * kEdge;
   const mesh::TriangleMesh ball = sphere_mesh(r, 2);
   for (const Defect& defect : defects()) {
@@ -349,7 +349,7 @@ TEST(V3OpenNonManifoldInverted, GroundNeverPullsTheToolInward) {
   }
 }
 
-TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
+TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIn) {
   Pose down;
   down.position.z() = -8 * kEdge;
   const mesh::TriangleMesh ground = box_mesh(kEdge * Vec3(90, 90, 16), down);
@@ -385,7 +385,7 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIntoTheGround) {
   }
 }
 
-TEST(V3OpenNonManifoldInverted, MoebiusBandPushesAwayFromBothItsSides) {
+TEST(V3OpenNonManifoldInverted, MoebiusBandRepelsOnBothSides) {
   const mesh::TriangleMesh band = moebius(14 * kEdge, 8 * kEdge, 48);
   const double r = 3.3 * kEdge;
   const Rig rig(band, sphere_mesh(r, 2));
@@ -426,7 +426,7 @@ TEST(V3OpenNonManifoldInverted, EachIsCountedAndNamed) {
     EXPECT_FALSE(mesh::inspect(defect.mesh).sentences().empty()) << defect.name;
 }
 
-TEST(V3OpenNonManifoldInverted, ToolWithACavityHasItsWallFaceTheCavity) {
+TEST(V3OpenNonManifoldInverted, CavityWallFacesTheCavity) {
   const double e = kEdge;
   const mesh::TriangleMesh outer = box_mesh(Vec3::Constant(20.3 * e)),
                            inner = box_mesh(Vec3::Constant(9.7 * e));
@@ -444,7 +444,7 @@ TEST(V3OpenNonManifoldInverted, ToolWithACavityHasItsWallFaceTheCavity) {
 // -------------------------------------------------------------------------------------------------
 // V4
 
-TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) {
+TEST(V4OffsetOfAMillionMetres, ForceChangesByRoundingOnly) {
   const std::uint64_t seed = testing::seed(84);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
@@ -482,7 +482,7 @@ TEST(V4OffsetOfAMillionMetres, ChangesTheForceByNoMoreThanThePositionsRounding) 
 // -------------------------------------------------------------------------------------------------
 // V6
 
-TEST(V6CellsWithoutNumber, AreRefusedWithASentenceBeforeAnyMemoryIsSpent) {
+TEST(V6TooManyVoxels, AreRefusedBeforeMemoryIsSpent) {
   const mesh::TriangleMesh mesh = sphere_mesh(50.0, 3);
   const voxmap::Grid grid = voxmap::default_grid(mesh, 100.0 / 1e5);
   const auto refused = [&](const auto& build) {
@@ -510,7 +510,7 @@ TEST(V6CellsWithoutNumber, AreRefusedWithASentenceBeforeAnyMemoryIsSpent) {
 // -------------------------------------------------------------------------------------------------
 // V8
 
-TEST(V8VerticesThatAreNoNumbers, AreRefusedByIndexOrDoNoHarmInEveryCoordinate) {
+TEST(V8InvalidVertices, AreRefusedByIndexOrHarmless) {
   const double inf = INFINITY;
   const voxmap::Grid grid{kEdge * Vec3::Constant(-9.0), kEdge};
   int refused = 0, built = 0;

@@ -42,7 +42,7 @@ Vec3 whole_voxels(Random& random, double most_m) {
                       std::round(uniform(random, -most, most)));
 }
 
-TEST(Translation, OfTheWholeSceneByGridMultiplesUpToAMillionMetresKeepsEveryBit) {
+TEST(Translation, ByGridMultiplesIsBitIdentical) {
   const std::uint64_t seed = testing::seed(71);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
@@ -63,7 +63,7 @@ TEST(Translation, OfTheWholeSceneByGridMultiplesUpToAMillionMetresKeepsEveryBit)
   EXPECT_GE(touching, 300U);
 }
 
-TEST(Translation, WithinTheGridMovesTheVoxelsByAsManyAndLeavesTheForce) {
+TEST(Translation, WithinTheGridShiftsVoxelsOnly) {
   const std::uint64_t seed = testing::seed(72);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
@@ -129,7 +129,7 @@ struct Symmetry {
 };
 
 /// All 24 rotations of the cube and its 24 mirror images.
-TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
+TEST(CubeSymmetry, RotatesAndMirrorsVoxelsShellAndForce) {
   const std::uint64_t seed = testing::seed(73);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
@@ -158,7 +158,7 @@ TEST(CubeSymmetry, TurnsAndMirrorsVoxelsShellAndForceAlike) {
   expect_rounding(off, 48 * poses.size());
 }
 
-TEST(V5ScaleByPowersOfTwo, KeepsEveryVoxelAndScalesEveryForceExactly) {
+TEST(V5ScaleByPowersOfTwo, ScalesVoxelsAndForcesExactly) {
   const std::uint64_t seed = testing::seed(74);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
@@ -285,7 +285,7 @@ std::uint64_t hash_of(const pointshell::Pointshell& shell) {
 
 /// The contact itself runs on one thread: `core` has none. What threads build is what one would
 /// have built.
-TEST(NumberOfThreads, IsInNoBitOfVoxelsFieldShellOrForce) {
+TEST(NumberOfThreads, LeavesAllResultsBitIdentical) {
   const std::uint64_t seed = testing::seed(77);
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);

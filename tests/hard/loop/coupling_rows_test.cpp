@@ -28,7 +28,7 @@ unsigned denormals_met(const Work& work) {
   return _mm_getcsr() & (kDenormalOperand | kUnderflow);
 }
 
-TEST(H3Denormals, FromAMinuteAfterTheReleaseOnNoStepMeetsOneAndTheForceIsZero) {
+TEST(H3Denormals, VanishAMinuteAfterRelease) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct"})
     for (const double cutoff_hz : {0.5, 5.0, 50.0}) {
       coupling::CouplingSpec spec;

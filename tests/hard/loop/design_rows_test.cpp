@@ -49,7 +49,7 @@ coupling_models::NonlinearLoop robot() {
 /// Doubling k under a constant push P lets the device out from P/k to P/(2k) and gives it P^2/(2k),
 /// just what the spring had stored. What it gives beyond that is what the device's damping takes on
 /// the way: nothing if it is slow.
-TEST(HardCaseL1, StiffnessDoubledWhilePressedCreatesLittleEnergyWhereItIsRamped) {
+TEST(HardCaseL1, RampLimitsTheEnergyOfAStiffnessStep) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.contact_stiffness *= 0.5;
     loop.resolution = 0.0;
@@ -71,7 +71,7 @@ TEST(HardCaseL1, StiffnessDoubledWhilePressedCreatesLittleEnergyWhereItIsRamped)
   }
 }
 
-TEST(HardCaseL2, AQuantiserLeavesNoMoreThanItsBound) {
+TEST(HardCaseL2, QuantiserLimitCycleIsBounded) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.start_speed = 0.01;
     loop.damping_only_in_contact = false;
@@ -126,7 +126,7 @@ TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
   }
 }
 
-TEST(HardCaseL3, RestingAtTheThresholdChattersByNoMoreThanAStepOfForce) {
+TEST(HardCaseL3, ChatterIsAtMostOneForceStep) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.plant.hand_mass = 0.1, loop.plant.hand_damping = 3.0, loop.plant.hand_stiffness = 200.0;
     loop.push = 0.5 * loop.resolution * loop.plant.hand_stiffness, loop.start_speed = 0.0;
@@ -143,7 +143,7 @@ TEST(HardCaseL3, RestingAtTheThresholdChattersByNoMoreThanAStepOfForce) {
   }
 }
 
-TEST(HardCaseL4, AStiffnessThatIsStableHeldIsNotSoReleasedOrInALightHand) {
+TEST(HardCaseL4, StableGrippedIsNotStableReleased) {
   coupling_models::NonlinearLoop loop;
   loop.controller = filter(5.0, 1.0);
   loop.resolution = 1e-5;
@@ -165,7 +165,7 @@ TEST(HardCaseL4, AStiffnessThatIsStableHeldIsNotSoReleasedOrInALightHand) {
   EXPECT_TRUE(coupling_models::simulate(loop).stable);
 }
 
-TEST(HardCaseL5, LosingUpToFivePercentOfTheSamplesLeavesADesignStable) {
+TEST(HardCaseL5, FivePercentLossLeavesADesignStable) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.jitter = 0.2, loop.delay_jitter_s = 1e-3;
     for (const double loss : {0.01, 0.03, 0.05})
@@ -176,7 +176,7 @@ TEST(HardCaseL5, LosingUpToFivePercentOfTheSamplesLeavesADesignStable) {
   }
 }
 
-TEST(HardCaseL5, AChangeOfTheDelayWithinTheMarginComesToRestAgain) {
+TEST(HardCaseL5, DelayChangeWithinTheMarginComesToRest) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.duration_s = 20.0;
     for (const double change : {-1e-3, 0.5e-3, 1e-3, 2e-3}) {
@@ -188,7 +188,7 @@ TEST(HardCaseL5, AChangeOfTheDelayWithinTheMarginComesToRestAgain) {
   }
 }
 
-TEST(HardCaseL5, AHundredMillisecondsOfSilenceFadeTheEffortAndItComesBack) {
+TEST(HardCaseL5, SilenceFadesTheForceAndItRecovers) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.fade_after_lost = 3;
     loop.disturbance = {.at_s = 5.0, .silence_s = 0.1};
@@ -203,7 +203,7 @@ TEST(HardCaseL5, AHundredMillisecondsOfSilenceFadeTheEffortAndItComesBack) {
   }
 }
 
-TEST(HardCaseL5, ASilenceThatDoesNotEndLeavesNoForce) {
+TEST(HardCaseL5, EndlessSilenceLeavesNoForce) {
   coupling_models::NonlinearLoop loop = damped_phantom();
   loop.disturbance = {.at_s = 2.0, .silence_s = 1e9};
   loop.duration_s = 3.5, loop.longest_s = 3.5;
@@ -231,7 +231,7 @@ TEST(HardCaseL7, SaturationLeavesADesignStable) {
   }
 }
 
-TEST(HardCaseL8, WithinARangeOfMassesTheWorstIsAtAnEnd) {
+TEST(HardCaseL8, WorstMassIsAtAnEndOfTheRange) {
   coupling_models::NonlinearLoop loop;
   loop.controller = filter(5.0, 0.707);
   loop.push = 3.0, loop.start_speed = 0.02;

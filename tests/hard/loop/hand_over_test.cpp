@@ -15,7 +15,7 @@ namespace {
 /// As large as a pose and its twist; all numbers of one sample are the same.
 using Sample = std::array<std::uint64_t, 13>;
 
-TEST(HardCaseL6, APoseIsNeverReadHalfOldAndHalfNewAndTimeNeverRunsBack) {
+TEST(HardCaseL6, PosesAreNeverTornAndTimeNeverRunsBack) {
   // The writer goes on until the reader has seen enough: on a busy machine it may be gone before a
   // read starts.
   constexpr std::uint64_t kSamples = 2'000'000;
@@ -46,7 +46,7 @@ TEST(HardCaseL6, APoseIsNeverReadHalfOldAndHalfNewAndTimeNeverRunsBack) {
   EXPECT_EQ(backwards, 0U);
 }
 
-TEST(HardCaseL6, AnOverrunIsCountedAndTheLoopGoesOnInItsOwnGrid) {
+TEST(HardCaseL6, OverrunIsCountedAndTheGridIsKept) {
   constexpr std::int64_t kPeriod = 1'000'000;
   std::int64_t deadline = 5 * kPeriod;
   std::uint64_t skipped = 0;

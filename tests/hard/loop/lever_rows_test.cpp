@@ -61,7 +61,7 @@ Turned turn(const std::string& device, int lever_mm, double degrees) {
 
 class Levers : public testing::TestWithParam<const char*> {};
 
-TEST_P(Levers, ATurnAgainstAStopGivesNoEnergy) {
+TEST_P(Levers, RotationAgainstAStopGivesNoEnergy) {
   for (const int lever_mm : {40, 80, 150})
     for (const double degrees : {5.0, 10.0, 20.0, 30.0}) {
       const Turned t = turn(GetParam(), lever_mm, degrees);

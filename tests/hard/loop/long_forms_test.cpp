@@ -29,14 +29,14 @@ void expect_well(const Findings& f) {
     ADD_FAILURE() << fault;
 }
 
-TEST(H2BillionSteps, AHeldContactNeitherDriftsNorJumpsWhateverCutoffPeriodsAndClockDo) {
+TEST(H2BillionSteps, ConstantContactNeitherDriftsNorJumps) {
   FilterRunOptions ask;
   ask.steps = 20'000'000 / kShorter, ask.seed = testing::seed(2);
   SCOPED_TRACE(testing::seed_trace(ask.seed));
   expect_well(run_filter(ask));
 }
 
-TEST(LongContact, WanderingOverTheCupLeavesNoTraceInWhatHasRun) {
+TEST(LongContact, LongMotionLeavesNoTrace) {
   for (const char* model : {"original", "field"}) {
     ContactRunOptions ask;
     ask.scene = VOXTOUCH_DEPLOY "/scenes/cup_field.yaml", ask.model = model;
@@ -52,7 +52,7 @@ TEST(F8OrientationDrift, StaysARotationOverAMillionIncrements) {
   expect_well(run_tumble(ask));
 }
 
-TEST(HostileCommands, NothingNotFiniteOrOverALimitReachesADriver) {
+TEST(HostileCommands, OnlyFiniteLimitedOnesReachADriver) {
   CommandRunOptions ask;
   ask.commands = 1'000'000, ask.seed = testing::seed(5);
   SCOPED_TRACE(testing::seed_trace(ask.seed));
@@ -60,7 +60,7 @@ TEST(HostileCommands, NothingNotFiniteOrOverALimitReachesADriver) {
 }
 
 /// VOXTOUCH_TRAP_FRAMES sets how many; `long_runs traps` runs a million.
-TEST(FloatingPointTraps, NoFrameOfRandomContactIsInvalidOverflowsOrDividesByZero) {
+TEST(FloatingPointTraps, RandomContactRaisesNone) {
   TrapRunOptions ask;
   const char* frames = std::getenv("VOXTOUCH_TRAP_FRAMES");
   ask.frames =

@@ -72,7 +72,7 @@ Motion gentle_rests() {
   return motion;
 }
 
-TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLightly) {
+TEST_P(EncoderResolution, LightRestHasNoLimitCycle) {
   const auto& [model, arm] = GetParam();
   for (const bool friction : {true, false}) {
     RigOptions ask = asked("cup_field.yaml", "");
@@ -111,7 +111,7 @@ TEST_P(EncoderResolution, LeavesNoLimitCycleBeyondItsOwnStepWhereTheToolRestsLig
   }
 }
 
-TEST_P(EncoderResolution, KeepsTheEnergyAboveItsBoundWhileTheToolSlidesOverVoxelBorders) {
+TEST_P(EncoderResolution, SlidingKeepsTheEnergyBound) {
   const auto& [model, arm] = GetParam();
   RigOptions ask = asked("cup_field.yaml", "slide");
   ask.model = model;
@@ -153,7 +153,7 @@ double encoder_step_n(const RigOptions& ask, const coupling::CouplingSpec& spec)
 /// The scene is built anew, twice as stiff, and taken in while the tool is pressed into it.
 /// Quasi-statically the contact does the mean of both forces times the way on the hand; a step
 /// would do half as much again.
-TEST(L1StiffnessStep, OfASceneThatIsTakenInUnderPressureGivesTheHandWhatTheRampMustAndNoStep) {
+TEST(L1StiffnessStep, ReloadUnderPressureGivesOnlyTheRampEnergy) {
   for (const double stiffness_times :
        {0.03, 0.06}) {  // below the cap, so that the hand meets what the scene shows
     RigOptions ask = asked("cup_field.yaml", "hit");
@@ -240,7 +240,7 @@ class Wire {
   std::deque<Letter> pending_;
 };
 
-TEST(L5Wire, LossDuplicatesAndOvertakingLeaveTheToolAtRestAndTheNewestCommandCounts) {
+TEST(L5Wire, LossAndReorderingKeepRestAndNewestCommand) {
   const std::uint64_t standard = testing::seed(5);
   SCOPED_TRACE(testing::seed_trace(standard));
   for (const double loss : {0.0, 0.01, 0.03, 0.05})
@@ -293,7 +293,7 @@ TEST(L5Wire, LossDuplicatesAndOvertakingLeaveTheToolAtRestAndTheNewestCommandCou
 enum class Silent { kCommands, kSamples };
 
 /// The wire is cut for 100 ms while the tool rests on the wall.
-TEST(L5Wire, AHundredMillisecondsOfSilenceFadeTheForceWithinTwentyAndItComesBackWithoutAStep) {
+TEST(L5Wire, SilenceFadesTheForceAndReturnsWithoutAStep) {
   for (const Silent what : {Silent::kCommands, Silent::kSamples})
     for (const bool arm : {false, true}) {
       RigOptions ask = asked("cup.yaml", "hit");

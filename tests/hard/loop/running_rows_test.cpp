@@ -73,7 +73,7 @@ TEST(HardCases, SteadyErrorDoesNotGrowOverTenMillionSteps) {
 }
 
 // H3
-TEST(HardCases, AMinuteAfterReleaseTheForceIsZeroAndAStepCostsWhatItAlwaysCosts) {
+TEST(HardCases, ReleasedForceIsZeroAndStepCostNormal) {
   coupling::CouplingSpec spec = filter(5, 1);
   spec.injected_damping_ns_per_m = 5;
   coupling::RunningCoupling coupling(spec, {}, kT);
@@ -99,7 +99,7 @@ TEST(HardCases, AMinuteAfterReleaseTheForceIsZeroAndAStepCostsWhatItAlwaysCosts)
 }
 
 // H4
-TEST(HardCases, NoSequenceOfPeriodsMakesTheForceLargerThanTwiceTheContact) {
+TEST(HardCases, JitteredPeriodsAtMostDoubleTheForce) {
   std::mt19937_64 random(41);
   std::uniform_real_distribution<double> u(0, 1);
   const double bad[] = {0.0, -1e-3, -10.0, kNan, kInf, -kInf, 10.0, 1e-9, 0.02, 7e-3};
@@ -122,7 +122,7 @@ TEST(HardCases, NoSequenceOfPeriodsMakesTheForceLargerThanTwiceTheContact) {
 }
 
 // H5
-TEST(HardCases, APeakOfAHundredTimesTheLimitIsForgottenWithinSixFilterTimes) {
+TEST(HardCases, PeaksDecayWithinSixFilterTimes) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct"}) {
     coupling::CouplingSpec spec = filter(5, 1);
     spec.kind = kind, spec.injected_damping_ns_per_m = 5;
@@ -139,7 +139,7 @@ TEST(HardCases, APeakOfAHundredTimesTheLimitIsForgottenWithinSixFilterTimes) {
 }
 
 // H6 (changes of parameters: RunningCoupling.RedesignsWhileInContactWithoutAJump)
-TEST(HardCases, AStartOrAResetInContactBeginsAtTheForceThatIsHeld) {
+TEST(HardCases, StartOrResetInContactBeginsAtTheHeldForce) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct"}) {
     coupling::CouplingSpec spec = filter(100, 0.7);
     spec.kind = kind, spec.injected_damping_ns_per_m = 5;
@@ -163,7 +163,7 @@ TEST(HardCases, AStartOrAResetInContactBeginsAtTheForceThatIsHeld) {
 }
 
 // L1
-TEST(HardCases, AStiffnessThatDoublesUnderPressureGivesNoEnergyBeyondItsRamp) {
+TEST(HardCases, RampedStiffnessStepAddsNoExtraEnergy) {
   coupling::CouplingSpec spec = filter(50, 0.707);
   spec.stiffness_cap_n_per_m = 400;
   coupling::RunningCoupling coupling(spec, {20, 0}, kT);
@@ -195,7 +195,7 @@ TEST(HardCases, AStiffnessThatDoublesUnderPressureGivesNoEnergyBeyondItsRamp) {
 }
 
 // L2
-TEST(HardCases, AnEncoderLeavesNoMoreThanAStepWhereDryFrictionTakesTheRest) {
+TEST(HardCases, DryFrictionLeavesNoLimitCycle) {
   const double q = 3e-5, k = 300;
   for (const double friction : {0.5 * k * q, k * q}) {
     coupling::RunningCoupling coupling(filter(100, 0.707), {8.5, 0}, kT);
@@ -217,7 +217,7 @@ TEST(HardCases, AnEncoderLeavesNoMoreThanAStepWhereDryFrictionTakesTheRest) {
 }
 
 // L7
-TEST(HardCases, SaturationAfterAnImpactDecaysAndKeepsTheForcesDirection) {
+TEST(HardCases, SaturationDecaysAndKeepsTheDirection) {
   coupling::CouplingSpec spec = filter(100, 0.707);
   spec.injected_damping_ns_per_m = 2;
   coupling::RunningCoupling coupling(spec, {3.3, 0}, kT);

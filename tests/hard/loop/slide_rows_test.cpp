@@ -19,7 +19,7 @@ constexpr double kMinForceN = 0.05;
 
 class Slides : public testing::TestWithParam<const char*> {};
 
-TEST_P(Slides, WithFrictionMakeNoStepThatIsFelt) {
+TEST_P(Slides, WithFrictionMakeNoPerceptibleStep) {
   for (const double speed : {0.005, 0.03, 0.2}) {
     RigOptions options;
     options.scene = std::string(VOXTOUCH_STABILITY) + "/slide_friction.yaml";

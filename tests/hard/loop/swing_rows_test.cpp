@@ -78,7 +78,7 @@ void expect_rest(const Swing& late, const LoopRig& rig) {
 
 /// A touch of 20 mm/s and 0.55 mm. The hand wants on until 0.4 s after it has arrived, and rests
 /// then.
-TEST(Swings, AGentleTouchOfAnArmRests) {
+TEST(Swings, GentleTouchOfAnArmRests) {
   LoopRig rig(ask("floor.yaml", "arm_with_torque.yaml", "gentle", "arm"));
   const std::vector<Row> rows = run(rig, 6.0, 2);
   const double rate = rig.device_description().rate_hz;
@@ -88,7 +88,7 @@ TEST(Swings, AGentleTouchOfAnArmRests) {
   EXPECT_LE(whole.largest_n, 1.5);
 }
 
-TEST(Swings, ATouchOnACoarseEncoderRests) {
+TEST(Swings, TouchOnACoarseEncoderRests) {
   LoopRig rig(ask("floor.yaml", "arm_coarse_encoder.yaml", "touch", "arm"));
   const std::vector<Row> rows = run(rig, 8.0, 2);
   const Swing whole = swing(rows, 1000.0, 0.0), late = swing(rows, 1000.0, 6.0);
@@ -97,7 +97,7 @@ TEST(Swings, ATouchOnACoarseEncoderRests) {
   EXPECT_LE(whole.largest_n, 3.0);
 }
 
-TEST(Swings, ABlowEndsWithinASecond) {
+TEST(Swings, ImpactRestsWithinASecond) {
   LoopRig rig(ask("floor_blow.yaml", "slewing_arm.yaml", "blow", "pen-firm"));
   const std::vector<Row> rows = run(rig, 4.0, 2);
   const Swing whole = swing(rows, 1000.0, 0.0), late = swing(rows, 1000.0, 3.0);
@@ -106,7 +106,7 @@ TEST(Swings, ABlowEndsWithinASecond) {
   EXPECT_EQ(rig.guard().counts().clamped_slew, 0U);
 }
 
-TEST(Swings, APegInASlotRestsWithinTwoSecondsOfTheRelease) {
+TEST(Swings, PegInASlotRestsWithinTwoSeconds) {
   RigOptions options = ask("slot.yaml", "slot_arm.yaml", "aside", "arm");
   options.hand->release_time_s = 6.0;
   LoopRig rig(options);

@@ -86,7 +86,7 @@ void expect_no_cycle_beyond_steps(const Spread& s) {
   EXPECT_LE(s.contact, 2.0);
 }
 
-TEST(ToolRests, WithinAStepOrTwoOfTheEncoderAndStillWhereTheDevicesFrictionHoldsIt) {
+TEST(ToolRests, WithinEncoderStepsAndStillUnderFriction) {
   for (const auto& [name, device] :
        {std::pair<const char*, sim::SimParameters>{"sim-phantom", sim::sim_phantom()},
         {"sim-lwr", sim::sim_lwr()}}) {
@@ -99,7 +99,7 @@ TEST(ToolRests, WithinAStepOrTwoOfTheEncoderAndStillWhereTheDevicesFrictionHolds
 /// Nothing but the hand's and the device's damping stops it: one step of the encoder goes on coming
 /// and going. What is commanded then is the damper's answer to it; 2.8 N on the arm, were its
 /// velocity not a slower one where a step of 0.02 mm may be all that moves.
-TEST(ToolRests, WithinAStepOrTwoWithoutAnyFrictionTooAndADamperHardlyAnswersTheStep) {
+TEST(ToolRests, WithinEncoderStepsWithoutFriction) {
   const Spread stylus = rests("sim-phantom", sim::sim_phantom(), "shaping_filter", false);
   expect_no_cycle_beyond_steps(stylus);
   EXPECT_LE(stylus.commanded_n, 0.1);

@@ -149,7 +149,7 @@ double of_steps(const Fractions& with, const Fractions& without) {
   return std::sqrt(std::max(0.0, with.total * with.total - without.total * without.total));
 }
 
-TEST(ToolSlides, QuietlyOnAStylusWithAndWithoutTheEncodersSteps) {
+TEST(ToolSlides, QuietlyOnAStylusWithAndWithoutEncoder) {
   for (const Ground& ground : grounds()) {
     EXPECT_LE(slide("sim-phantom", sim::sim_phantom(), ground, "shaping_filter", {}).total, 0.02);
     EXPECT_LE(slide("sim-phantom", sim::sim_phantom(), ground, "shaping_filter",
@@ -161,7 +161,7 @@ TEST(ToolSlides, QuietlyOnAStylusWithAndWithoutTheEncodersSteps) {
 
 /// Of a damper of 125 Ns/m on steps of 0.02 mm. On a velocity of 50 Hz alone it would be 7.6, 7.7
 /// and 17.6 %: a slower one takes its place within the speed that a step makes.
-TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutTheEncodersSteps) {
+TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutEncoder) {
   for (const Ground& ground : grounds()) {
     const bool cup = !ground.depth;
     const Fractions as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter", {}),
@@ -182,7 +182,7 @@ TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutTheEncodersSteps) {
 /// What is left on the cup is what the arm feels of its 64 sides and of the points of its own ball,
 /// 2 mm apart: on a tube of 512 sides it is less, and with a ball of finer points less again; with
 /// these the 64 sides alone are displayed most.
-TEST(ToolSlides, OnAnArmAMeshsSidesAndTheToolsPointsAreWhatIsFeltOfACup) {
+TEST(ToolSlides, ArmNoiseOnTheCupComesFromFacetsAndPoints) {
   const auto noise_of = [](int sides, double voxel_m, const LeftOut& skipped) {
     const TemporaryFolder folder;
     const Ground round{"tube.obj", grounds().back().motion, 4.5, {}};
@@ -203,7 +203,7 @@ TEST(ToolSlides, OnAnArmAMeshsSidesAndTheToolsPointsAreWhatIsFeltOfACup) {
 
 /// Its law damps a motion between hand and object, not the encoder's steps. Its swings along last
 /// longer, and these are what is left.
-TEST(ToolSlides, WithASpringDamperAnArmsEncoderIsFeltByLessThanFourPercent) {
+TEST(ToolSlides, SpringDamperHidesTheArmsEncoder) {
   for (const Ground& ground : grounds()) {
     const Fractions as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper", {}),
                     no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper",

@@ -48,7 +48,7 @@ class Installed(unittest.TestCase):
             **more,
         }
 
-    def test_names_no_folder_that_it_was_built_in(self):
+    def test_names_no_build_folder(self):
         source = HERE.parents[2]
         for file in self.prefix.rglob("*"):
             if (
@@ -86,7 +86,7 @@ class Installed(unittest.TestCase):
             [re.sub(r"\d", "0", bag.name) for bag in bags], ["cup-00000000-000000-domain00"]
         )
 
-    def test_says_where_it_cannot_record(self):
+    def test_reports_where_it_cannot_record(self):
         if os.geteuid() == 0:
             home = "/proc"  # none may write there, root neither
         else:
@@ -111,7 +111,7 @@ class Installed(unittest.TestCase):
         self.assertEqual(done.returncode, 1)
         self.assertRegex(done.stderr, r"can(not)? be made.* another (folder|with --record)")
 
-    def test_a_program_of_somebody_else_is_built_against_it(self):
+    def test_external_program_builds_against_it(self):
         run(
             CMAKE,
             "-S",

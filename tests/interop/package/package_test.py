@@ -172,7 +172,7 @@ class Computes(unittest.TestCase):
             json.loads(run(VOXTOUCH, "design", "--device", "sim:touch", "--json").stdout)["device"],
         )
 
-    def test_what_is_wrong_is_an_exception_with_a_sentence(self):
+    def test_errors_are_exceptions_with_a_message(self):
         for error, words, call in (
             (
                 ValueError,
@@ -323,7 +323,7 @@ def example(name, *words):
 
 
 class OwnEffect(unittest.TestCase):
-    def test_of_the_example_is_felt_in_a_live_ring_bounded_and_fades_with_its_program(self):
+    def test_example_wrench_is_bounded_and_fades_with_its_program(self):
         with open(FOLDER / "own.log", "w", encoding="utf-8") as log:
             ring = start_ring(FOLDER / "own", DOMAIN, log, scene="cup_external", motion="rest")
             ran = example(
@@ -409,7 +409,7 @@ class Ring(unittest.TestCase):
         self.assertIn("commands", ran.stdout)
         self.assertGreater((FOLDER / "live.svg").stat().st_size, 5000)
 
-    def test_a_bag_that_is_played_into_it_is_not_felt(self):
+    def test_played_bag_does_not_change_the_force(self):
         """Every topic of a bag of another session, a change of an effect among them, each message
         in its order, for two seconds.
         """
@@ -493,7 +493,7 @@ class Ring(unittest.TestCase):
 
 
 class Examples(unittest.TestCase):
-    def test_each_says_what_it_is(self):
+    def test_each_describes_itself(self):
         for file in sorted(EXAMPLES.glob("*.py")):
             ran = run(
                 sys.executable,

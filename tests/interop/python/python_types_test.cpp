@@ -80,9 +80,9 @@ void expect_our_types_read_right(const json& topics, bool touching) {
     EXPECT_GT(topics[on_demand]["count"], 0) << on_demand;
 }
 
-class StrangersFromPyPI : public testing::TestWithParam<const char*> {};
+class PyPIClients : public testing::TestWithParam<const char*> {};
 
-TEST_P(StrangersFromPyPI, ReadAndWriteEveryTopicAndNoProcessOfTheRingEnds) {
+TEST_P(PyPIClients, ReadAndWriteEveryTopicWithoutEndingTheRing) {
   const TemporaryFolder types;
   ASSERT_EQ(
       Process({VOXTOUCH_BIN "/voxtouch", "types", "--python", types.path().string()}).wait().status,
@@ -132,7 +132,7 @@ TEST_P(StrangersFromPyPI, ReadAndWriteEveryTopicAndNoProcessOfTheRingEnds) {
   EXPECT_GT(summary["samples"], 5000) << end.err;
 }
 
-INSTANTIATE_TEST_SUITE_P(InContactAndOutOfIt, StrangersFromPyPI, testing::Values("slide", "free"),
+INSTANTIATE_TEST_SUITE_P(InContactAndOutOfIt, PyPIClients, testing::Values("slide", "free"),
                          [](const auto& motion) { return std::string(motion.param); });
 
 }  // namespace

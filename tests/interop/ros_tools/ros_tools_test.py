@@ -141,7 +141,7 @@ class Pictures(unittest.TestCase):
         all_corners = sum(len(m.points) for ms in meshes.values() for m in ms)
         self.assertLessEqual(sum(late), all_corners)
 
-    def test_who_comes_late_gets_the_meshes_and_a_reload_takes_them_away(self):
+    def test_late_readers_get_meshes_and_a_reload_removes_them(self):
         with tempfile.TemporaryDirectory() as folder:
             scene = pathlib.Path(folder) / "two.yaml"
             text = (
@@ -189,7 +189,7 @@ class Pictures(unittest.TestCase):
             self.assertIn(("object/roller", 0), looker.markers.deleted)
             self.assertEqual(looker.errors(), [])
 
-    def test_a_large_mesh_is_drawn_coarser_and_says_so(self):
+    def test_large_mesh_is_drawn_coarser_and_reported(self):
         with tempfile.TemporaryDirectory() as folder:
             n = 160
             scene = fine_scene(folder, n)
@@ -235,7 +235,7 @@ class Pictures(unittest.TestCase):
 class Stopped(unittest.TestCase):
     """A reliable reader that stands still: none waits for it."""
 
-    def test_costs_neither_the_ring_nor_who_else_looks(self):
+    def test_costs_neither_the_ring_nor_other_readers(self):
         looker = Looker(join(DOMAIN), paths=("pose", "markers"), depth=1000)
         with ring(DEPLOY / "scenes" / "cup.yaml", "--motion", "slide") as up:
             until_it_runs(up)
@@ -284,7 +284,7 @@ class Stopped(unittest.TestCase):
 class Layouts(unittest.TestCase):
     """The files for RViz and Foxglove name what there is."""
 
-    def test_name_topics_and_frames_that_there_are(self):
+    def test_name_existing_topics_and_frames(self):
         known = {row.dds_name()[2:]: row for row in TOPICS.values()}
         rviz = (DEPLOY / "tools" / "voxtouch.rviz").read_text()
         topics = re.findall(r"Value: (/\S+)", rviz)

@@ -198,7 +198,7 @@ class Services(Asked):
         self.assertIn("hold release", beyond.additional_constraints)
         self.assertEqual((unknown.name, unknown.type), ("no.such", 0))
 
-    def test_b_sets_what_voxtouch_change_sets_and_refuses_in_its_words(self):
+    def test_b_sets_and_refuses_like_voxtouch_change(self):
         self.assertEqual(self.set("friction.coulomb", 0.3), "")
         self.assertEqual(self.set("friction.gain", 1), "", "a whole number is a number")
         self.assertEqual(self.set("friction.on", False), "")
@@ -272,7 +272,7 @@ class Services(Asked):
         self.assertRegex(refused.sentence, r"'gain' .* 0 to 1\b")
         self.assertIn("action 77", self.call("change_effect", action=77).sentence)
 
-    def test_e_tells_changes_and_sentences_to_who_reads_them(self):
+    def test_e_publishes_changes_and_messages(self):
         events = subscription(
             self.participant, Topic(self.participant, "rt/parameter_events", ParameterEvent), 1000
         )
@@ -395,7 +395,7 @@ class Services(Asked):
             )
             self.assertTrue(others >= QUIET or statistics.median(ms) < 20.0, service)
 
-    def test_h_goes_on_beside_clients_that_mean_ill(self):
+    def test_h_survives_malicious_clients(self):
         deaf = Client(
             self.participant, NODE, "set_parameters", receives=False
         )  # no reader of replies
@@ -448,7 +448,7 @@ class InLockstep(Asked):
 
     more = ("--lockstep",)
 
-    def test_each_change_is_replayed_whoever_asked(self):
+    def test_each_change_is_replayed_for_any_requester(self):
         for n in range(1, 6):
             self.assertEqual(self.set("friction.coulomb", 0.1 * n), "")
             self.assertEqual(
@@ -479,7 +479,7 @@ class Arm(unittest.TestCase):
     with the description by `urdf_test`.
     """
 
-    def test_tells_its_joints_and_itself(self):
+    def test_publishes_its_joints_and_description(self):
         self.expect_joints("emulated-lwr", ["A1", "A2", "E1", "A3", "A4", "A5", "A6"])
 
     def test_a_phantom_is_one(self):

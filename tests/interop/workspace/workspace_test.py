@@ -23,7 +23,7 @@ class Package(unittest.TestCase):
         self.package = xml.etree.ElementTree.parse(IDL / "package.xml").getroot()
         self.cmake = (IDL / "CMakeLists.txt").read_text()
 
-    def test_needs_what_its_messages_use_and_says_so_in_both_files(self):
+    def test_both_files_list_the_packages_of_its_messages(self):
         fields = re.compile(r"^([a-z][a-z0-9_]*)/[A-Z]\w*", re.MULTILINE)
         used = {
             package
@@ -36,7 +36,7 @@ class Package(unittest.TestCase):
             self.assertIn(f"find_package({package} REQUIRED)", self.cmake)
         self.assertEqual(set(re.search(r"DEPENDENCIES ([^)]*)\)", self.cmake)[1].split()), used)
 
-    def test_is_one_that_rosidl_makes_messages_of(self):
+    def test_is_a_rosidl_interface_package(self):
         self.assertEqual(
             (self.package.get("format"), self.package.findtext("name")), ("3", "voxtouch_msgs")
         )
@@ -98,7 +98,7 @@ class Launch(unittest.TestCase):
         [process] = ring.named["function"](context | given)
         return process.named["cmd"]
 
-    def test_leaves_to_up_what_is_not_given(self):
+    def test_leaves_unset_options_to_up(self):
         os.environ.pop("ROS_DISTRO", None)
         self.assertEqual(self.command(), ["voxtouch", "up", "cup", "--ros", "iron"])
         os.environ["ROS_DISTRO"] = "humble"
@@ -106,7 +106,7 @@ class Launch(unittest.TestCase):
         os.environ["ROS_DISTRO"] = "jazzy"
         self.assertEqual(self.command(scene="plane")[-2:], ["--ros", "iron"])
 
-    def test_starts_a_ring_with_all_that_it_takes(self):
+    def test_starts_a_ring_with_every_option(self):
         command = self.command(
             scene="cup",
             device="sim-phantom",

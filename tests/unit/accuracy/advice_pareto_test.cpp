@@ -14,28 +14,28 @@ using Indices = std::vector<std::size_t>;
 const double kNan = std::numeric_limits<double>::quiet_NaN(),
              kInf = std::numeric_limits<double>::infinity();
 
-TEST(ParetoFront, HoldsWhatNothingBeatsByAscendingCost) {
+TEST(ParetoFront, HoldsUndominatedPointsByCost) {
   EXPECT_EQ(pareto_front({{4, 1}, {1, 4}, {3, 3}, {2, 3}, {5, 2}}), (Indices{1, 3, 0}));
 }
 
-TEST(ParetoFront, OfNothingIsEmptyAndOfOnePointIsThatPoint) {
+TEST(ParetoFront, OfNoneIsEmptyAndOfOneIsThatPoint) {
   EXPECT_EQ(pareto_front({}), Indices{});
   EXPECT_EQ(pareto_front({{3, 7}}), Indices{0});
 }
 
-TEST(ParetoFront, KeepsEqualsAndDropsWhatIsAsGoodInOneFigureOnly) {
+TEST(ParetoFront, KeepsEqualsAndDropsWeaklyDominated) {
   EXPECT_EQ(pareto_front({{1, 2}, {1, 2}}), (Indices{0, 1}));
   EXPECT_EQ(pareto_front({{1, 2}, {1, 3}, {2, 2}}), Indices{0});
   EXPECT_EQ(pareto_front({{1, 3}, {2, 2}, {1, 3}, {2, 2}}), (Indices{0, 2, 1, 3}));
 }
 
-TEST(ParetoFront, LeavesOutWhatIsNotFinite) {
+TEST(ParetoFront, LeavesOutNonFinitePoints) {
   EXPECT_EQ(pareto_front({{kNan, 0}, {0, kNan}, {-kInf, 0}, {0, -kInf}, {kInf, 1}, {2, 2}}),
             Indices{5});
   EXPECT_EQ(pareto_front({{kNan, kNan}}), Indices{});
 }
 
-TEST(ParetoFront, IsWhatComparingAllPairsGives) {
+TEST(ParetoFront, EqualsBruteForce) {
   for (unsigned seed = 1; seed <= 50; ++seed) {
     std::mt19937 random(seed);
     std::vector<CostError> points(1 + seed % 17);
@@ -53,12 +53,12 @@ TEST(ParetoFront, IsWhatComparingAllPairsGives) {
   }
 }
 
-TEST(Knee, IsWhereTheGainTurns) {
+TEST(Knee, IsAtTheLargestBendOfTheFront) {
   const std::vector<CostError> points{{1, 100}, {2, 1}, {50, 0.5}, {10, 0.9}};
   EXPECT_EQ(knee(points, pareto_front(points), 1e-3), 1u);
 }
 
-TEST(Knee, IsNoneOnAStraightOrBulgingFrontOrOneOfTwoPoints) {
+TEST(Knee, IsAbsentOnStraightBulgingOrShortFronts) {
   const auto of = [](const std::vector<CostError>& points) {
     return knee(points, pareto_front(points), 1e-3);
   };

@@ -38,14 +38,14 @@ AccuracyRow refused() {
   return r;
 }
 
-TEST(AccuracyAdvice, ChoosesTheCheapestSettingWithinADirectionError) {
+TEST(AccuracyAdvice, ChoosesTheCheapestWithinADirectionError) {
   const AccuracyAdvice advice = advise(rows(), {.direction_deg = 2.5});
   EXPECT_EQ(advice.row, 2u) << "adapted keeps the wish too, and takes longer";
   EXPECT_EQ(advice.met, true);
 }
 
 /// A tool that is no ball: its truth is not known, and that is no reason to leave it.
-TEST(AccuracyAdvice, ChoosesNothingInsteadOfAVirtualToolThatWasNotJudged) {
+TEST(AccuracyAdvice, ChoosesNothingOverAnUnmeasuredVirtualTool) {
   std::vector<AccuracyRow> all = rows();
   all.push_back(refused());
   all.back().setting.virtual_tool = true;
@@ -63,12 +63,12 @@ TEST(AccuracyAdvice, ChoosesNothingInsteadOfAVirtualToolThatWasNotJudged) {
   EXPECT_TRUE(advise(all, {.within_us = 15.0}, true).row) << "at another voxel size it was";
 }
 
-TEST(AccuracyAdvice, CountsALimitThatIsJustMet) {
+TEST(AccuracyAdvice, CountsAnExactlyMetLimit) {
   EXPECT_EQ(advise(rows(), {.direction_deg = 8.0}).row, 0u);
   EXPECT_EQ(advise(rows(), {.within_us = 10.0}).row, 2u);
 }
 
-TEST(AccuracyAdvice, ChoosesTheNearestToAnErrorThatNoSettingMeets) {
+TEST(AccuracyAdvice, ChoosesTheNearestToAnUnmetError) {
   const AccuracyAdvice advice = advise(rows(), {.direction_deg = 0.01});
   EXPECT_EQ(advice.row, 3u);
   EXPECT_EQ(advice.met, false);
@@ -90,7 +90,7 @@ TEST(AccuracyAdvice, ChoosesTheMostAccurateSettingWithinATime) {
   EXPECT_EQ(advice.met, true);
 }
 
-TEST(AccuracyAdvice, ChoosesTheNearestToATimeThatNoSettingMeets) {
+TEST(AccuracyAdvice, ChoosesTheNearestToAnUnmetTime) {
   const AccuracyAdvice advice = advise(rows(), {.within_us = 4});
   EXPECT_EQ(advice.row, 0u);
   EXPECT_EQ(advice.met, false);
@@ -104,7 +104,7 @@ TEST(AccuracyAdvice, ChoosesTheKneeOfTheFrontWithoutALimit) {
   EXPECT_FALSE(advice.met);
 }
 
-TEST(AccuracyAdvice, ChoosesNothingOfAFrontOfTwoAndTheOneOfAFrontOfOne) {
+TEST(AccuracyAdvice, FrontOfTwoGivesNoAdviceFrontOfOneDoes) {
   const std::vector<AccuracyRow> two{rows()[0], rows()[3]};
   const AccuracyAdvice ends = advise(two, {});
   EXPECT_FALSE(ends.row);
@@ -114,7 +114,7 @@ TEST(AccuracyAdvice, ChoosesNothingOfAFrontOfTwoAndTheOneOfAFrontOfOne) {
   EXPECT_EQ(best.row, 1u);
 }
 
-TEST(AccuracyAdvice, NeverChoosesWhatWasRefusedOrNeverTouchedOrIsNotANumber) {
+TEST(AccuracyAdvice, NeverChoosesRefusedUntouchedOrNonFiniteRows) {
   AccuracyRow untouched = row(contact::ContactModelKind::kAdapted, 0.002, 1, 0.0);
   untouched.contacts = 0;
   AccuracyRow odd =
@@ -126,7 +126,7 @@ TEST(AccuracyAdvice, NeverChoosesWhatWasRefusedOrNeverTouchedOrIsNotANumber) {
     EXPECT_EQ(advise(all, goal).row, 3u);
 }
 
-TEST(AccuracyAdvice, ARowWithoutTheLimitedFigureDoesNotMeetTheLimit) {
+TEST(AccuracyAdvice, RowWithoutTheFigureMissesTheLimit) {
   std::vector<AccuracyRow> all = rows();
   for (AccuracyRow& r : all)
     r.magnitude_noise = std::numeric_limits<double>::quiet_NaN();
@@ -140,7 +140,7 @@ TEST(AccuracyAdvice, ARowWithoutTheLimitedFigureDoesNotMeetTheLimit) {
   EXPECT_EQ(none.met, false);
 }
 
-TEST(AccuracyAdvice, ChoosesNothingWhereNothingCouldBeJudged) {
+TEST(AccuracyAdvice, ChoosesNothingIfNothingWasMeasured) {
   for (const AccuracyGoal& goal :
        {AccuracyGoal{}, AccuracyGoal{.direction_deg = 1}, AccuracyGoal{.within_us = 1}}) {
     const AccuracyAdvice advice = advise({refused(), refused()}, goal);
@@ -150,7 +150,7 @@ TEST(AccuracyAdvice, ChoosesNothingWhereNothingCouldBeJudged) {
   EXPECT_FALSE(advise({}, {}).row);
 }
 
-TEST(AccuracyAdvice, DoesNotTellErrorsApartThatNoHandFeels) {
+TEST(AccuracyAdvice, TreatsImperceptibleErrorsAsEqual) {
   const std::vector<AccuracyRow> alike{row(contact::ContactModelKind::kAdapted, 0.002, 5, 1e-7),
                                        row(contact::ContactModelKind::kField, 0.002, 50, 0.0)};
   const AccuracyAdvice advice = advise(alike, {});
@@ -158,7 +158,7 @@ TEST(AccuracyAdvice, DoesNotTellErrorsApartThatNoHandFeels) {
   EXPECT_EQ(advise(alike, {.within_us = 100}).row, 0u);
 }
 
-TEST(AccuracyAdvice, TakesTheFasterThenTheSmallerThenTheFirstOfEquals) {
+TEST(AccuracyAdvice, BreaksTiesBySpeedSizeAndOrder) {
   std::vector<AccuracyRow> equals{row(contact::ContactModelKind::kAdapted, 0.002, 5, 1.0),
                                   row(contact::ContactModelKind::kField, 0.002, 5, 1.0),
                                   row(contact::ContactModelKind::kField, 0.001, 5, 1.0)};
@@ -170,7 +170,7 @@ TEST(AccuracyAdvice, TakesTheFasterThenTheSmallerThenTheFirstOfEquals) {
   EXPECT_EQ(advise(equals, {.direction_deg = 2}).row, 2u);
 }
 
-TEST(AccuracyGoal, RefusesWhatCannotBeWanted) {
+TEST(AccuracyGoal, RefusesAnInvalidGoal) {
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                inf = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -1.0, nan, inf}) {

@@ -28,7 +28,7 @@ WrenchPair pair(const Vec3& given, const Vec3& truth, const Vec3& torque = Vec3:
   return {{given, torque}, {truth, Vec3::Zero()}};
 }
 
-TEST(ContactErrors, AreZeroForAModelThatIsRightUpToAScale) {
+TEST(ContactErrors, AreZeroForAModelRightUpToAScale) {
   AccuracyRow row;
   judge_wrenches(
       {pair({2, 0, 0}, {1, 0, 0}), pair({0, 6, 0}, {0, 3, 0}), pair({0, 0, -8}, {0, 0, -4})}, row);
@@ -40,7 +40,7 @@ TEST(ContactErrors, AreZeroForAModelThatIsRightUpToAScale) {
   EXPECT_EQ(row.torque_error_m, 0.0);
 }
 
-TEST(ContactErrors, AreThoseOfTurnedScaledAndShiftedForces) {
+TEST(ContactErrors, AreThoseOfRotatedScaledAndShiftedForces) {
   AccuracyRow row;
   const double c = std::cos(0.1), s = std::sin(0.1);
   judge_wrenches({pair({c, s, 0}, {1, 0, 0}, {0, 0, 0.002}),
@@ -54,7 +54,7 @@ TEST(ContactErrors, AreThoseOfTurnedScaledAndShiftedForces) {
   EXPECT_EQ(row.onset_worst_m, -0.002);
 }
 
-TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
+TEST(ContactErrors, CountMissedButNotImperceptibleContacts) {
   AccuracyRow row;
   judge_wrenches(
       {pair({0, 0, 0}, {1, 0, 0}), pair({1, 0, 0}, {0, 0, 0}), pair({1, 0, 0}, {1, 0, 0})}, row);
@@ -72,7 +72,7 @@ TEST(ContactErrors, CountsWhatAModelMissesAndNotWhatNobodyFeels) {
 
 /// However well the half that is displayed points: what feels nothing in the other half ranks
 /// behind whatever pushes outward everywhere.
-TEST(ContactErrors, RankAModelThatFeelsHalfBehindOneThatFeelsAllFromABadAngle) {
+TEST(ContactErrors, RankAHalfMissedContactBehindABadAngle) {
   std::vector<WrenchPair> half, all;
   for (int n = 0; n < 20; ++n) {
     half.push_back(pair(n % 2 == 0 ? Vec3(1, 0, 0) : Vec3(0, 0, 0), {1, 0, 0}));
@@ -86,7 +86,7 @@ TEST(ContactErrors, RankAModelThatFeelsHalfBehindOneThatFeelsAllFromABadAngle) {
 
 /// The table of the binomial distribution: ranks of the ends for n = 5 to 100 (Conover 1999, table
 /// A3).
-TEST(MedianInterval, IsBetweenTheSortedValuesThatTheBinomialDistributionNames) {
+TEST(MedianInterval, EndsAtTheBinomialRanks) {
   const auto ranks = [](int n) {
     std::vector<double> values;
     for (int k = n; k >= 1; --k)
@@ -105,7 +105,7 @@ TEST(MedianInterval, IsBetweenTheSortedValuesThatTheBinomialDistributionNames) {
 }
 
 /// 400 draws of 31 values each: the median lies in at least 93 % of the intervals.
-TEST(MedianInterval, HoldsTheMedianInNineteenOfTwentyDraws) {
+TEST(MedianInterval, CoversTheMedianIn95PercentOfDraws) {
   std::mt19937_64 random(11);
   std::exponential_distribution<double> draw(1.0);
   int holds = 0;
@@ -138,7 +138,7 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
 }
 
 /// A clock of its own: one kind of step takes ten times what was guessed, another a fifth.
-TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
+TEST(MeasuredProgress, EstimatesTheRestFromEqualSteps) {
   double now = 0.0, reported_left = 0.0, last = 0.0;
   MeasuredProgress progress([&] { return now; },
                             [&](const std::string&, double fraction, double left_s) {
@@ -166,7 +166,7 @@ TEST(MeasuredProgress, TellsTheRestFromWhatStepsOfTheSameKindTook) {
   EXPECT_EQ(last, 1.0);
 }
 
-TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
+TEST(MeasuredProgress, UsesEstimatesWithoutAClock) {
   double last = 0.0, left = 0.0;
   MeasuredProgress progress({}, [&](const std::string&, double fraction, double left_s) {
     last = fraction, left = left_s;
@@ -184,7 +184,7 @@ TEST(MeasuredProgress, GoesByTheGuessesWithoutAClock) {
 
 /// What the places of the grid are measured with: a field that ends below the contacts gives
 /// bit-identical results, from fewer nodes.
-TEST(Accuracy, AFieldThatEndsBelowTheContactsGivesTheirBits) {
+TEST(Accuracy, TruncatedFieldIsBitIdenticalInContact) {
   const scene::Scene scene = shipped("cylinder");
   constexpr double kDepthEdges = 1.5;
   const auto build = [&](std::optional<double> depth) {
@@ -234,7 +234,7 @@ TEST(Accuracy, ModelsComeInTheirOrderAndErrorsFallWithTheVoxel) {
 
 /// `field` knows depth everywhere; `adapted` in one layer of voxels only, so its force falls
 /// behind; both feel the tool from outside.
-TEST(Accuracy, TellsTheSpreadOverDepthAndOverTheGridsPlace) {
+TEST(Accuracy, MeasuresTheSpreadOverDepthAndGridPlace) {
   AccuracyOptions options;
   options.contacts = 24, options.spread_contacts = 16;
   const std::vector<AccuracyRow> rows = measure_accuracy(
@@ -268,7 +268,7 @@ TEST(Accuracy, TellsTheSpreadOverDepthAndOverTheGridsPlace) {
   EXPECT_LT(field.phases.direction_mean_deg.high, adapted.phases.direction_mean_deg.high);
 }
 
-TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
+TEST(Accuracy, IsReproducibleAndTimedIfThereIsAClock) {
   AccuracyOptions options;
   options.contacts = 8;
   const std::vector<AccuracySetting> settings = {
@@ -294,7 +294,7 @@ TEST(Accuracy, GivesTheSameFiguresAgainAndTimesWhereThereIsAClock) {
   EXPECT_GT(b.build_s, 0.0);
 }
 
-TEST(Accuracy, ASettingThatCannotBeBuiltIsARowThatSaysWhy) {
+TEST(Accuracy, ReportsAnInfeasibleSettingWithItsReason) {
   AccuracyOptions options;
   options.contacts = 3;
   const std::vector<AccuracyRow> rows = measure_accuracy(
@@ -310,7 +310,7 @@ TEST(Accuracy, ASettingThatCannotBeBuiltIsARowThatSaysWhy) {
   EXPECT_GT(rows[2].contacts, 0u);
 }
 
-TEST(ToolRow, HoldsTheVirtualToolBesideTheExactBall) {
+TEST(ToolRow, ComparesTheVirtualToolWithTheExactBall) {
   for (const char* name : {"plane", "cylinder", "cup"}) {
     AccuracyOptions options;
     options.contacts = 40;
@@ -331,7 +331,7 @@ TEST(ToolRow, HoldsTheVirtualToolBesideTheExactBall) {
   }
 }
 
-TEST(ToolRow, IsRefusedWhereTheExactToolIsNotKnown) {
+TEST(ToolRow, IsRefusedWithoutAnExactTool) {
   scene::Scene scene = shipped("plane");
   scene.dynamic_mesh.primitives.clear();
   AccuracyOptions options;

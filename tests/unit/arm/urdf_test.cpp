@@ -84,7 +84,7 @@ void expect_same_flange(const ArmDescription& arm, Eigen::Index joints,
   }
 }
 
-TEST(Urdf, PutsTheFlangeWhereTheArmHasIt) {
+TEST(Urdf, FlangeMatchesTheArm) {
   expect_same_flange(lwr::lwr_description(), 7,
                      [](const Eigen::VectorXd& q) { return lwr::LwrArm().flange(q); });
   expect_same_flange(fr3::fr3_description(), 7,
@@ -97,7 +97,7 @@ TEST(Urdf, PutsTheFlangeWhereTheArmHasIt) {
 }
 
 /// What a Phantom's driver shows: computed from tip and stylus, it leads back to both.
-TEST(Urdf, TheJointsOfAPhantomPutTipAndStylusWhereTheyWere) {
+TEST(Urdf, PhantomJointsReproduceTipAndStylus) {
   const std::vector<ReadJoint> chain = joints_of(to_urdf(phantom::phantom_description()));
   std::mt19937_64 random(voxtouch::testing::seed(6));
   std::uniform_real_distribution<double> small(-0.6, 0.6);

@@ -53,7 +53,7 @@ INSTANTIATE_TEST_SUITE_P(Storages, EachBag, testing::Values(Storage::kSqlite3, S
                            return std::string(names_of(storage.param).name);
                          });
 
-TEST_P(EachBag, GivesBackWhatWasWrittenInOrderOfTime) {
+TEST_P(EachBag, ReturnsItsMessagesInOrderOfTime) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 100, GetParam());
   const auto bag = expect_value(WholeBag::open(folder / "run"));
@@ -98,7 +98,7 @@ TEST_P(EachBag, ClosedIsTwoFilesWithTrueMetadata) {
   EXPECT_EQ(metadata.topics[0].offered_qos, kState.offered_qos);
 }
 
-TEST(Bag, ClosedOpensWhereNothingCanBeWritten) {
+TEST(Bag, ClosedOpensOnAReadOnlyDisk) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 10);
   namespace fs = std::filesystem;
@@ -113,7 +113,7 @@ TEST(Bag, ClosedOpensWhereNothingCanBeWritten) {
   EXPECT_EQ(header[19], 1);
 }
 
-TEST(Bag, NeverWritesOverAnythingThatIsThere) {
+TEST(Bag, NeverOverwritesAnything) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 10);
   const std::string before = text_of(folder / "run" / "run_0.db3");
@@ -172,13 +172,13 @@ TEST(Bag, HasWholeMetadataAtEveryInstant) {
   EXPECT_EQ(whole, reads);
 }
 
-TEST(Bag, TellsWhyAFolderCannotBeMade) {
+TEST(Bag, ReportsWhyAFolderCannotBeMade) {
   const auto refused = BagWriter::create("/proc/voxtouch/run");
   ASSERT_FALSE(refused);
   EXPECT_TRUE(says(refused, "/proc/voxtouch'")) << refused.error().sentence;
 }
 
-TEST_P(EachBag, RefusesWhatItCannotHold) {
+TEST_P(EachBag, RefusesInvalidTopicsAndMessages) {
   const TemporaryFolder folder;
   auto writer = writer_of(folder / "run");
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -189,7 +189,7 @@ TEST_P(EachBag, RefusesWhatItCannotHold) {
   EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 1u);
 }
 
-TEST_P(EachBag, CountsWhatAFullDiskRefusesAndStaysReadable) {
+TEST_P(EachBag, CountsFullDiskLossesAndStaysReadable) {
   const TemporaryFolder folder;
   auto writer = writer_of(folder / "run", {.max_bytes = 200'000});
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -219,7 +219,7 @@ TEST_P(EachBag, CountsWhatAFullDiskRefusesAndStaysReadable) {
 
 // The operating system refuses to let any file grow: what a disk that runs full looks like, for
 // metadata.yaml too.
-TEST_P(EachBag, GoesOnWhenTheOperatingSystemRefusesAndThenHasRoomAgain) {
+TEST_P(EachBag, ResumesOnceTheDiskHasRoomAgain) {
   const TemporaryFolder folder;
   voxtouch::test::Forked child([&] {
     std::signal(SIGXFSZ, SIG_IGN);
@@ -273,7 +273,7 @@ TEST(BagReader, FindsTheDatabaseWhenMetadataIsStaleMissingOrBroken) {
   EXPECT_EQ(expect_value(WholeBag::open(folder / "moved/other_0.db3")).message_count(), 11u);
 }
 
-TEST(BagReader, SaysWhatIsNotABag) {
+TEST(BagReader, RejectsWhatIsNotABag) {
   const TemporaryFolder folder;
   EXPECT_TRUE(says(WholeBag::open(folder / "nothing"), "/nothing'"));
   EXPECT_TRUE(says(WholeBag::open(folder.path()), "holds no .db3 file"));
@@ -348,7 +348,7 @@ TEST(BagReader, ReadsABagOfJazzyInTwoFiles) {
   EXPECT_EQ(bag.topics().size(), 1u);
 }
 
-TEST(BagReader, RefusesWhatItCannotReadWithASentence) {
+TEST(BagReader, RefusesUnreadableBagsWithAMessage) {
   const TemporaryFolder folder;
   write_bag(folder / "run", 1);
   std::string yaml = text_of(folder / "run/metadata.yaml");

@@ -20,7 +20,7 @@ Result<TopicHash> hash_of(const std::vector<std::vector<std::byte>>& messages, c
   return hash_topic(expect_value(WholeBag::open(folder / "run")), "/t", key);
 }
 
-TEST(TopicHash, DependsOnSequenceOrderAndNotOnArrivalOrTime) {
+TEST(TopicHash, DependsOnSequenceNotOnArrivalOrTime) {
   const auto a = ring_message(1, 0), b = ring_message(1, 1), c = ring_message(1, 2);
   const auto in_order = expect_value(hash_of({a, b, c}, ring_sequence_number));
   EXPECT_EQ(in_order.messages, 3u);
@@ -41,7 +41,7 @@ TEST(TopicHash, ChangesWithOneBitALostMessageOrAnotherSplit) {
             expect_value(hash_of({{x}, {x, x}}, {})).hash);
 }
 
-TEST(TopicHash, IsTheSameNumberForEver) {
+TEST(TopicHash, HasItsGoldenValue) {
   // FNV-1a over eight zero bytes of length is a constant of the format, worked out by hand with
   // another program.
   EXPECT_EQ(expect_value(hash_of({}, {})).hash, 0xcbf29ce484222325U);
@@ -57,7 +57,7 @@ TEST(TopicHash, ReadsTheSequenceNumberInTheMessagesOwnByteOrder) {
   EXPECT_EQ(ring_sequence_number(std::vector<std::byte>(19)), std::nullopt);
 }
 
-TEST(TopicHash, SaysWhenThereIsNoSequenceNumberOrNoTopic) {
+TEST(TopicHash, ReportsAMissingSequenceNumberOrTopic) {
   const auto short_one = hash_of({std::vector<std::byte>(8)}, ring_sequence_number);
   ASSERT_FALSE(short_one);
   EXPECT_TRUE(says(short_one, "number")) << short_one.error().sentence;

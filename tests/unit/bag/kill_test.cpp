@@ -49,7 +49,7 @@ struct Shared {
 
 class KilledRecorder : public testing::TestWithParam<std::pair<Storage, int>> {};
 
-TEST_P(KilledRecorder, LeavesABagThatOpensAndLacksAtMostASecond) {
+TEST_P(KilledRecorder, LosesAtMostASecond) {
   const TemporaryFolder folder;
   void* memory =
       mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);

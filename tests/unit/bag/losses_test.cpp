@@ -64,13 +64,13 @@ TEST_P(Losses, NameAMissingFileOfASplitBag) {
   EXPECT_EQ(bag().message_count(), 70U);
 }
 
-TEST_P(Losses, AreNoneWhereAFileWasRenamed) {
+TEST_P(Losses, AreNoneForARenamedFile) {
   record(100);
   fs::rename(file(0), file(0).parent_path() / ("other" + file(0).extension().string()));
   EXPECT_EQ(bag().losses(), std::vector<std::string>{});
 }
 
-TEST_P(Losses, AreNoneWhereMetadataIsBehindTheFiles) {
+TEST_P(Losses, AreNoneIfMetadataIsBehindTheFiles) {
   record(100);
   std::ifstream in(folder / "run/metadata.yaml");
   std::string text{std::istreambuf_iterator<char>(in), {}};

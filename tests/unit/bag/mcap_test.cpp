@@ -87,7 +87,7 @@ std::optional<std::uint64_t> summary_of(const std::filesystem::path& path) {
   return mcap::Cursor(footer->content).number<std::uint64_t>();
 }
 
-TEST(McapBag, IsAWholeFileAfterEachCommitAndHasASummaryWhenItIsClosed) {
+TEST(McapBag, IsCompleteAfterEachCommitAndHasASummary) {
   const TemporaryFolder folder;
   const auto file = folder / "run/run_0.mcap";
   auto writer = mcap_writer(folder / "run");
@@ -105,7 +105,7 @@ TEST(McapBag, IsAWholeFileAfterEachCommitAndHasASummaryWhenItIsClosed) {
   EXPECT_EQ(expect_value(messages_of(file)).size(), 5u);
 }
 
-TEST(McapBag, TellsItsTypes) {
+TEST(McapBag, ListsItsTypes) {
   const TemporaryFolder folder;
   auto writer = mcap_writer(folder / "run");
   (void)expect_value(writer.add_topic(kState)), (void)expect_value(writer.add_topic(kNote));
@@ -156,7 +156,7 @@ TEST(McapBag, ChunksThatOverlapAreReadInOrderOfTimeAndOfArrival) {
 }
 
 // In lockstep what is said seldom has the time 0 whenever it is said.
-TEST(McapBag, ALaterChunkMayBeginBeforeAllOthers) {
+TEST(McapBag, LaterChunkMayBeginBeforeAllOthers) {
   const TemporaryFolder folder;
   auto writer = mcap_writer(folder / "run");
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -179,7 +179,7 @@ TEST(McapBag, ALaterChunkMayBeginBeforeAllOthers) {
   check();
 }
 
-TEST(McapBag, OfTimeZeroIsOfTimeZeroAndOthersFindItToo) {
+TEST(McapBag, OfTimeZeroIsReadByOthersToo) {
   const TemporaryFolder folder;
   auto writer = mcap_writer(folder / "run");
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -201,7 +201,7 @@ TEST(McapBag, OfTimeZeroIsOfTimeZeroAndOthersFindItToo) {
             1u);  // where the chunk begins: 0 would be none to some
 }
 
-TEST(McapBag, ALargeMessageAndManyDoNotWaitForTheNextCommit) {
+TEST(McapBag, LargeAndManyMessagesAreWrittenEarly) {
   const TemporaryFolder folder;
   auto writer = mcap_writer(folder / "run");
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -214,7 +214,7 @@ TEST(McapBag, ALargeMessageAndManyDoNotWaitForTheNextCommit) {
   EXPECT_EQ(expect_value(messages_of(folder / "run")).size(), 1101u);
 }
 
-TEST(McapBag, CutOffAnywhereGivesWhatIsWholeBeforeTheCut) {
+TEST(McapBag, CutAnywhereGivesWholeMessagesBeforeTheCut) {
   const TemporaryFolder folder;
   write_overlapping(folder / "run");
   const auto whole = content_of(folder / "run/run_0.mcap");
@@ -239,7 +239,7 @@ TEST(McapBag, CutOffAnywhereGivesWhatIsWholeBeforeTheCut) {
   EXPECT_GT(opened, 100u);
 }
 
-TEST(McapBag, ADamagedByteIsRefusedOrDoesNotMatterAndIsNeverHandedOut) {
+TEST(McapBag, DamagedBytesAreRefusedOrHarmless) {
   const TemporaryFolder folder;
   write_overlapping(folder / "run");
   const auto whole = content_of(folder / "run/run_0.mcap");
@@ -266,7 +266,7 @@ TEST(McapBag, ADamagedByteIsRefusedOrDoesNotMatterAndIsNeverHandedOut) {
 /// As rosbag2's preset "fastwrite" leaves it (no chunks), and as its default does (chunks that are
 /// not compressed, with schema and channel in them), here both in one file; without a summary, as
 /// of a recorder that was killed.
-TEST(McapBag, OfOthersIsRead) {
+TEST(McapBag, OfOtherWritersIsRead) {
   const auto message = [](Bytes& out, std::uint64_t time, std::byte what) {
     const auto at = out.begin(Op::kMessage);
     out.number(std::uint16_t{7}), out.number(std::uint32_t{3}), out.number(time), out.number(time);

@@ -93,7 +93,7 @@ TEST_P(RawReading, TakesEveryMessageWithATextByteForByte) {
     ASSERT_EQ(taken[static_cast<std::size_t>(i)], header_cdr(i, text(i))) << i;
 }
 
-TEST_P(RawReading, GetsALatchedMessageWrittenBeforeItCameOnlyIfItAsks) {
+TEST_P(RawReading, GetsALatchedMessageOnlyOnRequest) {
   const std::string name = topic_name("latched");
   const qos::Qos latched = reliable(true);
   const dds_entity_t writer = writer_of<Header>(hosts_.here(), name, latched);
@@ -106,7 +106,7 @@ TEST_P(RawReading, GetsALatchedMessageWrittenBeforeItCameOnlyIfItAsks) {
   EXPECT_EQ(does_not_ask.take([](std::span<const std::byte>) {}), 0U);
 }
 
-TEST_P(RawReading, PutsAMessageOfManyPacketsTogether) {
+TEST_P(RawReading, AssemblesAMessageOfManyPackets) {
   const std::string name = topic_name("long");
   const dds_entity_t writer = writer_of<Header>(hosts_.here(), name, reliable());
   RawReader reader = reader_of<Header>(reading_side(), name, reliable());
@@ -118,7 +118,7 @@ TEST_P(RawReading, PutsAMessageOfManyPacketsTogether) {
   EXPECT_EQ(take(reader, 1), std::vector<Bytes>{header_cdr(1, text)});
 }
 
-TEST_P(RawReading, SaysNothingWhenTheWriterGoes) {
+TEST_P(RawReading, ReportsNothingWhenTheWriterLeaves) {
   const std::string name = topic_name("gone");
   const dds_entity_t writer = writer_of<Header>(hosts_.here(), name, reliable());
   RawReader reader = reader_of<Header>(reading_side(), name, reliable());
@@ -159,7 +159,7 @@ INSTANTIATE_TEST_SUITE_P(Sides, RawReading, testing::Values(false, true), [](con
   return side.param ? "OverTheWire" : "InOneParticipant";
 });
 
-TEST(RawReader, SaysWhatDdsRefuses) {
+TEST(RawReader, ReportsADdsRefusal) {
   const TwoHosts hosts;
   EXPECT_THROW(reader_of<Header>(hosts.here(), "not a name?*", reliable()), Error);
 }

@@ -12,7 +12,7 @@ namespace {
 
 using namespace bag::test;
 
-TEST(OfferedQos, IsTheTextThatHumbleWrites) {
+TEST(OfferedQos, EqualsTheTextOfHumble) {
   const qos::Qos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, 0);
   dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
@@ -67,7 +67,7 @@ class Recording : public testing::Test {
       {.queue_bytes = 1 << 20}};
 };
 
-TEST_F(Recording, TakesWantedTopicsWhoseTypeIsCompiledInAndRefusesOthersOnce) {
+TEST_F(Recording, TakesKnownTypesAndRefusesOthersOnce) {
   RecordedTopics topics(participant_, options_, {"rt/other/*"}, recorder_, wait_set_);
   const std::size_t of_the_ring = recorder_.report().topics.size();
   write(writer("rt/other/header"), "wanted"), write(writer("rt/unwanted"), "not");
@@ -95,7 +95,7 @@ TEST_F(Recording, TakesWantedTopicsWhoseTypeIsCompiledInAndRefusesOthersOnce) {
   EXPECT_FALSE(bag.find_topic("/other/thing") || bag.find_topic("/unwanted"));
 }
 
-TEST_F(Recording, DropsAForeignMessageThatIsLargerThanTheQueueAndCountsIt) {
+TEST_F(Recording, DropsAndCountsMessagesLargerThanTheQueue) {
   RecordedTopics topics(participant_, options_, {"rt/other/huge"}, recorder_, wait_set_);
   const dds_entity_t huge = writer("rt/other/huge");
   for (const std::size_t size : {std::size_t{2} << 20, std::size_t{1000}}) {

@@ -90,7 +90,7 @@ class FakeDisk final : public BagSink {
   TopicId topics_ = 0;
 };
 
-TEST(BagRecorder, PushesReturnWhileTheDiskStandsStillAndDropsAreCountedExactly) {
+TEST(BagRecorder, PushNeverBlocksAndDropsAreCounted) {
   auto disk = std::make_shared<DiskState>();
   disk->shut = true;
   BagRecorder recorder(std::make_unique<FakeDisk>(disk),
@@ -123,7 +123,7 @@ TEST(BagRecorder, PushesReturnWhileTheDiskStandsStillAndDropsAreCountedExactly) 
     EXPECT_EQ(disk->written[i].second, ring_message(1, i));
 }
 
-TEST(BagRecorder, LosesNothingInLockstepHoweverSmallTheQueue) {
+TEST(BagRecorder, LosesNothingInLockstepForAnyQueue) {
   auto disk = std::make_shared<DiskState>();
   disk->shut = true;
   BagRecorder recorder(std::make_unique<FakeDisk>(disk),
@@ -151,7 +151,7 @@ TEST(BagRecorder, LosesNothingInLockstepHoweverSmallTheQueue) {
     ASSERT_EQ(disk->written[i].first, static_cast<std::int64_t>(i));
 }
 
-TEST(BagRecorder, RefusesInLockstepWhatCouldNeverFit) {
+TEST(BagRecorder, RefusesOversizedMessagesInLockstep) {
   auto disk = std::make_shared<DiskState>();
   BagRecorder recorder(std::make_unique<FakeDisk>(disk),
                        {.queue_bytes = 64, .queue_messages = 4, .lockstep = true});
@@ -182,7 +182,7 @@ TEST(BagRecorder, WritesWhatWasQueuedBeforeItStops) {
   }
 }
 
-TEST(BagRecorder, CountsWhatTheDiskRefusesAndSaysItOnce) {
+TEST(BagRecorder, CountsDiskRefusalsAndReportsThemOnce) {
   auto disk = std::make_shared<DiskState>();
   disk->refuse_messages = true;
   BagRecorder recorder(std::make_unique<FakeDisk>(disk));
@@ -194,7 +194,7 @@ TEST(BagRecorder, CountsWhatTheDiskRefusesAndSaysItOnce) {
   EXPECT_EQ(report.errors, std::vector<std::string>{"the disk is full"});
 }
 
-TEST(BagRecorder, TriesAgainToAddATopicThatTheDiskRefused) {
+TEST(BagRecorder, RetriesATopicRefusedByTheDisk) {
   auto disk = std::make_shared<DiskState>();
   disk->refuse_topics = true;
   BagRecorder recorder(std::make_unique<FakeDisk>(disk),
@@ -218,14 +218,14 @@ TEST(BagRecorder, TriesAgainToAddATopicThatTheDiskRefused) {
   EXPECT_EQ(report.errors, std::vector<std::string>{"no topics today"});
 }
 
-TEST(BagRecorder, RefusesMoreTopicsThanItWasMadeFor) {
+TEST(BagRecorder, RefusesTooManyTopics) {
   auto disk = std::make_shared<DiskState>();
   BagRecorder recorder(std::make_unique<FakeDisk>(disk), {.max_topics = 1});
   EXPECT_TRUE(recorder.add_topic(kTopic));
   EXPECT_FALSE(recorder.add_topic(kTopic));
 }
 
-TEST(BagRecorder, PutsItsCountsBesideTheBag) {
+TEST(BagRecorder, WritesItsCountsNextToTheBag) {
   const TemporaryFolder folder;
   auto writer = std::make_unique<BagWriter>(expect_value(BagWriter::create(folder / "run")));
   BagRecorder recorder(std::move(writer));

@@ -71,7 +71,7 @@ TEST_P(SplitBag, ByTimeHasAFileForEachSpanAndMetadataNamesThem) {
 
 /// A reader that takes a file for one that none writes does not look into its write-ahead log: it
 /// would find no tables.
-TEST_P(SplitBag, AFileThatHasJustBeenBegunIsABagByItselfWhenTheRecorderIsKilled) {
+TEST_P(SplitBag, NewFileIsReadableAfterAKill) {
   auto writer = writer_of({.time_ns = 1000 * kMs});
   const TopicId state = expect_value(writer.add_topic(kState));
   expect_value(writer.add_topic(kPlan));
@@ -101,7 +101,7 @@ TEST_P(SplitBag, BySizeNoFileIsMuchLarger) {
   expect_all();
 }
 
-TEST_P(SplitBag, AMessageLargerThanAFileMayBeHasOneOfItsOwn) {
+TEST_P(SplitBag, OversizedMessageHasItsOwnFile) {
   auto writer = writer_of({.bytes = 5'000});
   const TopicId state = expect_value(writer.add_topic(kState));
   for (std::uint64_t i = 0; i < 3; ++i)
@@ -111,7 +111,7 @@ TEST_P(SplitBag, AMessageLargerThanAFileMayBeHasOneOfItsOwn) {
   EXPECT_EQ(expect_value(WholeBag::open(folder / "run")).message_count(), 3u);
 }
 
-TEST_P(SplitBag, WhereNoNewFileCanBeMadeTheOldOneGoesOnAndItIsSaid) {
+TEST_P(SplitBag, KeepsTheOldFileAndReportsIfNoNewOneOpens) {
   auto writer = writer_of({.time_ns = 10});
   const TopicId state = expect_value(writer.add_topic(kState));
   std::ofstream(folder / "run" / file(1)) << "mine";  // in the way
@@ -131,7 +131,7 @@ TEST_P(SplitBag, WhereNoNewFileCanBeMadeTheOldOneGoesOnAndItIsSaid) {
   EXPECT_EQ(expect_value(WholeBag::open(folder / "run" / file(0))).message_count(), 20u);
 }
 
-TEST_P(SplitBag, OfWhichMetadataNamesTheFirstFilesOnlyIsReadAsAWhole) {
+TEST_P(SplitBag, IsReadWholeIfMetadataListsOnlyTheFirstFiles) {
   write({.time_ns = 3000 * kMs});
   std::ofstream(folder / "run/metadata.yaml")
       << "rosbag2_bagfile_information:\n  version: 8\n  storage_identifier: "

@@ -5,7 +5,7 @@
 namespace voxtouch::bus {
 namespace {
 
-TEST(Deafness, NamesMulticastThatTheEnvironmentTurnsOff) {
+TEST(Deafness, NamesMulticastDisabledByTheEnvironment) {
   const std::string off =
       "<CycloneDDS><Domain><General><AllowMulticast>false</AllowMulticast></General></Domain></"
       "CycloneDDS>";
@@ -13,16 +13,16 @@ TEST(Deafness, NamesMulticastThatTheEnvironmentTurnsOff) {
   EXPECT_FALSE(deafness_cause(kThisHost, 0, "<CycloneDDS/>").contains("AllowMulticast"));
 }
 
-TEST(Deafness, NamesACardThatIsNotUp) {
+TEST(Deafness, NamesADisabledCard) {
   EXPECT_TRUE(
       deafness_cause("no_such_if0", 0, "").contains("no network card of 'no_such_if0' is up"));
 }
 
-TEST(Deafness, NamesThePortsOfTheDomainIfThisMachineIsWell) {
+TEST(Deafness, NamesTheDomainsPortsOnAHealthyMachine) {
   EXPECT_TRUE(deafness_cause("lo", 2, "").contains("7900 to 8149")) << deafness_cause("lo", 2, "");
 }
 
-TEST(Deafness, NamesAnAddressThatIsGone) {
+TEST(Deafness, NamesAMissingAddress) {
   const std::vector<Card> cards = network_cards();
   note_addresses(cards);
   EXPECT_EQ(lost_address(), "");

@@ -49,7 +49,7 @@ class FollowedLatched : public testing::Test {
 
 /// As after a cut of the network that is longer than the lease: the participant is the same, its
 /// writer has another handle, and what is latched comes again at once, before the node has looked.
-TEST_F(FollowedLatched, TakesWhatComesOfAWriterFoundAnewBeforeItIsFollowed) {
+TEST_F(FollowedLatched, TakesSamplesOfARediscoveredWriter) {
   std::optional<Writer<msg::DeviceDescription>> writer(writer_of(other));
   say(*writer, 7);
   ASSERT_TRUE(matches(1));

@@ -21,7 +21,7 @@ std::vector<std::string> names(const std::vector<Card>& cards) {
   return all;
 }
 
-TEST(Network, OfThisHostIsLoopbackAndTheFirstThreeCardsThatCanDoMulticast) {
+TEST(Network, UsesLoopbackAndThreeMulticastCards) {
   const std::vector<Card> cards{{"eth0", 1, false, true},    {"lo", 2, true, false},
                                 {"tun0", 3, false, false},   {"wlan0", 4, false, true},
                                 {"docker0", 5, false, true}, {"eth1", 6, false, true}};
@@ -85,7 +85,7 @@ TEST(Network, RefusesSharedMemoryInTheEnvironment) {
   EXPECT_NO_THROW(network_of(kThisHost, {}, with("false")));
 }
 
-TEST(Network, AsksPeersOverACardAndRefusesThemWhereNoneIsHeard) {
+TEST(Network, PollsPeersOverACardAndRefusesThemWithout) {
   const Network network = network_of("eth7", {"10.0.0.2", "lab"}, "");
   EXPECT_TRUE(network.configuration.contains(
       R"(<Peer address="10.0.0.2"/><Peer address="lab"/><Peer address="localhost"/>)"));
@@ -115,7 +115,7 @@ class Port {
   bool bound_ = false;
 };
 
-TEST(SoleInDomain, UntilSomebodyElseHasAPortOfIt) {
+TEST(SoleInDomain, UntilAnotherProcessHasAPort) {
   const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   const auto first = static_cast<std::uint16_t>(7400 + 250 * domain);
   const auto alone = [&](const std::vector<int>& own) {
@@ -136,7 +136,7 @@ TEST(SoleInDomain, UntilSomebodyElseHasAPortOfIt) {
   EXPECT_EQ(alone({}), !of_both.bound());  // IPv6 may be switched off
 }
 
-TEST(SoleInDomain, IsNotSaidWhereOthersMayBeHeardThatHaveNoPortHere) {
+TEST(SoleInDomain, IsUnknownOnNetworksBeyondThisHost) {
   const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   EXPECT_TRUE(is_alone_in_domain(domain, "lo", {}, "", {}));
   EXPECT_FALSE(is_alone_in_domain(domain, "eth7", {}, "", {}));

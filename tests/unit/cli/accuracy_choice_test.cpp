@@ -26,7 +26,7 @@ void expect_refused(const AccuracyChoice& ask, const std::vector<std::string>& w
   }
 }
 
-TEST(AccuracyChoice, MeansEveryModelAtThreeVoxelSizesRoundTheScenesOwn) {
+TEST(AccuracyChoice, DefaultsToAllModelsAtThreeVoxelSizes) {
   const auto settings = settings_of({}, 0.002);
   ASSERT_EQ(settings.size(), 16u)
       << "original and adapted twice, field by area, three sizes each; the virtual tool";
@@ -38,7 +38,7 @@ TEST(AccuracyChoice, MeansEveryModelAtThreeVoxelSizesRoundTheScenesOwn) {
             (std::vector<std::string>{"virtual tool, e = 4 mm", "virtual tool, e = 2 mm"}));
 }
 
-TEST(AccuracyChoice, KeepsTheOrderAskedForAndTakesWhatComesTwiceOnce) {
+TEST(AccuracyChoice, KeepsTheOrderAndRemovesDuplicates) {
   EXPECT_EQ(names(settings_of({.models = {"field", "adapted", "field"},
                                .weights = {"area", "one"},
                                .voxel_sizes_m = {0.001, 0.004, 0.001},
@@ -59,7 +59,7 @@ TEST(AccuracyChoice, MakesADenserShellWithSmallerVoxels) {
                                       "adapted/one, e = 2 mm, shell 4 mm"}));
 }
 
-TEST(AccuracyChoice, LeavesOutTheModelsByAreaWhereOnlyWeightsOfOneAreAskedForAndNoneIsNamed) {
+TEST(AccuracyChoice, SkipsAreaModelsIfOnlyUnitWeightsAreGiven) {
   EXPECT_EQ(names(settings_of({.weights = {"one"}, .voxel_sizes_m = {0.002}}, 0.1)),
             (std::vector<std::string>{"original/one, e = 2 mm", "adapted/one, e = 2 mm"}));
 }
@@ -69,14 +69,14 @@ TEST(AccuracyChoice, RefusesAModelByAreaWithWeightsOfOne) {
                  {"--weights one", "'field'", "add area"});
 }
 
-TEST(AccuracyChoice, RefusesMoreSettingsThanAnyoneWouldWaitFor) {
+TEST(AccuracyChoice, RefusesTooManySettings) {
   std::vector<double> sizes;
   for (int i = 1; i <= 200; ++i)
     sizes.push_back(0.001 * i);
   expect_refused({.voxel_sizes_m = sizes}, {"1200 settings", "500 at most"});
 }
 
-TEST(AccuracySettingNames, TellTheShellOnlyWhereItIsAnother) {
+TEST(AccuracySettingNames, NameTheShellOnlyIfItDiffers) {
   accuracy::AccuracySetting s{contact::ContactModelKind::kAdapted, contact::PointWeights::kOne,
                               0.002, 0.002};
   EXPECT_EQ(describe(s), "adapted/one, e = 2 mm");

@@ -24,7 +24,7 @@ TEST_F(OutputFileTest, HoldsTheTextOnceItIsKept) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(OutputFileTest, LeavesNothingAndOverwritesNothingWhereTheRunFailed) {
+TEST_F(OutputFileTest, FailedRunWritesAndOverwritesNothing) {
   OutputFile(folder_ / "a.csv").keep("old");
   { const OutputFile unused(folder_ / "a.csv"); }
   EXPECT_EQ(std::filesystem::file_size(folder_ / "a.csv"), 3u);
@@ -39,7 +39,7 @@ TEST_F(OutputFileTest, HasNoFileWhileTheRunLasts) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(OutputFileTest, RefusesAFolderThatIsNotThereAndAFolderItselfBeforeTheRun) {
+TEST_F(OutputFileTest, RefusesAMissingFolderAndAFolder) {
   EXPECT_THROW(OutputFile(folder_ / "none" / "a.csv"), std::runtime_error);
   std::filesystem::create_directory(folder_ / "b");
   EXPECT_THROW(OutputFile(folder_ / "b"), std::runtime_error);

@@ -31,7 +31,7 @@ std::vector<std::string> rows_of(const std::string& text) {
   return out;
 }
 
-TEST(AccuracyText, GroupsRowsByModelAndMarksTheFrontAndTheAdvisedRow) {
+TEST(AccuracyText, GroupsByModelAndMarksFrontAndAdvice) {
   const std::string text = to_text(accuracy_report());
   const auto rows = rows_of(text);
   ASSERT_EQ(rows.size(), 6u) << text;
@@ -73,7 +73,7 @@ TEST(AccuracyText, KeepsItsColumnsForFiguresOfAnySize) {
   EXPECT_EQ(rows[1].find("e-"), std::string::npos);
 }
 
-TEST(AccuracyText, TellsWhatIsMissedAndTheSpreadOverDepthAndOverTheGrid) {
+TEST(AccuracyText, PrintsMissesAndTheSpreadOverDepthAndGrid) {
   const std::string text = to_text(accuracy_report());
   const auto rows = rows_of(text);
   EXPECT_TRUE(rows[0].contains(" 50 ")) << "contacts judged: felt and missed\n" << rows[0];
@@ -83,7 +83,7 @@ TEST(AccuracyText, TellsWhatIsMissedAndTheSpreadOverDepthAndOverTheGrid) {
     EXPECT_TRUE(text.contains(figure)) << figure << " in\n" << text;
 }
 
-TEST(AccuracyText, ShowsRefusedRowsWithTheReasonAndRowsWithoutContactAsSuch) {
+TEST(AccuracyText, PrintsRefusedAndUntouchedRowsAsSuch) {
   const AccuracyReport report = accuracy_report();
   const auto rows = rows_of(to_text(report));
   EXPECT_TRUE(rows[4].ends_with(report.rows[4].refused)) << rows[4];
@@ -92,7 +92,7 @@ TEST(AccuracyText, ShowsRefusedRowsWithTheReasonAndRowsWithoutContactAsSuch) {
       << rows[5];
 }
 
-TEST(AccuracyText, SaysUnderWhatConditions) {
+TEST(AccuracyText, PrintsTheConditions) {
   const AccuracyReport report = accuracy_report({.direction_deg = 1.0});
   const std::string text = to_text(report);
   for (const char* fact : {"cup & saucer", "seed 7", "40 contacts", "0.5 e", "Some(R) CPU",
@@ -118,7 +118,7 @@ TEST(AccuracyText, NamesTheChosenSettingInOneLine) {
             "which no setting meets");
 }
 
-TEST(AccuracyText, SaysWhyNoSettingIsChosen) {
+TEST(AccuracyText, PrintsWhyNoSettingIsChosen) {
   AccuracyReport report = accuracy_report();
   report.rows[4].setting.virtual_tool = true;
   report.advice = accuracy::advise(report.rows, {}, true);
@@ -138,7 +138,7 @@ TEST(AccuracyText, SaysWhyNoSettingIsChosen) {
   EXPECT_EQ(chosen(report), "none; each of the 1 settings was refused or has no contact");
 }
 
-TEST(AccuracyText, SaysWhichFramesOfAVirtualToolWereTimed) {
+TEST(AccuracyText, PrintsWhichVirtualToolFramesWereTimed) {
   AccuracyReport report = accuracy_report();
   EXPECT_FALSE(to_text(report).contains("queries"));
   report.rows[3].setting.virtual_tool = true, report.rows[3].queries_per_frame = 1.75;
@@ -181,7 +181,7 @@ TEST(AccuracyJson, HoldsRowsOptionsConditionsAndAdvice) {
       << j["advice"]["sentence"];
 }
 
-TEST(AccuracyJson, EveryRowHasTheSameKeysAndNoFigureThatWasNotMeasured) {
+TEST(AccuracyJson, RowsHaveEqualKeysAndNoUnmeasuredFigure) {
   AccuracyReport report = accuracy_report();
   report.rows[1].torque_error_m = std::numeric_limits<double>::quiet_NaN();
   const nlohmann::ordered_json rows = to_json(report)["rows"];
@@ -199,7 +199,7 @@ TEST(AccuracyJson, EveryRowHasTheSameKeysAndNoFigureThatWasNotMeasured) {
   EXPECT_EQ(rows[5]["shell_points"], 8);
 }
 
-TEST(AccuracyJson, IsNotOkWhereTheWishIsNotMetOrNothingWasMeasured) {
+TEST(AccuracyJson, IsNotOkIfTheGoalIsUnmetOrUnmeasured) {
   EXPECT_EQ(to_json(accuracy_report({.direction_deg = 1e-3}))["ok"], false);
   AccuracyReport none = accuracy_report();
   none.rows = {none.rows[4]};

@@ -15,7 +15,7 @@ std::set<unsigned> first(unsigned count) {
   return taken;
 }
 
-TEST(Doctor, KnowsTakenIndicesByTheirPorts) {
+TEST(Doctor, FindsTakenIndicesByTheirPorts) {
   // Domain 1 begins at 7650; its index 0 has 7660 and 7661, index 3 has 7666. 7410 is domain 0's,
   // and 7651 for all of domain 1.
   std::istringstream udp(
@@ -35,7 +35,7 @@ TEST(Doctor, KnowsTakenIndicesByTheirPorts) {
   EXPECT_EQ(taken_indices(udp, 1), (std::set<unsigned>{0, 3}));
 }
 
-TEST(Doctor, SaysWhoMissesARingWhereIndicesAreFew) {
+TEST(Doctor, ReportsWhichToolsMissARingIfIndicesAreFew) {
   EXPECT_EQ(check_indices(first(3)).health, Health::kGood);
   EXPECT_TRUE(check_indices(first(4)).sentence.contains("Humble"))
       << check_indices(first(4)).sentence;
@@ -44,7 +44,7 @@ TEST(Doctor, SaysWhoMissesARingWhereIndicesAreFew) {
   EXPECT_EQ(check_indices(first(114)).health, Health::kBad);
 }
 
-TEST(Doctor, NamesACardThatIsNotThere) {
+TEST(Doctor, NamesAMissingCard) {
   const std::vector<Finding> findings = check_cards("no_such_if0", bus::network_cards());
   ASSERT_EQ(findings.size(), 1U);
   EXPECT_EQ(findings[0].health, Health::kBad);

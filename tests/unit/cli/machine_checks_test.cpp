@@ -27,7 +27,7 @@ class Root : public testing::Test {
 
 using MachineChecks = Root;
 
-TEST_F(MachineChecks, KnowARealTimeKernelByEitherSign) {
+TEST_F(MachineChecks, DetectARealTimeKernelByEitherSign) {
   put("proc/sys/kernel/osrelease", "6.1.0-18-amd64");
   put("proc/version", "Linux version 6.1.0-18-amd64 #1 SMP PREEMPT_DYNAMIC");
   EXPECT_EQ(check_kernel(root_).health, Health::kMind);
@@ -64,7 +64,7 @@ TEST_F(MachineChecks, NameWirelessAndSlowCards) {
   EXPECT_TRUE(check_link("wlan0", root_)[0].sentence.contains("a cable"));
 }
 
-TEST_F(MachineChecks, FindDevicesOnUsbAndWhetherTheyMayBeOpened) {
+TEST_F(MachineChecks, FindUsbDevicesAndTheirPermissions) {
   ASSERT_EQ(check_devices(root_).size(), 1U);
   EXPECT_EQ(check_devices(root_)[0].health, Health::kGood);
   for (const auto& [key, value] : {std::pair{"idVendor", "2988"}, std::pair{"idProduct", "0302"},
@@ -94,7 +94,7 @@ TEST_F(MachineChecks, FindAnOlderTouchAndNoOtherDeviceOfItsVendor) {
   }
 }
 
-TEST(MachineLimits, AreToldAsNumbers) {
+TEST(MachineLimits, AreReportedAsNumbers) {
   EXPECT_TRUE(check_limits().sentence.contains("rtprio ")) << check_limits().sentence;
 }
 

@@ -25,11 +25,11 @@ TEST(PoseCsv, FindsItsColumnsByNameAndNormalises) {
   EXPECT_EQ(poses[0].orientation.z(), 1.0);
 }
 
-TEST(PoseCsv, LooksOverTheMarkThatSpreadsheetsPutInFront) {
+TEST(PoseCsv, SkipsTheByteOrderMark) {
   EXPECT_EQ(refusal("\xEF\xBB\xBFqw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,0\n"), "");
 }
 
-TEST(PoseCsv, SaysFileLineAndColumnOfWhatItCannotRead) {
+TEST(PoseCsv, ReportsFileLineAndColumnOfAnError) {
   EXPECT_TRUE(refusal("qw,qx,qy,qz,tx,ty\n").contains("poses.csv:1: ") &&
               refusal("qw,qx,qy,qz,tx,ty\n").contains("'tz'"));
   EXPECT_NE(refusal("qw,qx,qy,qz,tx,ty,tz\n1,0,0,0,0,0,nan\n").find("poses.csv:2: column 'tz'"),
@@ -40,7 +40,7 @@ TEST(PoseCsv, SaysFileLineAndColumnOfWhatItCannotRead) {
   EXPECT_NE(refusal("").find("empty"), std::string::npos);
 }
 
-TEST(PoseCsv, TakesAnyQuaternionNormFromAThousandthToAThousand) {
+TEST(PoseCsv, AcceptsQuaternionNormsFromThousandthToThousand) {
   for (const char* w : {"0.001", "1", "1000"})
     EXPECT_EQ(refusal(std::string("qw,qx,qy,qz,tx,ty,tz\n") + w + ",0,0,0,0,0,0\n"), "");
   for (const char* w : {"0.00099", "1001"})

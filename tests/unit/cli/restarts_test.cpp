@@ -16,7 +16,7 @@ double value(const runtime::NodeReport& report, const char* name) {
   return runtime::value_of(report.figures, name);
 }
 
-TEST(Restarts, SayHowAProcessEnded) {
+TEST(Restarts, ReportHowAProcessEnded) {
   EXPECT_EQ(how_ended(137), "signal 9");
   EXPECT_EQ(how_ended(1), "status 1");
 }
@@ -50,7 +50,7 @@ TEST(Restarts, SumCountsAndKeepTheFirstSampleAndExtremes) {
   EXPECT_EQ(all.message, "running");
 }
 
-TEST(Restarts, HaveNoFirstSampleOfAProcessThatAnsweredNone) {
+TEST(Restarts, HaveNoFirstSampleWithoutAnAnswer) {
   const auto all = over_all_processes(
       with({{"samples", {0, "samples"}}, {"first_sample", {0, "sample number"}}}),
       with({{"samples", {10, "samples"}}, {"first_sample", {2500, "sample number"}}}));

@@ -22,7 +22,7 @@ class RunFiles : public testing::Test {
   test::TemporaryFolder data_;
 };
 
-TEST_F(RunFiles, HaveAFolderEachThoughManyRunsBeginAtOnce) {
+TEST_F(RunFiles, HaveAFolderEachForConcurrentRuns) {
   constexpr int kRuns = 8, kEach = 20;
   std::vector<std::set<std::string>> made(kRuns);
   std::vector<std::thread> runs;
@@ -60,7 +60,7 @@ TEST_F(RunFiles, LeaveNoEmptyFolder) {
   EXPECT_TRUE(std::filesystem::exists(full));
 }
 
-TEST_F(RunFiles, HoldABagInAFolderThatIsMadeOnlyIfItIsEmpty) {
+TEST_F(RunFiles, HoldABagOnlyInAnEmptyFolder) {
   const std::filesystem::path folder = make_default_bag("cup", {});
   EXPECT_FALSE(bag::BagWriter::create(folder)) << "not said to be made for it";
   EXPECT_TRUE(bag::BagWriter::create(folder, {.folder_is_made = true}));

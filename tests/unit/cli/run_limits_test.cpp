@@ -37,7 +37,7 @@ std::vector<std::string> not_met(const RunFigures& run, const ChosenLimits& chos
 
 using Names = std::vector<std::string>;
 
-TEST(RunLimits, AreMetByARunAsItShouldBe) {
+TEST(RunLimits, AreMetByAHealthyRun) {
   EXPECT_EQ(not_met(good_run()), Names{});
   for (const CheckedLimit& judged : judge_figures(good_run(), {}))
     EXPECT_TRUE(judged.measured) << judged.limit->name;
@@ -50,16 +50,16 @@ struct Bad {
 };
 void PrintTo(const Bad& bad, std::ostream* out) { *out << bad.name; }
 
-class OnceCalledGood : public testing::TestWithParam<Bad> {};
+class KnownBadRun : public testing::TestWithParam<Bad> {};
 
-TEST_P(OnceCalledGood, IsABadRun) {
+TEST_P(KnownBadRun, FailsTheRun) {
   RunFigures run = good_run();
   GetParam().change(run);
   EXPECT_EQ(not_met(run), GetParam().not_met);
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    All, OnceCalledGood,
+    All, KnownBadRun,
     testing::Values(
         Bad{"rate_826_of_1000", [](RunFigures& r) { r.rate_hz = 826; }, {"rate_ratio"}},
         Bad{"unanswered_28_percent",
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
             {"rate_ratio"}}),
     [](const auto& bad) { return std::string(bad.param.name); });
 
-TEST(RunLimits, SayWhatWasMeasuredWhatWasAskedAndOfWhat) {
+TEST(RunLimits, ReportMeasurementLimitAndStream) {
   RunFigures run = good_run();
   run.streams[1].recorded = 934;
   const auto judged = judge_figures(run, {});
@@ -128,7 +128,7 @@ TEST(RunLimits, SayWhatWasMeasuredWhatWasAskedAndOfWhat) {
   EXPECT_TRUE(sentence_of(*found).contains("0.09363 (rendering/contact)")) << sentence_of(*found);
 }
 
-TEST(RunLimits, LeaveOutWhatAClockSaysInLockstep) {
+TEST(RunLimits, LeaveOutClockFiguresInLockstep) {
   RunFigures run = good_run();
   run.lockstep = true;
   run.rate_hz = 100, run.overruns = 5'000, run.silence_s = 3.0, run.deadline_misses = 500,
@@ -138,7 +138,7 @@ TEST(RunLimits, LeaveOutWhatAClockSaysInLockstep) {
   EXPECT_EQ(not_met(run), (Names{"clamped_ratio", "validated_ratio", "recorded_ratio"}));
 }
 
-TEST(RunLimits, JudgeNoRunWithoutSamplesAndNoBagWhereNoneIsMade) {
+TEST(RunLimits, SkipRunsWithoutSamplesAndMissingBags) {
   RunFigures none;
   for (const CheckedLimit& judged : judge_figures(none, {}))
     EXPECT_FALSE(judged.measured) << judged.limit->name;
@@ -170,7 +170,7 @@ TEST(RunLimits, AreSetByName) {
   EXPECT_EQ(not_met(run, chosen), Names{"rate_ratio"});
 }
 
-TEST(RunLimits, RefuseWhatIsNoLimitWithASentence) {
+TEST(RunLimits, RefuseInvalidLimitsWithAMessage) {
   for (const auto& [text, reason] : {std::pair{"ratio=1", "'ratio'"},
                                      {"rate_ratio", "takes NAME=VALUE"},
                                      {"rate_ratio=", "''"},

@@ -51,7 +51,7 @@ RunRecord good_run() {
   return run;
 }
 
-TEST(RunVerdict, IsPassedForARunAsItShouldBe) {
+TEST(RunVerdict, IsPassedForAHealthyRun) {
   const RunRecord run = good_run();
   const RunVerdict verdict = judge(run);
   EXPECT_TRUE(verdict.passed()) << ::testing::PrintToString(problems_of(run, verdict));
@@ -132,7 +132,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& one) { return std::string(one.param.name); });
 
 /// Two reasons for one thing hide what is to be done.
-TEST(RunVerdict, OfAKilledNodeDoesNotAskForItsLastWord) {
+TEST(RunVerdict, KilledNodeNeedsNoFinalReport) {
   RunRecord run = good_run();
   run.reports["rendering"].state = NodeState::kRunning;
   run.events.push_back({RunFact::kNodeEnded, "rendering", 137});
@@ -153,7 +153,7 @@ TEST(RunVerdict, NamesFadesAndFaultRecordsInItsLine) {
       << problems_of(run, judge(run)).front();
 }
 
-TEST(RunVerdict, FailsWhereUpItselfStoodStill) {
+TEST(RunVerdict, FailsIfUpItselfStalled) {
   RunRecord run = good_run();
   run.silence_s = {{"device", 0.1}, {"up", 1.2}};
   const RunVerdict verdict = judge(run);
@@ -162,7 +162,7 @@ TEST(RunVerdict, FailsWhereUpItselfStoodStill) {
       << problems_of(run, verdict).front();
 }
 
-TEST(RunVerdict, NotesWhatOthersDidThatSpoilsNothing) {
+TEST(RunVerdict, NotesHarmlessForeignTraffic) {
   RunRecord run = good_run();
   set(run, "rendering", "changes", 1);
   run.reports["rendering"].values["change_requests"] = "2 of ROS 2's /tuner";

@@ -6,7 +6,7 @@
 namespace voxtouch::cli {
 namespace start_report_test {
 
-TEST(StartWarnings, AreTwoAtMostAndTheRestIsCounted) {
+TEST(StartWarnings, PrintTwoAndCountTheRest) {
   EXPECT_TRUE(limited_warnings({}, "cup").empty());
   EXPECT_EQ(limited_warnings({"a", "b"}, "cup"),
             (std::vector<std::string>{"warning: a", "warning: b"}));
@@ -17,7 +17,7 @@ TEST(StartWarnings, AreTwoAtMostAndTheRestIsCounted) {
     EXPECT_TRUE(few[2].contains(fact)) << few[2];
 }
 
-TEST(StartWarnings, TellOfTheMachineInOneSentence) {
+TEST(StartWarnings, ReportMachineWarningsInOneSentence) {
   runtime::RealtimeOptions options;
   options.cpu = 100'000;  // no machine has it
   const std::vector<std::string> reported = warnings_of_machine(options);
@@ -25,7 +25,7 @@ TEST(StartWarnings, TellOfTheMachineInOneSentence) {
   EXPECT_TRUE(reported[0].contains("`voxtouch doctor` says which")) << reported[0];
 }
 
-TEST(StartReport, PrintsTheWarningsOnceTheSceneIsBuiltAndThePreviewOnce) {
+TEST(StartReport, PrintsWarningsAndPreviewOnce) {
   StartReport start({"of the file", "of both"}, "cup", "stylus");
   Reports reports;
   EXPECT_TRUE(start.poll(reports).empty());

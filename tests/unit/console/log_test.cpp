@@ -55,7 +55,7 @@ struct Pipe {
   int end[2] = {-1, -1};
 };
 
-TEST(Log, WritesWhatItIsGivenToTheLetterAndInOrderByTheEndOfTheProcess) {
+TEST(Log, WritesItsTextsInOrderByProcessEnd) {
   const Pipe pipe;
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
                                      [] {
@@ -78,7 +78,7 @@ TEST(Log, MakesStringsPrintableAndLeavesItsFormatAlone) {
   EXPECT_EQ(drain(pipe.end[0]), "\x1b[1m?]0;owned?|?]0;owned?|?]0;owned?\n");
 }
 
-TEST(Log, KnowsTheJournalByItsStreamAndNotByTheVariableAlone) {
+TEST(Log, DetectsTheJournalByItsStream) {
   const Pipe journal, other;
   struct stat stream {};
   ASSERT_EQ(fstat(journal.end[1], &stream), 0);
@@ -91,7 +91,7 @@ TEST(Log, KnowsTheJournalByItsStreamAndNotByTheVariableAlone) {
   EXPECT_EQ(in_a_process_with_stderr(other.end[1], reported), 2);
 }
 
-TEST(Log, CutsATextThatNobodyCouldRead) {
+TEST(Log, CutsAnOverlongText) {
   const Pipe pipe;
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1], [] { log("{}\n", std::string(50'000, 'x')); }),
             7);
@@ -106,7 +106,7 @@ void log_much_and_expect_no_wait() {
   EXPECT_LT(steady_clock::now() - begin, milliseconds(10'000));
 }
 
-TEST(Log, CountsWhatAFullDiskDoesNotTake) {
+TEST(Log, CountsTextsLostToAFullDisk) {
   const int full = open("/dev/full", O_WRONLY);
   EXPECT_EQ(in_a_process_with_stderr(full,
                                      [] {
@@ -117,7 +117,7 @@ TEST(Log, CountsWhatAFullDiskDoesNotTake) {
   close(full);
 }
 
-TEST(Log, CountsWhatAClosedStreamDoesNotTake) {
+TEST(Log, CountsTextsLostToAClosedStream) {
   EXPECT_EQ(in_a_process_with_stderr(-1,
                                      [] {
                                        guard_standard_streams();
@@ -137,7 +137,7 @@ TEST(Log, CountsWhatAClosedStreamDoesNotTake) {
   pipe.end[0] = -1;
 }
 
-TEST(Log, DoesNotWaitForAPipeThatNobodyReadsNorDoesTheEndOfTheProcess) {
+TEST(Log, NeverWaitsForAnUnreadPipe) {
   const Pipe pipe;
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
                                      [] {
@@ -147,7 +147,7 @@ TEST(Log, DoesNotWaitForAPipeThatNobodyReadsNorDoesTheEndOfTheProcess) {
             7);
 }
 
-TEST(Log, KeepsTheNewestTextsForASlowReaderAndSaysHowManyAreMissing) {
+TEST(Log, KeepsTheNewestTextsAndCountsTheLost) {
   const Pipe pipe;
   std::string all = "\n";
   EXPECT_EQ(in_a_process_with_stderr(
@@ -168,7 +168,7 @@ TEST(Log, KeepsTheNewestTextsForASlowReaderAndSaysHowManyAreMissing) {
             7);
 }
 
-TEST(Log, IsNotSharedWithAFileThatIsOpenedAfterStderrWasClosed) {
+TEST(Log, IsNotMixedIntoAFileOpenedAfterStderrClosed) {
   EXPECT_EQ(in_a_process_with_stderr(-1,
                                      [] {
                                        close(STDIN_FILENO), close(STDOUT_FILENO);
@@ -237,7 +237,7 @@ TEST(Progress, IsOneLineThatOtherTextsClear) {
             "\r\033[Kvoxmap: 40 %\r\r\033[Kvoxmap: 80 %\r\r\033[Kready\nrunning\n");
 }
 
-TEST(PrintResult, ThrowsWhereTheResultGoesNowhere) {
+TEST(PrintResult, ThrowsIfItCannotWrite) {
   EXPECT_EQ(in_a_process_with_stderr(STDERR_FILENO,
                                      [] {
                                        const int full = open("/dev/full", O_WRONLY);

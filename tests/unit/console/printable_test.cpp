@@ -10,7 +10,7 @@ TEST(Printable, LeavesUtf8NewlinesAndTabulatorsAlone) {
     EXPECT_EQ(printable(text), text);
 }
 
-TEST(Printable, TakesControlCharactersOut) {
+TEST(Printable, RemovesControlCharacters) {
   EXPECT_EQ(printable("a\x1b[2Jb"), "a?[2Jb");
   EXPECT_EQ(printable("over\rwritten"), "over?written");
   EXPECT_EQ(printable(std::string_view("\0\a\b\x7f", 4)), "????");
@@ -19,7 +19,7 @@ TEST(Printable, TakesControlCharactersOut) {
             "?31m");  // CSI as one character, U+009B
 }
 
-TEST(Printable, TakesOutWhatIsNotUtf8) {
+TEST(Printable, RemovesInvalidUtf8) {
   EXPECT_EQ(printable("\x9b"
                       "31m"),
             "?31m");                       // CSI as one byte

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kMs = 1'000'000;
 
-TEST(RateLimiter, SaysTheFirstOfEachSecondAndCountsTheOthersOnce) {
+TEST(RateLimiter, PrintsTheFirstOfEachSecondAndCountsTheRest) {
   RateLimiter few(3);
   int said = 0;
   std::uint64_t skipped = 0;

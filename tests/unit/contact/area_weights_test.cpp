@@ -95,7 +95,7 @@ double tangential_noise(contact::ContactRenderer renderer, const Setting& settin
   return rms(across) / mean;
 }
 
-TEST(AreaWeights, TakeNoiseFromTheMeanNormal) {
+TEST(AreaWeights, ReduceTheMeanNormalsNoise) {
   std::vector<double> of_original, of_adapted;
   for (const Setting& s : settings()) {
     const voxmap::Voxmap map = voxels(s.mesh, voxmap::default_grid(s.mesh, kEdge));

@@ -131,7 +131,7 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
   EXPECT_GT(culled, poses / 4);
 }
 
-TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
+TEST(Culling, TestsFewPointsPerHitInLightContact) {
   // A ball that touches a floor with about one point in a hundred, sampled more and more densely.
   const double e = 0.0005;
   const voxmap::Grid grid{Vec3::Zero(), e};
@@ -166,7 +166,7 @@ TEST(Culling, TestsFewPointsPerPointThatIsNotFreeInLightContact) {
   }
 }
 
-TEST(Query, RefusesPosesThatAreNone) {
+TEST(Query, RefusesInvalidPoses) {
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                inf = std::numeric_limits<double>::infinity();
   const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
@@ -192,7 +192,7 @@ TEST(Query, RefusesPosesThatAreNone) {
   }
 }
 
-TEST(Query, SaysThatAPoseIsTooFarForInt32InsteadOfWrapping) {
+TEST(Query, ReportsAPoseTooFarForInt32) {
   const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
   contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01),
                                     contact::ContactModelKind::kAdapted, {1.0});
@@ -206,7 +206,7 @@ TEST(Query, SaysThatAPoseIsTooFarForInt32InsteadOfWrapping) {
   EXPECT_EQ(inside.surface_hits, 0U);
 }
 
-TEST(Query, TakesAnyQuaternionNormBetweenAThousandthAndAThousand) {
+TEST(Query, AcceptsQuaternionNormsFromThousandthToThousand) {
   const voxmap::Voxmap voxmap = scene({Vec3::Zero(), 0.01});
   contact::ContactRenderer renderer(voxmap, sphere_shell(0.05, 0.01),
                                     contact::ContactModelKind::kAdapted, {1.0});
@@ -233,7 +233,7 @@ TEST(Query, PutsAPointOnABorderOrCornerIntoOneVoxelOnly) {
   EXPECT_EQ(hits(7, 4, 4), std::pair(1U, 0U));
 }
 
-TEST(Query, RefusesAShellThatIsBroken) {
+TEST(Query, RefusesABrokenShell) {
   const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {7, 7, 7});
   pointshell::Pointshell uneven = sphere_shell(0.5, 0.125);
   uneven.nz.pop_back();

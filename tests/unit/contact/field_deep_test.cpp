@@ -20,7 +20,7 @@ mesh::TriangleMesh plate(double thickness, const Quat& turn) {
 const std::vector<Quat> kTurns = {Quat::Identity(),
                                   Quat(Eigen::AngleAxisd(0.5, Vec3(2, 1, -1).normalized()))};
 
-TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
+TEST(FieldDepth, ForceGrowsToTenVoxelsInABodyOf25) {
   const Ball tool(15 * kEdge, 4);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
   for (const Quat& turn : kTurns) {
@@ -52,7 +52,7 @@ TEST(FieldDepth, TheForceGrowsDownToTenVoxelsInABodyOf25) {
 
 /// A tool that is smaller than the body and wholly inside floats up: k times its volume, whatever
 /// the depth.
-TEST(FieldDepth, AToolWhollyInsideIsPushedOutAndToldSo) {
+TEST(FieldDepth, FullyEnclosedToolIsPushedOutAndFlagged) {
   const Ball tool(4 * kEdge, 4);
   const Ground ground(plate(25 * kEdge, kTurns[1]), kEdge);
   contact::ContactRenderer renderer = ground.renderer(exact_shell(tool.mesh, kEdge));
@@ -74,7 +74,7 @@ TEST(FieldDepth, AToolWhollyInsideIsPushedOutAndToldSo) {
 
 /// Straight through plates of all thicknesses: wherever going deeper meets less force than before,
 /// the frame says so.
-TEST(FieldDepth, APushThatGrowsNoMoreIsFlaggedBeforeItFalls) {
+TEST(FieldDepth, SaturatedForceIsFlaggedBeforeItFalls) {
   const Ball tool(10 * kEdge, 4);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);
   for (const Quat& turn : kTurns)

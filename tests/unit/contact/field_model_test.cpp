@@ -39,7 +39,7 @@ struct Scene {
   }
 };
 
-TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
+TEST(FieldModel, PushesEachPointByNormalAreaAndDepth) {
   Scene s;
   std::mt19937_64 random(31);
   int interior = 0;
@@ -69,7 +69,7 @@ TEST(FieldModel, PushesEachPointAlongItsNormalWithItsAreaAndItsDepth) {
   EXPECT_GT(interior, 20);
 }
 
-TEST(FieldModel, LooksUpManyPointsWithTheBitsOfOne) {
+TEST(FieldModel, BatchedLookupIsBitIdenticalToSingle) {
   Scene s;
   std::mt19937_64 random(33);
   const voxmap::Grid& grid = s.ground.field.grid();
@@ -164,7 +164,7 @@ TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
   EXPECT_GT(faces, 1000);
 }
 
-TEST(ConstraintRows, OfWhichTheNearestAreKeptAsOneByOne) {
+TEST(ConstraintRows, KeepTheSameNearestRowsAsOneByOne) {
   std::mt19937_64 random(35);
   for (const std::size_t count : {97U, 128U, 333U, 1000U})
     for (int n = 0; n < 20; ++n) {
@@ -192,7 +192,7 @@ TEST(ConstraintRows, OfWhichTheNearestAreKeptAsOneByOne) {
 
 /// Rows of any number, some of which push: at a step that converged the spring's pull is what these
 /// push with, and the hessian is theirs.
-TEST(EquilibriumStep, IsWhereSpringAndRowsBalanceWhateverTheirNumber) {
+TEST(EquilibriumStep, BalancesSpringAndRowsOfAnyNumber) {
   constexpr double kRho = contact::limits::kRowStiffness, kPull = 1e-3;
   std::mt19937_64 random(36);
   int most = 0, steps = 0, converged = 0;
@@ -275,7 +275,7 @@ TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {
   EXPECT_GT(compared, 100);
 }
 
-TEST(FieldModel, AMillionMetresAwayIsHere) {
+TEST(FieldModel, IsEqualAMillionMetresAway) {
   const double e = 0x1p-10;
   const Vec3 offset(1e6, -1e6, 5e5);
   mesh::TriangleMesh near = sphere_mesh(20 * e, 3);
@@ -321,7 +321,7 @@ TEST(FieldModel, PassesThroughTheStageWithTheFastFlagOnly) {
   EXPECT_TRUE(s.renderer.render({pose.position - Vec3(0.3 * kEdge, 0, 0), pose.orientation}).fast);
 }
 
-TEST(FieldModel, GivesNothingWithoutAHitOrForWhatIsNoPose) {
+TEST(FieldModel, GivesNothingWithoutAHitOrAValidPose) {
   Scene s;
   const contact::ContactResult free = s.renderer.probe({Vec3(1, 1, 1), Quat::Identity()});
   EXPECT_TRUE(free.wrench.zero() && free.stiffness.isZero(0.0));
@@ -351,7 +351,7 @@ TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
 }
 
 /// Printed, not judged: no test depends on the speed of a machine.
-TEST(FieldModel, TellsItsCostBesideAdapted) {
+TEST(FieldModel, PrintsItsCostNextToAdapted) {
   const Ground ground(box_mesh(Vec3(0.08, 0.08, 0.04), {Vec3::Zero(), turned_by(0.2)}), kEdge);
   const Ball tool(30 * kEdge, 5);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);

@@ -109,7 +109,7 @@ TEST(FieldMotion, HasNoStepInTheGrooveBetweenOverlappingBoxes) {
         at(-0.003, 0.0135, 0.3)});
 }
 
-TEST(FieldMotion, HasNoStepOnTheWayThroughAPlateAndOut) {
+TEST(FieldMotion, HasNoForceStepThroughAPlate) {
   const Ball tool(3 * kEdge, 4);
   const Ground ground(
       box_mesh(Vec3(0.03, 0.03, 0.009), {Vec3(0.4, 0.1, 0.7) * kEdge, turned_by(0.2)}), kEdge, 3.0);

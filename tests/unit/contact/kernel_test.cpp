@@ -71,7 +71,7 @@ mesh::TriangleMesh slotted() {
       box_mesh(Vec3(0.02, 0.06, 0.02), {Vec3(0.0001, 0.0013, 0.0101), Quat::Identity()}));
 }
 
-TEST_F(KernelTest, GiveTheSameBitsOnEveryKindOfProcessor) {
+TEST_F(KernelTest, IsBitIdenticalOnEveryProcessor) {
   const std::uint64_t seed = testing::seed(20261124);
   SCOPED_TRACE(testing::seed_trace(seed));
   const Ground ground(slotted(), kEdge);
@@ -163,7 +163,7 @@ void expect_near(const contact::ContactResult& result, const Mat6& stiffness, co
   EXPECT_LE((result.deepest_point - plain.deepest_point).norm(), 1e-15);
 }
 
-TEST_F(KernelTest, SumUpWhatAPlainLoopOverTheHitsDoes) {
+TEST_F(KernelTest, SumEqualsAPlainLoop) {
   constexpr double kStiffness = 3.0;
   std::mt19937_64 random(5);
   const voxmap::Voxmap voxmap = block({Vec3(-0.7, 0.31, 0.123), kEdge}, {0, 0, 0}, {60, 60, 30});
@@ -218,7 +218,7 @@ contact::Hits all_in_doubles(const contact::Hits& hits) {
   return out;
 }
 
-TEST_F(KernelTest, LeaveOutNoHitThatPushes) {
+TEST_F(KernelTest, SkipNoPushingHit) {
   const std::uint64_t seed = testing::seed(20261125);
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
@@ -269,7 +269,7 @@ TEST_F(KernelTest, LeaveOutNoHitThatPushes) {
   EXPECT_GT(skipped, 10'000);
 }
 
-TEST_F(KernelTest, TellTheFirstOfThePointsThatAreEquallyDeep) {
+TEST_F(KernelTest, ReturnsTheFirstOfEquallyDeepPoints) {
   const voxmap::Voxmap voxmap = block({Vec3::Zero(), 0.125}, {0, 0, 0}, {15, 15, 7});
   std::vector<std::pair<Vec3, Vec3>> points;
   for (int n = 0; n < 100; ++n)

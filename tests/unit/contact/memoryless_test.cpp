@@ -29,7 +29,7 @@ void through(double half_m, F&& at) {
   }
 }
 
-TEST(Memoryless, GivesTheModelsOwnBitsInEveryFrameWhereTheRingHoldsDepths) {
+TEST(Memoryless, MatchesTheStatefulModelBitForBit) {
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.012)), kEdge);
   const Ball ball(0.01, 3);
   const pointshell::Pointshell shell = exact_shell(ball.mesh, kEdge);
@@ -64,7 +64,7 @@ TEST(Memoryless, GivesTheModelsOwnBitsInEveryFrameWhereTheRingHoldsDepths) {
   }
 }
 
-TEST(Memoryless, IsToldToBePassingWhereTheToolsMiddleIsInAWallOrASheet) {
+TEST(Memoryless, FlagsAToolCentreInAWallOrSheet) {
   mesh::TriangleMesh sheet;
   sheet.vertices = {Vec3(-0.03, -0.03, 0), Vec3(0.03, -0.03, 0), Vec3(0.03, 0.03, 0),
                     Vec3(-0.03, 0.03, 0)};
@@ -89,7 +89,7 @@ TEST(Memoryless, IsToldToBePassingWhereTheToolsMiddleIsInAWallOrASheet) {
 }
 
 /// A pole in a cup: the cup's middle is in the pole, and the cup has passed nothing.
-TEST(Memoryless, SaysNothingOfAToolWhoseMiddleIsOutsideOfIt) {
+TEST(Memoryless, DoesNotFlagAToolCentreOutsideTheTool) {
   const Ground pole(cylinder_mesh(0.003, 0.1, 48), kEdge);
   const mesh::TriangleMesh ring =
       joined(cylinder_mesh(0.02, 0.02, 96), inside_out(cylinder_mesh(0.016, 0.02, 96)));

@@ -93,7 +93,7 @@ TEST(ContactModels, NeverPullAndNeverExceedTheLayer) {
   }
 }
 
-TEST(ContactModels, StiffnessBoundIsAnUpperBoundOfTheMeasuredStiffness) {
+TEST(ContactModels, StiffnessBoundExceedsTheMeasured) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
   const pointshell::Pointshell shell = sphere_shell(10 * kEdge, kEdge);
   std::mt19937_64 random(6);
@@ -157,7 +157,7 @@ TEST(ContactModels, GiveTheSameForceForASceneAMillionMetresAway) {
   }
 }
 
-TEST(ContactModels, LoseAtMostThePositionsRoundingAMillionMetresAway) {
+TEST(ContactModels, LoseOnlyRoundingAMillionMetresAway) {
   const Vec3 shift(1e6, -1e6, 1e6);
   const double e = 0.002, stiffness = 100.0, ulp = std::nextafter(1e6, 2e6) - 1e6;
   const voxmap::Grid here{Vec3(0.25, -0.5, 0.125), e}, there{here.origin + shift, e};
@@ -200,7 +200,7 @@ TEST(ContactModels, GiveNoNetForceInASymmetricSlot) {
   EXPECT_LE(std::abs(r.wrench.force.x()), 1e-12 * one_wall + 1e-15);
 }
 
-TEST(ContactModels, DoNotFlipWhenSweptThroughTheSymmetricPoseOfASlotInNanometres) {
+TEST(ContactModels, DoNotFlipInTheSymmetricPoseOfASlot) {
   const voxmap::Voxmap voxmap = slot();
   const double stiffness = 1000.0;
   for (const auto kind :
@@ -225,7 +225,7 @@ TEST(ContactModels, DoNotFlipWhenSweptThroughTheSymmetricPoseOfASlotInNanometres
   }
 }
 
-TEST(ContactModels, GiveTheSameBitsWheneverAPoseIsRepeated) {
+TEST(ContactModels, RepeatedPosesAreBitIdentical) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
   const pointshell::Pointshell shell = sphere_shell(10 * kEdge, kEdge);
   for (const auto kind :
@@ -249,7 +249,7 @@ TEST(ContactModels, GiveTheSameBitsWheneverAPoseIsRepeated) {
   }
 }
 
-TEST(ContactModels, HaveNamesThatAreReadBack) {
+TEST(ContactModels, NamesReadBack) {
   for (const auto kind : {contact::ContactModelKind::kOriginal, contact::ContactModelKind::kAdapted,
                           contact::ContactModelKind::kField}) {
     contact::ContactModelKind back{};
@@ -263,7 +263,7 @@ TEST(ContactModels, HaveNamesThatAreReadBack) {
   EXPECT_EQ(contact::name_of(contact::ContactModelKind{3}), "unknown") << "its number stays empty";
 }
 
-TEST(ContactModels, RefuseAStiffnessThatIsNotFiniteAndPositive) {
+TEST(ContactModels, RefuseANonPositiveOrNonFiniteStiffness) {
   for (const double bad : {0.0, -1.0, std::numeric_limits<double>::infinity(),
                            std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THROW(contact::make_contact_model(contact::ContactModelKind::kAdapted, {bad}),

@@ -36,7 +36,7 @@ double depth_in(const Vec3& size, const Vec3& middle, const Vec3& x) {
   return -(beyond.cwiseMax(0.0).norm() + std::min(beyond.maxCoeff(), 0.0));
 }
 
-TEST(FacesAtWholeVoxels, AdaptedFeelsEveryTouchOfTheShippedPlane) {
+TEST(FacesAtWholeVoxels, AdaptedDetectsEveryTouchOfThePlane) {
   const Vec3 size(0.24, 0.24, 0.02), middle(0, 0, -0.01);
   mesh::TriangleMesh slab = box_mesh(size, {middle, Quat::Identity()});
   for (Vec3& v : slab.vertices)
@@ -56,7 +56,7 @@ TEST(FacesAtWholeVoxels, AdaptedFeelsEveryTouchOfTheShippedPlane) {
   EXPECT_EQ(missed, 0) << "of " << kTouches;
 }
 
-TEST(FacesAtWholeVoxels, FieldFeelsAWallOfOneVoxel) {
+TEST(FacesAtWholeVoxels, FieldDetectsAWallOfOneVoxel) {
   const Vec3 size(0.08, 0.08, kEdge), middle(0, 0, 0.5 * kEdge);
   const Ground wall = ground(box_mesh(size, {middle, Quat::Identity()}));
   contact::ContactRenderer field = wall.renderer(shell());
@@ -77,7 +77,7 @@ TEST(FacesAtWholeVoxels, FieldFeelsAWallOfOneVoxel) {
   }
 }
 
-TEST(FacesAtWholeVoxels, ANanometreDecidesNothing) {
+TEST(FacesAtWholeVoxels, ANanometreChangesNothing) {
   const mesh::TriangleMesh block =
       box_mesh(Vec3(0.04, 0.06, 0.02), {Vec3(0.02, 0.03, 0.01), Quat::Identity()});
   const double away[] = {-1e-9, 0.0, 1e-9};

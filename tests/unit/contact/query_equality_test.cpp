@@ -141,7 +141,7 @@ double near_border(std::mt19937_64& random, double x) {
   }
 }
 
-TEST(QueryEquality, HoldsOnTheBordersOfVoxelsAndAStepBesideThem) {
+TEST(QueryEquality, HoldsAtAndNextToVoxelBorders) {
   std::mt19937_64 random(7);
   for (const double e : {0x1p-8, 0.003})
     for (const Vec3& origin :
@@ -172,7 +172,7 @@ TEST(QueryEquality, HoldsOnTheBordersOfVoxelsAndAStepBesideThem) {
     }
 }
 
-TEST(QueryEquality, HoldsWithinAHairOfFacesThatTurnedToolsTouch) {
+TEST(QueryEquality, HoldsForRotatedToolsCloseToFaces) {
   // Every point lies 1e-9 to 1e-4 voxels from a face, where single precision does not know the side
   // any more, and what is on either side is drawn at random.
   std::mt19937_64 random(17);

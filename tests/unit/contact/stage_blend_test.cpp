@@ -49,7 +49,7 @@ contact::HitList wedge(double angle) {
       {Vec3(std::sin(angle), 0, std::cos(angle)), Vec3(-std::sin(angle), 0, std::cos(angle))});
 }
 
-TEST(Blend, IsExactlyAdaptedWhereNormalsAgree) {
+TEST(Blend, EqualsAdaptedForAgreeingNormals) {
   Laws laws;
   for (const double angle : {0.0, 0.3, 1.0, 1.047}) {
     const contact::HitList hits = wedge(angle);
@@ -58,7 +58,7 @@ TEST(Blend, IsExactlyAdaptedWhereNormalsAgree) {
   }
 }
 
-TEST(Blend, IsExactlyOriginalWhereNormalsFaceEachOther) {
+TEST(Blend, EqualsOriginalForOpposedNormals) {
   Laws laws;
   for (const double angle : {1.3695, 1.5, std::numbers::pi / 2}) {
     const contact::HitList hits = wedge(angle);
@@ -68,7 +68,7 @@ TEST(Blend, IsExactlyOriginalWhereNormalsFaceEachOther) {
   }
 }
 
-TEST(Blend, HasNoStepWhereTheMemorylessLawSwitches) {
+TEST(Blend, HasNoStepAtTheMemorylessSwitch) {
   Laws laws;
   const double step = 1e-4;
   Wrench last = laws.staged(wedge(0.8)).contact.wrench;
@@ -85,7 +85,7 @@ TEST(Blend, HasNoStepWhereTheMemorylessLawSwitches) {
   EXPECT_GE(worst_plain, 0.1 * kEdge);    // the switch at 0.3 that it replaces
 }
 
-TEST(Blend, StaysFiniteAndContinuousWhereMeanAndOwnNormalCancel) {
+TEST(Blend, IsFiniteAndContinuousForCancellingNormals) {
   // Four hits that set the mean and one that turns through the exact opposite of it, for coherences
   // around 0.35 (s = 1/2).
   Laws laws;
@@ -126,7 +126,7 @@ TEST(Blend, NeverTouchesTheModelOriginal) {
   }
 }
 
-TEST(Blend, GivesTheModelsBitsInPlainContactFromPoses) {
+TEST(Blend, IsBitIdenticalInPlainContact) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
   const pointshell::Pointshell shell = sphere_shell(10 * kEdge, kEdge);
   std::mt19937_64 random(21);

@@ -39,7 +39,7 @@ struct PushCase {
 
 class DeepPush : public ::testing::TestWithParam<PushCase> {};
 
-TEST_P(DeepPush, NeverLosesForceOnTheWayInAndReturnsToZeroWhenOut) {
+TEST_P(DeepPush, KeepsItsForceInwardAndReturnsToZero) {
   const PushCase& c = GetParam();
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, c.thickness - 1});
   contact::ContactRenderer renderer(voxmap, ball(), c.model, {kStiffness});
@@ -102,7 +102,7 @@ TEST(Hold, StaysUprightBeyondTheToolsEquator) {
   }
 }
 
-TEST(Hold, NeverPushesTowardsTheFarSideOfAThinPlateBeforeTheToolsCentreIsThrough) {
+TEST(Hold, NeverPushesThroughAThinPlate) {
   for (const int thickness : {1, 2, 3, 5}) {
     const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, thickness - 1});
     contact::ContactRenderer renderer(voxmap, ball(), contact::ContactModelKind::kAdapted,
@@ -117,7 +117,7 @@ TEST(Hold, NeverPushesTowardsTheFarSideOfAThinPlateBeforeTheToolsCentreIsThrough
   }
 }
 
-TEST(Hold, ForgetsAllOnceOutOfContact) {
+TEST(Hold, ForgetsEverythingOutOfContact) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   contact::ContactRenderer used(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
   contact::ContactRenderer fresh(voxmap, ball(), contact::ContactModelKind::kAdapted, {kStiffness});
@@ -166,7 +166,7 @@ TEST(Hold, DoesNotCreepWhileTheToolRests) {
   }
 }
 
-TEST(Hold, GivesAPointThatWasNeverSeenInTheLayerOneEdgeAlongItsOwnNormal) {
+TEST(Hold, UnseenPointGetsOneEdgeAlongItsNormal) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   const Vec3 normal = Vec3(1, 2, 3).normalized();
   contact::ContactRenderer renderer(voxmap, shell_of({{Vec3(0.002, 0, 0), normal}}, kEdge),
@@ -199,7 +199,7 @@ TEST(Hold, KeepsTheLastDepthOfAPointThatGoesThrough) {
   EXPECT_FALSE(back.latched);
 }
 
-TEST(Hold, FadesWithTheWayMovedWhenAPointComesBackElsewhere) {
+TEST(Hold, FadesWithTheDistanceToTheReentry) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   contact::ContactRenderer renderer(voxmap, shell_of({{Vec3::Zero(), Vec3::UnitZ()}}, kEdge),
                                     contact::ContactModelKind::kAdapted, {kStiffness});
@@ -265,7 +265,7 @@ Vec3 staged_force(contact::ContactStage& stage, const Frame& frame) {
   return stage.apply(hits, plain).contact.wrench.force / kEdge;
 }
 
-TEST(Hold, DropsTheSharedDirectionWithTheContactAndOnReset) {
+TEST(Hold, DropsTheCommonDirectionWithTheContact) {
   const Vec3 slanted(1, 0, 1), left(1, 0, 0), right(-1, 0, 0);
   for (const bool by_reset : {false, true}) {
     contact::ContactStage stage({8, 0.01, kEdge, 1.0, contact::ContactModelKind::kAdapted});
@@ -282,7 +282,7 @@ TEST(Hold, DropsTheSharedDirectionWithTheContactAndOnReset) {
   }
 }
 
-TEST(Hold, DoesNotTurnOverWhenOpposedSurfaceHitsOutnumberTheHeldPoints) {
+TEST(Hold, DoesNotFlipForOpposedSurfaceHits) {
   const Vec3 up(0, 0, 1), down(0, 0, -1);
   contact::ContactStage stage({8, 0.01, kEdge, 1.0, contact::ContactModelKind::kAdapted});
   staged_force(stage, {{up, up, up, up, up, up, up, up}, {}, {}, 0});
@@ -292,7 +292,7 @@ TEST(Hold, DoesNotTurnOverWhenOpposedSurfaceHitsOutnumberTheHeldPoints) {
               1e-12);  // seven plain pushes down, the held one still up
 }
 
-TEST(Hold, ChangesThePushOfAReturningPointByNoMoreThanStated) {
+TEST(Hold, ReturningPointChangesTheForceWithinItsBound) {
   // One point that walks at random in and out of a block: down by at most K times the way, up by at
   // most a voxel step.
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {9, 9, 9});
@@ -332,7 +332,7 @@ TEST(Hold, ChangesThePushOfAReturningPointByNoMoreThanStated) {
   }
 }
 
-TEST(Hold, DoesNotPushIntoTheFarWallOfASlotAfterTouchingTheNearOne) {
+TEST(Hold, DoesNotPushIntoTheFarWallOfASlot) {
   voxmap::Voxmap voxmap(kGrid, {-20, 0, 0}, {41, 63, 63});
   add_block(voxmap, {-20, 0, 0}, {0, 63, 63});
   add_block(voxmap, {21, 0, 0}, {41, 63, 63});
@@ -365,7 +365,7 @@ TEST(Hold, DoesNotPushIntoTheFarWallOfASlotAfterTouchingTheNearOne) {
   }
 }
 
-TEST(Hold, TurnsWithTheWallWhenTheToolGoesRoundACurvedOne) {
+TEST(Hold, RotatesWithACurvedWall) {
   const double radius = 30.0;
   voxmap::Voxmap voxmap(kGrid, {0, 0, 0}, {71, 71, 71});
   const Vec3 centre(36.1, 35.9, 36.0);

@@ -62,7 +62,7 @@ void expect_sound(const contact::ContactResult& r) {
   EXPECT_LE((r.stiffness.topLeftCorner<3, 3>().trace()), r.stiffness_bound_n_per_m * (1 + 1e-12));
 }
 
-TEST(Stiffness, IsWhatTheWrenchDoesUnderTranslationAndRotationWhileTheCollidingSetStays) {
+TEST(Stiffness, IsTheDerivativeOfTheWrench) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {60, 60, 30});
   std::mt19937_64 random(21);
   for (const auto kind : kBothModels) {
@@ -124,7 +124,7 @@ TEST(Stiffness, OfOnePointIsItsDirectionAndItsLever) {
   }
 }
 
-TEST(Stiffness, BothSumsAgreeWhereAllPointsPushAlike) {
+TEST(Stiffness, BothSumsAgreeForParallelForces) {
   std::mt19937_64 random(22);
   const Vec3 m = random_rotation(random) * Vec3::UnitX();
   contact::StiffnessSum each;
@@ -140,7 +140,7 @@ TEST(Stiffness, BothSumsAgreeWhereAllPointsPushAlike) {
 }
 
 /// Two walls with a slot between them: the ball's coherence passes through the blend.
-TEST(Stiffness, IsWhatTheWrenchDoesInTheStagesBlendToo) {
+TEST(Stiffness, IsTheDerivativeOfTheWrenchInTheBlendToo) {
   voxmap::Voxmap voxmap(kGrid, {-8, 0, 0}, {29, 63, 63});
   add_block(voxmap, {-8, 0, 0}, {0, 63, 63});
   add_block(voxmap, {21, 0, 0}, {29, 63, 63});
@@ -175,7 +175,7 @@ TEST(Stiffness, IsWhatTheWrenchDoesInTheStagesBlendToo) {
   EXPECT_GT(compared, 60);
 }
 
-TEST(Stiffness, CountsPointsThatHaveGoneThroughAndThoseOnTheirWayBack) {
+TEST(Stiffness, CountsPassedAndReturningPoints) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
   for (const auto kind : kBothModels) {
     contact::ContactRenderer renderer(voxmap, sphere_shell(10 * kEdge, kEdge), kind, {kStiffness});

@@ -74,7 +74,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 /// With the field's own gradients, which jump from voxel to voxel, it is 1.9 degrees. What is left
 /// is the shell's, whose points are 2 mm apart.
-TEST(VirtualTool, FeelsNoVoxelsInTheDirectionOfARoundThing) {
+TEST(VirtualTool, DirectionOnRoundSurfacesHidesTheVoxels) {
   const PressFigures f =
       press({.scene = "cylinder:384", .places = 200, .turned = true, .seed = testing::seed(7)});
   std::printf("%s\n", reported(f).c_str());
@@ -84,7 +84,7 @@ TEST(VirtualTool, FeelsNoVoxelsInTheDirectionOfARoundThing) {
 
 /// Nor in the steps of the force of one that slides: where normals are smooth only within a
 /// twentieth of a voxel of rest they are three times as large.
-TEST(VirtualTool, FeelsNoVoxelsInTheStepsOfTheForceRoundACylinder) {
+TEST(VirtualTool, ForceStepsOnACylinderHideTheVoxels) {
   for (const auto& [edge, most] : {std::pair{0.002, 0.02}, {0.001, 0.012}}) {
     const SlideFigures f = slide({.scene = "cylinder", .edge = edge, .speed = 0.05, .seed = 1});
     std::printf("e %g: step over force %.4f\n", edge, f.step_over_force);
@@ -118,7 +118,7 @@ TEST(VirtualTool, GivesTheForceOfTheExactGodObjectAtAConvexEdge) {
 }
 
 /// An object that moves takes its edges along: the same force, whose place is the edge's.
-TEST(VirtualTool, FeelsTheEdgesOfAnObjectThatHasMovedWhereTheyAre) {
+TEST(VirtualTool, FollowsTheEdgesOfAMovedObject) {
   const double e = 0.002, half = 0.03, depth = 0.005;
   const Vec3 slant = Vec3(1, 0, 1).normalized(), edge(half, 0.0007, 0.0);
   for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(0.013, -0.004, 0.0071)}) {
@@ -185,7 +185,7 @@ TEST(VirtualTool, GivesTheForceOfTheExactGodObjectInAConcaveCorner) {
     }
 }
 
-TEST(VirtualTool, GivesTheSpringsForceAtEveryDepthUpToTwentyFiveMillimetres) {
+TEST(VirtualTool, GivesTheSpringForceUpTo25Millimetres) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   const Vec3 free(0.0013, 0.0007, kBall + 0.002);
   ASSERT_TRUE(rig.place({free, Quat::Identity()}));
@@ -202,7 +202,7 @@ TEST(VirtualTool, GivesTheSpringsForceAtEveryDepthUpToTwentyFiveMillimetres) {
   }
 }
 
-TEST(VirtualTool, SlidesWithoutNoiseOnPlanesAndWithLittleRoundACylinder) {
+TEST(VirtualTool, SlidesQuietlyOnPlanesAndCylinders) {
   for (const auto& [scene, noise, step] :
        {std::tuple{"plane", 1e-4, 1e-3}, {"tilted", 1e-4, 1e-3}, {"cylinder", 0.01, 0.1}})
     for (const double speed : {0.05, 0.5}) {
@@ -218,7 +218,7 @@ TEST(VirtualTool, SlidesWithoutNoiseOnPlanesAndWithLittleRoundACylinder) {
     }
 }
 
-TEST(VirtualTool, GivesWayAtAnEdgeAsARamp) {
+TEST(VirtualTool, ReleasesOverAnEdgeAsARamp) {
   for (const double edge : {0.002, 0.001})
     for (const double depth : {0.003, 0.01}) {
       const EdgeFigures f = over_edge(edge, depth, 0.05, testing::seed(5), 6);
@@ -230,7 +230,7 @@ TEST(VirtualTool, GivesWayAtAnEdgeAsARamp) {
 }
 
 /// Ball, hand on a path that never touches: bit-identically, up to four voxels a frame.
-TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
+TEST(VirtualTool, EqualsTheHandInFreeSpace) {
   const std::uint64_t seed = testing::seed(7);
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
@@ -267,7 +267,7 @@ TEST(VirtualTool, IsTheHandToTheBitInFreeSpace) {
   EXPECT_LE(queries, 1);
 }
 
-TEST(VirtualTool, FollowsTheHandToTheBitUpToFourVoxelsAFrameOverASurface) {
+TEST(VirtualTool, EqualsTheHandUpToFourVoxelsPerFrame) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   for (const double edges : {0.1, 1.0, 2.0, 3.9}) {
     ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
@@ -280,7 +280,7 @@ TEST(VirtualTool, FollowsTheHandToTheBitUpToFourVoxelsAFrameOverASurface) {
   }
 }
 
-TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
+TEST(VirtualTool, ReportsNotConvergedForATooFastHand) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
   const Vec3 hand(0.02, 0, kBall + 2e-4);
@@ -294,7 +294,7 @@ TEST(VirtualTool, SaysThatItLagsWhereAFreeHandIsFasterThanAFrameReaches) {
   EXPECT_EQ(f.tool.position, hand);
 }
 
-TEST(VirtualTool, ShowsAStiffnessOfAtMostTheSprings) {
+TEST(VirtualTool, StiffnessNeverExceedsTheSpring) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, kBall + 0.001), Quat::Identity()}));
   contact::VirtualToolFrame f;
@@ -360,7 +360,7 @@ TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   EXPECT_NEAR(-force.dot(t) / force.dot(n), 0.4, 1e-3);
 }
 
-TEST(VirtualToolFriction, OfZeroChangesNoBit) {
+TEST(VirtualToolFriction, OfZeroIsBitIdentical) {
   Rig with(scene_mesh("cup"), 0.002, ball_mesh()), without(scene_mesh("cup"), 0.002, ball_mesh());
   for (Rig* rig : {&with, &without})
     ASSERT_TRUE(rig->place({Vec3(0, 0, 0.05), Quat::Identity()}));
@@ -373,7 +373,7 @@ TEST(VirtualToolFriction, OfZeroChangesNoBit) {
 
 /// A square box of half width a on a plane: even pressure on its corners holds a turn by mu N r, r
 /// their distance from the middle.
-TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
+TEST(VirtualToolFriction, HoldsARotationAboutTheNormal) {
   Rig rig(scene_mesh("plane"), 0.001, test::box_mesh(Vec3(0.012, 0.012, 0.008)));
   const double mu = 0.3, depth = 0.004;
   ASSERT_TRUE(rig.place({Vec3(3e-4, 2e-4, 0.005), Quat::Identity()}));
@@ -396,7 +396,7 @@ TEST(VirtualToolFriction, HoldsATurnAboutTheNormal) {
   EXPECT_LT(f.turn.z(), 0.7);
 }
 
-TEST(DirectionBins, EachHoldsTheDirectionsNearItsOwnAndNoneIsEmpty) {
+TEST(DirectionBins, HoldTheirNearestDirectionsAndAreNotEmpty) {
   std::mt19937_64 random(31);
   std::array<std::vector<Vec3>, contact::kDirectionBins> bins;
   contact::NormalBlock normals;
@@ -422,7 +422,7 @@ TEST(DirectionBins, EachHoldsTheDirectionsNearItsOwnAndNoneIsEmpty) {
   }
 }
 
-TEST(VirtualToolOptions, AreRefusedWhereNothingCanBeRendered) {
+TEST(VirtualToolOptions, AreRefusedIfNothingCanBeRendered) {
   EXPECT_THROW(contact::VirtualTool({.points = 0, .reach_m = 0.01, .edge_m = 0.001}),
                std::invalid_argument);
   EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.0, .edge_m = 0.001}),

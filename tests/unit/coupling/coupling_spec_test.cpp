@@ -38,7 +38,7 @@ CouplingSpec with(double CouplingSpec::*member, double value, const char* kind =
   return spec;
 }
 
-TEST(CouplingSpec, NamesTheFieldThatIsWrong) {
+TEST(CouplingSpec, NamesTheWrongField) {
   for (const double bad : {kNan, kInf, -1.0, 0.0}) {
     EXPECT_EQ(refused(with(&CouplingSpec::cutoff_hz, bad)), "cutoff_hz");
     EXPECT_EQ(refused(with(&CouplingSpec::damping_ratio, bad)), "damping_ratio");
@@ -58,7 +58,7 @@ TEST(CouplingSpec, NamesTheFieldThatIsWrong) {
   EXPECT_EQ(refused(with(&CouplingSpec::gain, 1, "spring")), "kind");
 }
 
-TEST(CouplingSpec, NamesWhatAllKindsShare) {
+TEST(CouplingSpec, NamesTheFieldsCommonToAllKinds) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct"}) {
     for (const double bad : {kNan, -1.0, 0.0}) {
       EXPECT_EQ(refused(with(&CouplingSpec::stiffness_cap_n_per_m, bad, kind)),
@@ -114,7 +114,7 @@ TEST(CouplingSpec, CutoffIsTheNaturalFrequencyOverTwoPi) {
   EXPECT_EQ(lag_s(spec), 0.0);
 }
 
-TEST(CouplingSpec, TellsTheStiffnessThatReachesTheHand) {
+TEST(CouplingSpec, ReturnsTheDisplayedStiffness) {
   EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(with(&CouplingSpec::gain, 0.5), 800), 400);
   EXPECT_DOUBLE_EQ(displayed_stiffness_n_per_m(
                        with(&CouplingSpec::stiffness_n_per_m, 500, "spring_damper"), 500),
@@ -131,7 +131,7 @@ TEST(CouplingSpec, TellsTheStiffnessThatReachesTheHand) {
       << "what is no stiffness stays none";
 }
 
-TEST(CouplingSpec, KindsHaveNamesThatAreReadBack) {
+TEST(CouplingSpec, NamesOfKindsReadBack) {
   for (const auto kind :
        {CouplingKind::kDirect, CouplingKind::kShapingFilter, CouplingKind::kSpringDamper}) {
     CouplingKind back{};
@@ -144,7 +144,7 @@ TEST(CouplingSpec, KindsHaveNamesThatAreReadBack) {
   EXPECT_EQ(kind, CouplingKind::kSpringDamper);
 }
 
-TEST(CouplingSpec, RefusesARampThatIsNone) {
+TEST(CouplingSpec, RefusesAnInvalidRamp) {
   for (const double bad : {-1.0, kNan, kInf})
     EXPECT_THROW(RunningCoupling({}, {}, kT, bad), std::invalid_argument);
   EXPECT_NO_THROW(RunningCoupling({}, {}, kT, 0.0));

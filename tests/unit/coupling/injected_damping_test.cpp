@@ -19,7 +19,7 @@ Pose at(const Vec3& position, const Quat& orientation = Quat::Identity()) {
   return {position, orientation};
 }
 
-TEST(ToolMotion, FiltersDifferencesAsItsFormulaSays) {
+TEST(ToolMotion, FiltersDifferencesByItsFormula) {
   ToolMotion motion(kT, 100, {});
   const double a = std::exp(-2 * std::numbers::pi * 100 * kT);
   motion.step(at(Vec3::Zero()), kT);
@@ -35,7 +35,7 @@ TEST(ToolMotion, FiltersDifferencesAsItsFormulaSays) {
   }
 }
 
-TEST(ToolMotion, WeighsTheDifferencesOfAWindowAsItsFormulaSays) {
+TEST(ToolMotion, WeighsAWindowOfDifferencesByItsFormula) {
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
     double sum = 0.0, sizes = 0.0;
     for (int ago = 0; ago < window_span(window); ++ago)
@@ -60,7 +60,7 @@ TEST(ToolMotion, WeighsTheDifferencesOfAWindowAsItsFormulaSays) {
 
 /// What one step of the encoder makes of v^, for as long as the window is; and v^ is a quarter of n
 /// ahead of what accelerates.
-TEST(ToolMotion, AWindowShowsOneStepAsItsShareAndLooksAhead) {
+TEST(ToolMotion, WindowScalesAStepAndExtrapolates) {
   constexpr double kStep = 3e-5;
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
     ToolMotion steps(kT, 100, {}, window), falls(kT, 100, {}, window);
@@ -82,7 +82,7 @@ TEST(ToolMotion, AWindowShowsOneStepAsItsShareAndLooksAhead) {
 
 /// Where the positions are off by up to half a step, v^ is off by no more than the designer counts
 /// as noise; and by nearly as much where they are off as it bears least.
-TEST(ToolMotion, AnEncoderMakesNoMoreOfTheVelocityThanIsCounted) {
+TEST(ToolMotion, EncoderNoiseStaysWithinItsBound) {
   constexpr double kStep = 3e-5;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(-0.5, 0.5);
@@ -117,7 +117,7 @@ TEST(ToolMotion, AnEncoderMakesNoMoreOfTheVelocityThanIsCounted) {
 
 /// A way of two periods, of a sample that was lost, is two differences: the window is no longer by
 /// it.
-TEST(ToolMotion, ALostSampleMakesAWindowNoLonger) {
+TEST(ToolMotion, LostSamplesDoNotLengthenTheWindow) {
   ToolMotion motion(kT, 100, {}, 2);
   for (int n = 0; n < 60; ++n) {
     const bool lost = n == 50;
@@ -128,7 +128,7 @@ TEST(ToolMotion, ALostSampleMakesAWindowNoLonger) {
   }
 }
 
-TEST(ToolMotion, AJumpEmptiesTheWindow) {
+TEST(ToolMotion, JumpEmptiesTheWindow) {
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
     ToolMotion motion(kT, 100, {}, window);
     for (int n = 0; n < 100; ++n)
@@ -140,7 +140,7 @@ TEST(ToolMotion, AJumpEmptiesTheWindow) {
   }
 }
 
-TEST(ToolMotion, AWindowBeginsAsIfTheToolHadRested) {
+TEST(ToolMotion, WindowBeginsAtRest) {
   ToolMotion motion(kT, 100, {}, 2);
   for (int n = 0; n < 20; ++n) {
     motion.step(at({1e-4 * n, 0, 0}), kT);
@@ -149,7 +149,7 @@ TEST(ToolMotion, AWindowBeginsAsIfTheToolHadRested) {
 }
 
 /// Another window, or the filter, from the next sample on: of a steady motion both say the same.
-TEST(ToolMotion, AWindowMayBeChangedOnTheWay) {
+TEST(ToolMotion, WindowMayChangeDuringMotion) {
   ToolMotion motion(kT, 100, {});
   for (int n = 0; n < 300; ++n) {
     if (n >= 100 && n % 10 == 0)
@@ -161,7 +161,7 @@ TEST(ToolMotion, AWindowMayBeChangedOnTheWay) {
   }
 }
 
-TEST(ToolMotion, TurnsTheShorterWayWhicheverSignTheQuaternionHas) {
+TEST(ToolMotion, TakesTheShorterRotationForEitherSign) {
   const Vec3 axis = Vec3(1, -2, 2) / 3;
   for (const double rate : {0.5, -30.0}) {
     ToolMotion motion(kT, 100, {});
@@ -203,7 +203,7 @@ TEST(ToolMotion, UnevenAndBrokenPeriodsMakeNoSpike) {
   }
 }
 
-TEST(ToolMotion, ASampleThatIsNoPoseCountsTowardsTheNext) {
+TEST(ToolMotion, SampleWithoutAPoseCountsTowardsTheNext) {
   for (const Pose& bad : {at({kNan, 0, 0}), at({1e13, 0, 0}), at({0, 0, 0}, Quat(0, 0, 0, 0)),
                           at({0, 0, 0}, Quat(2, 0, 0, 0)), at({0, 0, 0}, Quat(kNan, 0, 0, 0))}) {
     for (const int window : {0, 1, 4}) {
@@ -222,7 +222,7 @@ TEST(ToolMotion, ASampleThatIsNoPoseCountsTowardsTheNext) {
   }
 }
 
-TEST(ToolMotion, AJumpIsNoVelocity) {
+TEST(ToolMotion, JumpGivesNoVelocity) {
   for (const int window : {0, 1, 4}) {
     ToolMotion motion(kT, 100, {}, window);
     for (int n = 0; n < 100; ++n)
@@ -288,7 +288,7 @@ struct Moving {
   }
 };
 
-TEST(InjectedDamping, LeavesSlidingOverAPlaneFreeAndDampsACornerBothWays) {
+TEST(InjectedDamping, LeavesSlidingFreeAndDampsACorner) {
   Moving m(5);
   const CouplingInput plane = corner({3, 0, 0}, 1000, 0), both = corner({3, 3, 0}, 1000, 500);
   EXPECT_LE((m.move(plane, {0, 0.2, -0.1}).force - Vec3(3, 0, 0)).norm(), 1e-12);
@@ -298,7 +298,7 @@ TEST(InjectedDamping, LeavesSlidingOverAPlaneFreeAndDampsACornerBothWays) {
       << "each as its fraction is";
 }
 
-TEST(InjectedDamping, DampsTurningAboutTheDirectionsThatResist) {
+TEST(InjectedDamping, DampsRotationAboutResistingDirections) {
   Moving m(0, 0.02);
   CouplingInput in = corner({0, 0, 1}, 0, 0);
   in.contact.torque = Vec3(0.05, 0, 0);
@@ -310,7 +310,7 @@ TEST(InjectedDamping, DampsTurningAboutTheDirectionsThatResist) {
       << "about the normal it spins free";
 }
 
-TEST(InjectedDamping, NeverPullsHoweverFastTheToolLeaves) {
+TEST(InjectedDamping, NeverPullsAtAnySpeed) {
   std::mt19937_64 random(6);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int attempt = 0; attempt < 200; ++attempt) {
@@ -327,7 +327,7 @@ TEST(InjectedDamping, NeverPullsHoweverFastTheToolLeaves) {
   EXPECT_LE(m.move(corner({1, 0, 0}, 1000, 0), {0.5, 0, 0}).force.norm(), 1e-12);
 }
 
-TEST(InjectedDamping, DoesNothingInFreeSpaceAndUsesTheForceWhereTheMatrixIsMissing) {
+TEST(InjectedDamping, IsZeroInFreeSpaceAndFallsBackToTheForce) {
   Moving m(5);
   EXPECT_TRUE(m.move({}, {0.3, 0.1, 0}).zero());
   EXPECT_LE((m.move({{{0, 2, 0}, {0, 0, 0}}, 1000}, {0.1, -0.1, 0}).force - Vec3(0, 2.5, 0)).norm(),
@@ -341,7 +341,7 @@ TEST(InjectedDamping, LeavesAForceWithoutStiffnessAsItIs) {
       << "a weight or a medium's drag is no wall";
 }
 
-TEST(InjectedDamping, AddsNoMoreThanItsShareOfWhatTheContactGives) {
+TEST(InjectedDamping, AddsAtMostItsRatioOfTheContactForce) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> u(-1, 1);
   for (int attempt = 0; attempt < 200; ++attempt) {
@@ -374,7 +374,7 @@ TEST(InjectedDamping, AddsNoMoreThanItsShareOfWhatTheContactGives) {
 }
 
 /// A ForceCommand reports what the damper does to the force, and where it was cut.
-TEST(InjectedDamping, TellsWhatItAddsAndWhereItWasCut) {
+TEST(InjectedDamping, ReportsWhatItAddsAndWhereItIsBounded) {
   struct Case {
     double fraction, towards_m_per_s, adds_n;
     bool cut;

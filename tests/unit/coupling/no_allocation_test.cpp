@@ -10,7 +10,7 @@
 namespace voxtouch::coupling {
 namespace {
 
-TEST(NoAllocation, AStepAResetAndACleanRedesignTakeNothingFromTheHeap) {
+TEST(NoAllocation, StepsResetsAndRedesignsUseNoHeap) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitiser owns malloc";
   CouplingSpec spec;

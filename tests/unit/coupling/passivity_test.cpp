@@ -25,7 +25,7 @@ LoopDevice phantom(double push_n = 1.0, double resolution_m = 3e-5) {
   d.push = Vec3(-push_n, 0, 0);
   return d;
 }
-TEST(Passivity, BooksExactlyWhatAHeldForceDoes) {
+TEST(Passivity, CountsTheWorkOfAHeldForceExactly) {
   RunningCoupling coupling(spec_with("shaping_filter", 40), {}, kT);
   LoopDevice device = phantom(1.0, 0.0);
   device.hand_damping_ns_per_m = 2;
@@ -40,7 +40,7 @@ TEST(Passivity, BooksExactlyWhatAHeldForceDoes) {
   EXPECT_GT(std::abs(before), 1e-5);
 }
 
-TEST(Passivity, BooksTheWorkOfATorqueAlongItsRotationVector) {
+TEST(Passivity, CountsTheWorkOfATorque) {
   RunningCoupling coupling(spec_with("direct", 1), {}, kT);
   coupling.step({}, kT);
   CouplingInput in{{{0, 0, 0}, {0.3, 0, 0}}, 100};
@@ -56,7 +56,7 @@ TEST(Passivity, BooksTheWorkOfATorqueAlongItsRotationVector) {
 
 /// Once round a frictionless cylinder at a constant depth, pushing with 2 N at 20 mm: nothing is
 /// lost or gained.
-TEST(Passivity, ALosslessCircleIsNotBrakedThoughEachWorldAxisLooksActive) {
+TEST(Passivity, LosslessCircleIsNotBraked) {
   const double radius = 0.02, k = 1000, depth = 0.002;
   RunningCoupling coupling(spec_with("direct", 1), {}, kT);
   Vec3 axes = Vec3::Zero(), lowest = Vec3::Zero(), before = Vec3::Zero(), last = Vec3::Zero();
@@ -86,7 +86,7 @@ TEST(Passivity, ALosslessCircleIsNotBrakedThoughEachWorldAxisLooksActive) {
 
 /// Inside a cylinder the filter's lag tau pushes along the motion with F tau v / R: active, and
 /// across the contact.
-TEST(Passivity, FindsWhatTheFiltersLagGivesAlongAHollowSurface) {
+TEST(Passivity, FindsTheEnergyOfFilterDelayOnAHollow) {
   const double radius = 0.02, speed = 0.1, force = 3, k = 1000;
   {
     CouplingSpec spec = spec_with("shaping_filter", 30);
@@ -137,7 +137,7 @@ TEST(Passivity, ForgetsCreditAsTheContactEndsAndDebtASecondLater) {
 }
 
 /// An encoder hides part of the way: |E - true| <= q/2 times all changes of the force.
-TEST(Passivity, DiffersFromTheTrueEnergyByNoMoreThanTheEncoderHides) {
+TEST(Passivity, MatchesTheTrueEnergyUpToTheEncoder) {
   for (const double q : {1e-5, 1e-4}) {
     RunningCoupling coupling(spec_with("shaping_filter", 50), {8.5, 0}, kT);
     HapticLoop loop(phantom(0.5, q), coupling, [](const Vec3& at) { return wall(at, 300); });

@@ -144,7 +144,7 @@ TEST(Pt2, ExtremeParametersStayBounded) {
       }
 }
 
-TEST(Pt2, RefusesParametersThatAreNone) {
+TEST(Pt2, RefusesInvalidParameters) {
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                inf = std::numeric_limits<double>::infinity();
   coupling_models::Pt2 filter(100, 1, 1);
@@ -161,7 +161,7 @@ TEST(Pt2, RefusesParametersThatAreNone) {
   EXPECT_EQ(filter.step(1, 1e-3), untouched.step(1, 1e-3));
 }
 
-TEST(Pt2, ResetGoesOnWithoutAJump) {
+TEST(Pt2, ResetContinuesWithoutAJump) {
   for (const double gain : {1.0, 0.25, -3.0, 0.0}) {
     coupling_models::Pt2 filter(200, 0.7, gain);
     for (int n = 0; n < 50; ++n)

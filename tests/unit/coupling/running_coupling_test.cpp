@@ -44,7 +44,7 @@ Wrench step_alone(std::variant<DirectCoupling, ShapingFilter, SpringDamper>& law
 }
 
 /// Without cap and damping the chain is the law, bit for bit.
-TEST(RunningCoupling, IsTheLawAloneWhereNothingElseIsAskedFor) {
+TEST(RunningCoupling, WithoutCapAndDampingIsTheBareLaw) {
   std::variant<DirectCoupling, ShapingFilter, SpringDamper> laws[] = {
       ShapingFilter(spec_of("shaping_filter"), kT), SpringDamper(spec_of("spring_damper")),
       DirectCoupling()};
@@ -85,7 +85,7 @@ TEST(RunningCoupling, RefusesWithTheSentenceOfValidate) {
   EXPECT_EQ(running.kind(), CouplingKind::kShapingFilter);
 }
 
-TEST(RunningCoupling, HoldsAnUnusableContactForTenPeriodsAndThenLetsGo) {
+TEST(RunningCoupling, HoldsAnInvalidContactForTenPeriodsThenFades) {
   for (const char* kind : kKinds) {
     RunningCoupling running(spec_of(kind), {}, kT);
     running.step({}, kT);
@@ -193,7 +193,7 @@ TEST(RunningCoupling, DampingChangesOverItsRamp) {
 /// Any bits in any field: finite and within the limits, for every kind with everything on.
 /// A weight that is lowered gives what lifting it has stored: no fault of the coupling's, where it
 /// is reported so.
-TEST(RunningCoupling, BooksNoDebtForWhatAPotentialGives) {
+TEST(RunningCoupling, CountsNoDebtForPotentialEnergy) {
   for (const bool reported : {true, false}) {
     CouplingSpec spec = spec_of("direct");
     RunningCoupling running(spec, {}, kT, 0.001);
@@ -213,7 +213,7 @@ TEST(RunningCoupling, BooksNoDebtForWhatAPotentialGives) {
   }
 }
 
-TEST(RunningCoupling, IsToldNoMoreThanTheLargestForceCanDo) {
+TEST(RunningCoupling, AssumesAtMostTheLargestForce) {
   RunningCoupling running(spec_of("direct"), {.max_force_n = 3.0}, kT);
   CouplingInput in = push({0, 0, 1});
   running.step(in, kT);
@@ -228,7 +228,7 @@ TEST(RunningCoupling, IsToldNoMoreThanTheLargestForceCanDo) {
 
 /// What the bound of the observer's energy is made of: the largest force, and the longest way that
 /// a force has worked on.
-TEST(RunningCoupling, CountsTheLargestForceAndTheLongestWayUnderForce) {
+TEST(RunningCoupling, TracksLargestForceAndLongestPathUnderForce) {
   RunningCoupling running(spec_of("direct"), {}, kT);
   CouplingInput in = push(Vec3::Zero(), Vec3::Zero(), 0);
   double x = 0.0;

@@ -108,7 +108,7 @@ TEST(ShapingFilter, StartsAgainAtTheHeldForceAfterAGap) {
   }
 }
 
-TEST(ShapingFilter, HoldsTheLastGoodInputWhereOneIsNotANumber) {
+TEST(ShapingFilter, HoldsTheLastInputForNan) {
   LawAlone a = running(filter_spec(20, 0.7)), b = a;
   std::uint64_t bad = 0;
   for (int n = 0; n < 500; ++n) {
@@ -139,7 +139,7 @@ TEST(ShapingFilter, HoldsTheLastGoodInputWhereOneIsNotANumber) {
   EXPECT_EQ(b.faults(), 0U);
 }
 
-TEST(ShapingFilter, CutsForceAndTorqueSeparatelyAndKeepsTheirDirections) {
+TEST(ShapingFilter, ClampsForceAndTorqueAlongTheirDirections) {
   for (const double gain : {1.0, 0.25, 3.0}) {
     LawAlone filter = running(filter_spec(50, 1.0, gain), {3.3, 0.2});
     Wrench out;
@@ -180,7 +180,7 @@ TEST(ShapingFilter, ForgetsAForcePeakWithinSixFilterTimes) {
   EXPECT_LT(out.force.norm(), 0.05 * limit);
 }
 
-TEST(ShapingFilter, FadesInWhereItStartsInContact) {
+TEST(ShapingFilter, FadesInIfItStartsInContact) {
   LawAlone filter(filter_spec(100, 0.7), {}, kT);
   Wrench last, out;
   for (int n = 0; n < 400; ++n) {
@@ -247,7 +247,7 @@ TEST(ShapingFilter, ForgetsTheLastInputOnReset) {
 
 /// Bad periods, gaps, clock steps back and NaN inputs in any order: bounded by twice what a rested
 /// contact gives.
-TEST(ShapingFilter, StaysWithinTwiceTheInputWhateverTheClockDoes) {
+TEST(ShapingFilter, AnyClockAtMostDoublesTheInput) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(0, 1);
   const auto period = [&] {

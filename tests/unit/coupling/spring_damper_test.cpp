@@ -32,7 +32,7 @@ TEST(SpringDamper, FollowsItsEquationAlongASteadyDirection) {
   }
 }
 
-TEST(SpringDamper, RestsAtTwoSpringsInARow) {
+TEST(SpringDamper, RestsAtTwoSpringsInSeries) {
   for (const double c : {50.0, 500.0, 5e4})
     for (const double k : {10.0, 1000.0, 1e6})
       for (const double r : {0.0, 2.0, 50.0}) {
@@ -112,7 +112,7 @@ TEST(SpringDamper, ReadsATouchWithoutForceAsFree) {
 
 /// The same impact that makes a stiff explicit spring explode: k T / r is large, and still nothing
 /// rings.
-TEST(SpringDamper, StandsAnyContactStiffness) {
+TEST(SpringDamper, IsStableForAnyContactStiffness) {
   SpringDamper coupling = running(500, 2);
   for (int n = 0; n < 2000; ++n) {
     const Wrench out = coupling.step({{{n % 2 ? 10.0 : 5.0, 0, 0}, {0, 0, 0}}, 1e9});

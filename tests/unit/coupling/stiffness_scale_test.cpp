@@ -67,7 +67,7 @@ std::vector<Point> random_points(std::mt19937_64& random, int count) {
   return points;
 }
 
-TEST(StiffnessScale, KeepsTheWholeMatrixBelowBothCapsAndNoLowerThanItMust) {
+TEST(StiffnessScale, KeepsTheMatrixJustBelowBothCaps) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> u(0, 1);
   int cut = 0;
@@ -101,7 +101,7 @@ TEST(StiffnessScale, KeepsTheWholeMatrixBelowBothCapsAndNoLowerThanItMust) {
   EXPECT_GT(cut, 100);
 }
 
-TEST(StiffnessScale, TouchesNothingBelowTheCapsOrWithoutThem) {
+TEST(StiffnessScale, ChangesNothingBelowOrWithoutCaps) {
   std::mt19937_64 random(2);
   const CouplingInput in = contact_of(random_points(random, 5), 10);
   EXPECT_EQ(cap_scale(in.contact_stiffness, 50, 1.0 / 51, 0), 1.0);
@@ -109,7 +109,7 @@ TEST(StiffnessScale, TouchesNothingBelowTheCapsOrWithoutThem) {
   EXPECT_EQ(cap_scale(Mat6::Zero(), 0, 1.0 / 51, 1), 1.0);
 }
 
-TEST(StiffnessScale, TakesTheBoundWhereTheMatrixIsZero) {
+TEST(StiffnessScale, UsesTheBoundForAZeroMatrix) {
   EXPECT_DOUBLE_EQ(cap_scale(Mat6::Zero(), 5000, 1.0 / 1000, 0), 0.2);
   EXPECT_DOUBLE_EQ(cap_scale(Mat6::Zero(), 5000, 1.0 / 1000, 10), 0.2);
   RunningCoupling coupling(direct(1000), {}, kT);
@@ -121,7 +121,7 @@ TEST(StiffnessScale, TakesTheBoundWhereTheMatrixIsZero) {
 }
 
 /// A matrix that is no matrix makes the sample unusable, as a force that is no number does.
-TEST(StiffnessScale, HoldsTheLastContactWhereTheMatrixIsNotFinite) {
+TEST(StiffnessScale, HoldsTheLastContactForANonFiniteMatrix) {
   RunningCoupling coupling(direct(1000), {}, kT);
   coupling.step({}, kT);
   const CouplingInput good{{{1, 0, 0}, {0, 0, 0}}, 500};
@@ -139,7 +139,7 @@ TEST(StiffnessScale, HoldsTheLastContactWhereTheMatrixIsNotFinite) {
 }
 
 /// Plate on plate: 10^4 points of 10 N/m are 10^5 N/m, and 1000 N/m and 0.5 Nm/rad are displayed.
-TEST(StiffnessScale, APlateOfTenThousandPointsShowsTheCap) {
+TEST(StiffnessScale, PlateOfTenThousandPointsDisplaysTheCap) {
   std::vector<Point> plate;
   for (int i = 0; i < 100; ++i)
     for (int j = 0; j < 100; ++j)
@@ -161,7 +161,7 @@ TEST(StiffnessScale, APlateOfTenThousandPointsShowsTheCap) {
 
 /// Points of a plate come in any order; a grid of dyadic numbers sums up exactly, and then the cap
 /// has bit-identical results too.
-TEST(StiffnessScale, PermutedPointsGiveTheSameBits) {
+TEST(StiffnessScale, PermutedPointsAreBitIdentical) {
   std::vector<Point> plate;
   for (int i = 0; i < 50; ++i)
     for (int j = 0; j < 50; ++j)

@@ -21,7 +21,7 @@ CouplingLimits device_limits() {
 }
 
 /// The paper's 5 Hz in a light hand, on a wall of 1000 N/m.
-TEST(SwingWatch, FindsAFilterThatIsTooSlow) {
+TEST(SwingWatch, FindsATooSlowFilter) {
   CouplingSpec spec;
   spec.cutoff_hz = 5;
   RunningCoupling coupling(spec, device_limits(), kT);
@@ -62,7 +62,7 @@ SwingWatch cycles(double hz, double motion_m, double force_n, double lead_rad, d
   return watch;
 }
 
-TEST(SwingWatch, TellsFrequencyAmplitudeForceAndDuration) {
+TEST(SwingWatch, ReportsFrequencyAmplitudeForceAndDuration) {
   const SwingWatch watch = cycles(7.0, 1e-3, 0.5, 0.1, 1.0, 3.0);
   ASSERT_TRUE(watch.swinging());
   EXPECT_NEAR(watch.largest().frequency_hz, 7.0, 0.1);
@@ -86,7 +86,7 @@ TEST(SwingWatch, GrowthNeedsCyclesOfAlikePeriod) {
 }
 
 /// Tremor and strokes: the hand puts in what the coupling takes.
-TEST(SwingWatch, IsSilentWhereTheHandMovesTheTool) {
+TEST(SwingWatch, IsSilentIfTheHandMovesTheTool) {
   for (const double hz : {1.5, 3.0, 8.0, 10.0, 12.0}) {
     const SwingWatch watch = cycles(hz, 1e-3, 0.5, -0.2, 1.0, 4.0);
     EXPECT_FALSE(watch.swinging()) << hz;

@@ -32,7 +32,7 @@ std::size_t expected_loops(const DesignProblem& request, const CouplingSpec& spe
   return loops;
 }
 
-TEST(AbsoluteStability, CertifiesAStylusForAnyContactUpToTheLinearLimit) {
+TEST(AbsoluteStability, CertifiesAStylusForAnyContact) {
   const DesignProblem request = as_scenes_ask(sim_stylus());
   const Design design = design_coupling(request);
   const ContactCertificate c = certify_contacts(request, design);
@@ -123,14 +123,14 @@ TEST(AbsoluteStability, ReachesTheLinearLimitOfEachCaseAndNoMore) {
 }
 
 /// Dampers without a bound, so that the linear certificate is of the same loops.
-TEST(AbsoluteStability, PromisesNoMoreThanWhereTheFirstLoopBecomesUnstable) {
+TEST(AbsoluteStability, StaysBelowTheFirstUnstableLoop) {
   const DesignProblem request = as_scenes_ask(sim_stylus());
   const Design design = design_coupling(request);
   const ContactCertificate c = certify_contacts(request, design);
   EXPECT_LT(c.axes[0].stiffness, linear_limits(request, design.spec)[0]);
 }
 
-TEST(AbsoluteStability, ADesignAtItsLinearLimitIsCertifiedForLinearContactsOnly) {
+TEST(AbsoluteStability, DesignAtItsLinearLimitIsLinearOnly) {
   DesignProblem request = stylus();
   request.goals.gain_margin = 1.0;
   request.goals.free_cap = true;
@@ -164,7 +164,7 @@ TEST(AbsoluteStability, AnyPassiveHandRestsOnItsOwnRule) {
   EXPECT_FALSE(has(c, CertificateGap::kVaryingTiming));
 }
 
-TEST(AbsoluteStability, ASpringDamperBearsAContactOfAnyStiffness) {
+TEST(AbsoluteStability, SpringDamperBearsAnyContactStiffness) {
   DesignProblem request = as_scenes_ask(robot(2.0, 5.0, 50.0));
   request.goals.kind = "spring_damper";
   const Design design = design_coupling(request);
@@ -181,7 +181,7 @@ TEST(AbsoluteStability, AnInfeasibleDesignHasNone) {
   EXPECT_TRUE(c.gaps.empty());
 }
 
-TEST(AbsoluteStability, NamesWhatItLeavesOut) {
+TEST(AbsoluteStability, NamesSkippedCases) {
   const DesignProblem request = as_scenes_ask(sim_stylus());
   Design design = design_coupling(request);
   ASSERT_GT(design.spec.injected_damping_ns_per_m, 0.0);
@@ -201,7 +201,7 @@ TEST(AbsoluteStability, NamesWhatItLeavesOut) {
   EXPECT_FALSE(has(c, CertificateGap::kDamperBound));
 }
 
-TEST(AbsoluteStability, IsTheSameEachTime) {
+TEST(AbsoluteStability, IsReproducible) {
   const DesignProblem request = as_scenes_ask(sim_stylus());
   const Design design = design_coupling(request);
   const ContactCertificate a = certify_contacts(request, design),

@@ -62,7 +62,7 @@ TEST(Campaign, ACoarseEncodersDamperStillDampsALightContact) {
   EXPECT_TRUE(result.failures.empty()) << failures(result);
 }
 
-TEST(Campaign, SeesDesignsThatAreTooStiff) {
+TEST(Campaign, FindsTooStiffDesigns) {
   Options options = sample(12);
   options.overload = 4.0;
   EXPECT_GT(design_phase(options).failures.size(), 12u);
@@ -72,7 +72,7 @@ TEST(Campaign, SeesDesignsThatAreTooStiff) {
 /// the encoder's steps, which a slower velocity damps. What is kept back beyond it, at the timing
 /// that the promise is for, is conservatism; at the nominal timing the room for jitter and lost
 /// samples is in the figure too.
-TEST(Campaign, PromisesKeepTheirMarginInTheSimulation) {
+TEST(Campaign, CertificatesKeepTheirMarginInSimulation) {
   Options options = sample(24);
   options.limits = 16;
   const PhaseResult result = design_phase(options);
@@ -90,13 +90,13 @@ TEST(Campaign, TheLiteralRecipeIsUnstableOnMostDevices) {
             unstable_ratio(result, "released"));
 }
 
-TEST(Campaign, WhatTheLinearModelCallsStableIsStable) {
+TEST(Campaign, LinearStabilityHoldsInSimulation) {
   PhaseResult result = predictor_phase(sample(100));
   EXPECT_TRUE(result.failures.empty()) << failures(result);
   EXPECT_GT(unstable_ratio(result, "nominal gain margin below 1, wall of one slope"), 0.8);
 }
 
-TEST(Campaign, CountsTheSameForTheSameSeed) {
+TEST(Campaign, IsReproducibleForASeed) {
   const auto report = [](std::uint64_t seed) {
     Options options = sample(6);
     options.seed = seed;

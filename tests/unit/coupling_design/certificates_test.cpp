@@ -125,7 +125,7 @@ TEST(RuleP, IsTheFormula) {
   EXPECT_EQ(passive_stiffness_filter(w0, 0.7, 0.0, timing, 0.0), 0.0);
 }
 
-TEST(RuleP, NeverPromisesMoreThanTheExactLimitOfAnyPassiveHand) {
+TEST(RuleP, NeverExceedsTheLimitOfAnyPassiveHand) {
   const std::uint64_t seed = 77;
   Random random(seed);
   std::vector<double> released, level, linear, lossy;
@@ -225,7 +225,7 @@ TEST(LinearPassive, FindsTheSameMaximumAsADenseSearch) {
   }
 }
 
-TEST(LinearPassive, NoPassiveHandMakesItsContactUnstableAndSomeNearlyDo) {
+TEST(LinearPassive, NoPassiveHandDestabilisesItsContact) {
   const std::uint64_t seed = 31;
   Random random(seed);
   double tightest = 0.0;

@@ -200,7 +200,7 @@ TEST(CriticalStiffness, InjectedDampingHasALimitOfItsOwn) {
   }
 }
 
-TEST(CriticalStiffness, SpringDamperWithEnoughDampingBearsAnyContact) {
+TEST(CriticalStiffness, DampedSpringDamperToleratesAnyContact) {
   const LoopPlant p{.mass = 0.1, .damping = 0.5, .period_s = 1e-3, .delay_s = 1e-3};
   const LoopController soft{.law = Law::kSpringDamper, .stiffness = 300.0, .damping = 0.14};
   EXPECT_EQ(critical_stiffness(p, soft).stiffness, std::numeric_limits<double>::infinity());
@@ -218,7 +218,7 @@ TEST(CriticalStiffness, SpringDamperWithEnoughDampingBearsAnyContact) {
   EXPECT_NEAR(k * stiff.stiffness / (k + stiff.stiffness), direct, 1e-9 * direct);
 }
 
-TEST(CriticalStiffness, UndampedHandsAreJudgedByWhereTheirEigenvalueGoes) {
+TEST(CriticalStiffness, UndampedHandsFollowTheirEigenvalue) {
   int stable = 0, unstable = 0;
   for (const double hold : {50.0, 800.0, 5e4, 3e5}) {
     for (const double delay : {0.0, 1e-3, 2.5e-3, 4e-3, 6.2e-3}) {
@@ -246,7 +246,7 @@ TEST(CriticalStiffness, UndampedHandsAreJudgedByWhereTheirEigenvalueGoes) {
       << "nothing damps, none holds";
 }
 
-TEST(CriticalStiffness, TwoNarrowResonancesSideBySideAreNotLeaptOver) {
+TEST(CriticalStiffness, AdjacentNarrowResonancesAreBothFound) {
   // Each turns L by half a circle within a width far below a step; together they turn it back to
   // where it was.
   for (double ratio = 1.01; ratio < 1.3; ratio += 0.03) {
@@ -261,7 +261,7 @@ TEST(CriticalStiffness, TwoNarrowResonancesSideBySideAreNotLeaptOver) {
   }
 }
 
-TEST(CriticalStiffness, AttractingContactGivesWayAgainstTheHandsSpring) {
+TEST(CriticalStiffness, AttractingContactYieldsToTheHand) {
   const LoopPlant p{.mass = 0.1, .damping = 2.0, .hand_stiffness = 200.0, .period_s = 1e-3};
   EXPECT_DOUBLE_EQ(critical_stiffness(p, {.law = Law::kDirect, .gain = -0.5}).stiffness, 400.0);
   EXPECT_EQ(critical_stiffness({.mass = 0.1, .damping = 2.0}, {.law = Law::kDirect, .gain = -0.5})
@@ -269,7 +269,7 @@ TEST(CriticalStiffness, AttractingContactGivesWayAgainstTheHandsSpring) {
             0.0);
 }
 
-TEST(CriticalStiffness, IsFastEnoughToBeAskedThousandsOfTimes) {
+TEST(CriticalStiffness, IsFastEnoughForThousandsOfCalls) {
   using Clock = std::chrono::steady_clock;
   Random random(3);
   std::vector<AnyLoop> loops;

@@ -39,7 +39,7 @@ TEST(DominantMode, IsTheDampingRatioOfMassSpringAndDamper) {
   }
 }
 
-TEST(DominantMode, IsOneWhereNothingSwingsAndNegativeWhereItGrows) {
+TEST(DominantMode, IsOneWithoutOscillationAndNegativeIfItGrows) {
   LoopPlant plant{.mass = 0.1, .damping = 40.0, .period_s = 1e-5};
   EXPECT_EQ(slowest_damping_ratio(plant, direct(), 400.0), 1.0) << "overdamped";
   plant.damping = 0.1, plant.period_s = 1e-3;
@@ -84,7 +84,7 @@ Design without_floors(DesignProblem request) {
   return design_coupling(request);
 }
 
-TEST(DampingFloor, WinsOverStiffnessAndSaysWhatItCost) {
+TEST(DampingFloor, WinsOverStiffnessAndReportsItsCost) {
   const DesignProblem request = arm(12, 4000);
   const Design before = without_floors(request), damped = design_coupling(request);
   ASSERT_LT(before.swing.released, 0.1) << "a case that needs it";
@@ -120,7 +120,7 @@ TEST(DampingFloor, IsReachedByDampingBeforeStiffness) {
   EXPECT_GT(damped.translation.injected_damping, before.translation.injected_damping);
 }
 
-TEST(DampingFloor, CostsNothingWhereItIsKept) {
+TEST(DampingFloor, CostsNothingIfAlreadyMet) {
   DesignProblem request = arm(6, 300);
   request.goals.floors = {0.01, 0.01};
   const Design damped = design_coupling(request);
@@ -149,7 +149,7 @@ DesignProblem stylus() {
   return request;
 }
 
-TEST(DampingFloor, NamesTheHandThatForbidsItAndGivesUpNothingForTheOthers) {
+TEST(DampingFloor, NamesTheForbiddingHandAndSparesTheOthers) {
   const Design damped = design_coupling(stylus());
   EXPECT_NE(damped.floors.out_of_reach.find("held (0.2 kg, 0.5 Ns/m, 800 N/m)"), std::string::npos)
       << damped.floors.out_of_reach;
@@ -158,7 +158,7 @@ TEST(DampingFloor, NamesTheHandThatForbidsItAndGivesUpNothingForTheOthers) {
 }
 
 /// Where the floor is out of reach for one hand, none is asked for it.
-TEST(DampingFloor, AsksNothingOfTheOtherHandsWhereOneForbidsIt) {
+TEST(DampingFloor, IsDroppedForOtherHandsIfOneForbidsIt) {
   DesignProblem request = stylus();
   std::vector<AxisProblem> problems = axis_problems(request);
   ASSERT_NE(set_floors(request, problems), "");
@@ -204,7 +204,7 @@ TEST(DampingFloor, IsFoundBetweenTooLittleDampingAndTooMuch) {
 
 /// Whatever device, hand and wish: a design that was useful stays so, and what is called kept is
 /// kept by every hand that does not forbid it.
-TEST(DampingFloor, IsNotBoughtWithAllThatIsUseful) {
+TEST(DampingFloor, IsNotBoughtWithAllUsefulStiffness) {
   testing::Random random(11);
   int cost = 0;
   for (int i = 0; i < 60; ++i) {
@@ -229,7 +229,7 @@ TEST(DampingFloor, IsNotBoughtWithAllThatIsUseful) {
 }
 
 /// Of a hand of which only passivity is known, no damping ratio can be reported.
-TEST(DampingFloor, AsksNothingOfAnyPassiveHand) {
+TEST(DampingFloor, DoesNotApplyToAnyPassiveHand) {
   DesignProblem request = arm(12, 4000);
   request.hand.translation = {.any_passive = true};
   const Design damped = design_coupling(request);
@@ -238,7 +238,7 @@ TEST(DampingFloor, AsksNothingOfAnyPassiveHand) {
 }
 
 /// What a bounded damper leaves of its damping in a swing that leaves the contact, integrated.
-TEST(BoundedDamper, LeavesInALargeSwingWhatIsCountedOn) {
+TEST(BoundedDamper, KeepsItsResidualDampingInLargeMotion) {
   const auto left = [](const Complex& ratio, double fraction) {
     double ahead = 0.0;
     constexpr int kSteps = 100'000;
@@ -262,7 +262,7 @@ TEST(BoundedDamper, LeavesInALargeSwingWhatIsCountedOn) {
 
 /// Stable at the margin with the full damper and with each part of it that may be left; more
 /// stiffness where the damper is not bounded.
-TEST(BoundedDamper, IsCertifiedAsItIsAndTheTableKnowsIt) {
+TEST(BoundedDamper, IsCertifiedWithItsBoundAndInTheTable) {
   DesignProblem request = arm(12, 4000);
   request.goals.floors = {0.0, 0.0}, request.goals.damping_force_ratio = kDefaultDampingForceRatio;
   const Design bounded = design_coupling(request);
@@ -289,7 +289,7 @@ TEST(BoundedDamper, IsCertifiedAsItIsAndTheTableKnowsIt) {
 
 /// One that was asked for is given up where, with the filter's lag, less than two thirds would be
 /// left.
-TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheStiffness) {
+TEST(BoundedDamper, RequestedRatioCostsAtMostAThirdOfStiffness) {
   testing::Random random(12);
   int kept = 0, given_up = 0;
   for (int i = 0; i < 40; ++i) {
@@ -319,7 +319,7 @@ TEST(BoundedDamper, OfAShareThatWasAskedForIsNotBoughtWithMoreThanAThirdOfTheSti
 /// The standard share if it leaves two thirds, a larger one only where the smaller ones leave less
 /// than nine tenths, and none only after all were tried. The reasons say what the fraction that was
 /// taken gives, what the standard one would and what none would.
-TEST(BoundedDamper, HasTheLeastShareThatLeavesEnough) {
+TEST(BoundedDamper, HasTheSmallestSufficientRatio) {
   testing::Random random(12);
   std::map<double, int> taken;
   for (int i = 0; i < 60; ++i) {
@@ -380,7 +380,7 @@ TEST(BoundedDamper, HasTheLeastShareThatLeavesEnough) {
 
 /// The table that proposes: no worse than the exact answer by more than a few percent, and never
 /// the better by as much.
-TEST(DampingFloor, IsProposedByATableThatKnowsIt) {
+TEST(DampingFloor, IsProposedByATableThatIncludesIt) {
   DesignProblem request = arm(6, 4000);
   std::vector<AxisProblem> problems = axis_problems(request);
   set_floors(request, problems);

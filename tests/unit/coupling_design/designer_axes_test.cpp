@@ -13,7 +13,7 @@ namespace designer_axes_test {
 using namespace testing;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST(ForceAndTorque, ShareOneFilterAndGetTwoDampings) {
+TEST(ForceAndTorque, HaveOneFilterAndTwoDampings) {
   const DesignProblem r = sim_arm();
   const Design d = designed(r);
   EXPECT_NE(d.status, DesignStatus::kInfeasible);
@@ -56,7 +56,7 @@ TEST(ForceAndTorque, WithoutCapsTogetherMayBeTwiceAsStiff) {
   EXPECT_NEAR(relative.determinant(), 0.0, 1e-12);
 }
 
-TEST(ForceAndTorque, RotationOfADeviceWithoutTorqueIsNotLookedAt) {
+TEST(ForceAndTorque, RotationIsSkippedForADeviceWithoutTorque) {
   DesignProblem r = stylus();
   r.device.rotation.damping = std::nan("");
   r.contact_rotation = {-1.0, -1.0};
@@ -93,7 +93,7 @@ TEST(FreeCap, IsWhatADirectCouplingNeeds) {
   EXPECT_GT(capped.translation.displayed_stiffness, 250.0);
 }
 
-TEST(Design, NeverShowsMoreThanTheDeviceCan) {
+TEST(Design, NeverExceedsTheDevicesStiffness) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   r.device.translation.max_stiffness = 300.0;
   for (const char* kind : {"shaping_filter", "direct", "spring_damper", "auto"})
@@ -108,7 +108,7 @@ TEST(Design, NeverShowsMoreThanTheDeviceCan) {
     }
 }
 
-TEST(Design, SaysHowFastOneMayApproach) {
+TEST(Design, ReportsTheMaximumApproachSpeed) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   EXPECT_EQ(designed(r).max_approach_m_per_s, 0.0);
   r.goals.force_layer_depth_m = 0.004;

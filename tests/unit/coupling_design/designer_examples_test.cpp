@@ -17,7 +17,7 @@ double margin_of(const DesignProblem& r, double cutoff_hz, double ratio, double 
   return judge_coupling(r, spec).translation.gain_margin;
 }
 
-TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
+TEST(PublishedExample, FreeUndampedStylusIsInfeasible) {
   DesignProblem r = stylus();
   r.goals.allow_injected_damping = false;
   const Design d = designed(r);
@@ -30,7 +30,7 @@ TEST(PublishedExample, AFreeStylusWithoutInjectedDampingIsInfeasible) {
   EXPECT_LT(d.translation.damping_required_any_cutoff, 20.0);
 }
 
-TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
+TEST(PublishedExample, FreeDampedStylusDisplaysPart) {
   const DesignProblem r = stylus();
   const Design d = designed(r);
   EXPECT_EQ(d.status, DesignStatus::kStiffnessReduced);
@@ -42,7 +42,7 @@ TEST(PublishedExample, AFreeStylusWithInjectedDampingShowsPart) {
   EXPECT_GT(d.translation.displayed_stiffness, 0.9 * 288.0);
 }
 
-TEST(PublishedExample, AFirmlyHeldStylusShowsPartWithoutDamping) {
+TEST(PublishedExample, GrippedStylusDisplaysPartUndamped) {
   DesignProblem r = stylus();
   r.hand.translation = kFirmPen;
   r.goals.allow_injected_damping = false;
@@ -52,7 +52,7 @@ TEST(PublishedExample, AFirmlyHeldStylusShowsPartWithoutDamping) {
   EXPECT_NEAR(d.translation.displayed_stiffness, 230.0, 2.0);
 }
 
-TEST(PublishedExample, ADampedRobotNeedsOnlyMoreBandwidth) {
+TEST(PublishedExample, DampedRobotNeedsOnlyMoreBandwidth) {
   const Design d = designed(robot(2.0, 5.0, 50.0));
   EXPECT_EQ(d.status, DesignStatus::kBandwidthRaised);
   EXPECT_EQ(d.spec.cutoff_hz, 40.0);
@@ -60,7 +60,7 @@ TEST(PublishedExample, ADampedRobotNeedsOnlyMoreBandwidth) {
   EXPECT_EQ(d.spec.injected_damping_ns_per_m, 0.0);
 }
 
-TEST(PublishedExample, ASoftWallIsShownAsRequested) {
+TEST(PublishedExample, SoftWallIsDisplayedAsRequested) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   r.contact.all_points = 400.0;
   const Design d = designed(r);
@@ -70,7 +70,7 @@ TEST(PublishedExample, ASoftWallIsShownAsRequested) {
   EXPECT_TRUE(d.remedies.empty());
 }
 
-TEST(PublishedExample, ALightlyDampedRobotGetsDamping) {
+TEST(PublishedExample, LightlyDampedRobotGetsDamping) {
   const Design d = designed(robot(2.0, 10.0, 10.0));
   EXPECT_EQ(d.status, DesignStatus::kDampingAdded);
   EXPECT_EQ(d.spec.cutoff_hz, 80.0);
@@ -85,7 +85,7 @@ TEST(PublishedExample, ALightlyDampedRobotGetsDamping) {
 /// Of 45 g, with an encoder of 0.03 mm, 1 kHz and a delay of 1 ms: how much damping 0.05 N of noise
 /// leave decides. With the velocity of no first-order filter, however much damping, is it more than
 /// 500 N/m.
-TEST(Stylus, OfFortyFiveGramsShowsMoreOnTheVelocityOfAWindow) {
+TEST(Stylus, VelocityWindowsRaiseItsStiffness) {
   DesignProblem r = stylus();
   r.device.translation.inertia_min = r.device.translation.inertia_max = 0.045;
   r.device.timing.lost_in_a_row = 1;

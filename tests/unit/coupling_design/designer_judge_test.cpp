@@ -41,7 +41,7 @@ TEST(Judge, RefusesThePapersFilterOnAFreeStylus) {
   EXPECT_LT(judged.translation.critical_stiffness, 0.1);
 }
 
-TEST(Judge, RefusesDampingThatIsTooStrongOrTooNoisy) {
+TEST(Judge, RefusesTooStrongOrTooNoisyDamping) {
   DesignProblem r = stylus();
   CouplingSpec spec = designed(r).spec;
   spec.injected_damping_ns_per_m *= 1.2, spec.gain *= 0.5;
@@ -55,7 +55,7 @@ TEST(Judge, RefusesDampingThatIsTooStrongOrTooNoisy) {
   EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kInfeasible);
 }
 
-TEST(Judge, RefusesMoreThanTheDeviceCanShow) {
+TEST(Judge, RefusesMoreThanTheDeviceCanDisplay) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   r.contact.all_points = 400.0, r.device.translation.max_stiffness = 300.0;
   CouplingSpec spec;
@@ -65,7 +65,7 @@ TEST(Judge, RefusesMoreThanTheDeviceCanShow) {
   EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kAsRequested);
 }
 
-TEST(Judge, RefusesTheWordAndTheNumberThatAreNone) {
+TEST(Judge, RefusesInvalidWordsAndNumbers) {
   CouplingSpec spec;
   spec.cutoff_hz = -1.0;
   EXPECT_THROW(judge_coupling(stylus(), spec), std::invalid_argument);
@@ -89,7 +89,7 @@ TEST(AnyPassiveHand, GetsNoInjectedDampingAndRuleP) {
   EXPECT_EQ(designed(r).status, DesignStatus::kInfeasible);
 }
 
-TEST(AnyPassiveHand, IsMetByTheDampingThatTheDesignAsksFor) {
+TEST(AnyPassiveHand, IsSatisfiedByTheDampingOfTheDesign) {
   DesignProblem r = stylus();
   r.hand.translation.any_passive = true;
   const AxisDesign now = designed(r).translation;
@@ -103,7 +103,7 @@ TEST(AnyPassiveHand, IsMetByTheDampingThatTheDesignAsksFor) {
   EXPECT_EQ(designed(r).status, DesignStatus::kStiffnessReduced);
 }
 
-TEST(AnyPassiveHand, IsNeverCalledSafeBecauseOfInjectedDamping) {
+TEST(AnyPassiveHand, InjectedDampingNeverCertifiesIt) {
   const Design d = designed(stylus());
   EXPECT_GT(d.spec.injected_damping_ns_per_m, 0.0);
   EXPECT_FALSE(d.translation.passive);

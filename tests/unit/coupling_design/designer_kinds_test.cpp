@@ -88,7 +88,7 @@ TEST(SpringDamper, HoldsForContactsOfEveryStiffness) {
   }
 }
 
-TEST(SpringDamper, OfForceAndTorqueDrawsOnBothDampings) {
+TEST(SpringDamper, OfForceAndTorqueUsesBothDampings) {
   DesignProblem r = sim_arm();
   r.goals.kind = "spring_damper";
   r.hand.translation.any_passive = r.hand.rotation.any_passive = true;
@@ -125,7 +125,7 @@ TEST(Auto, KeepsTheFilterUnlessAnotherShowsATenthMore) {
 
 /// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for
 /// it, 518 N/m for 371.
-TEST(Auto, LeavesTheFilterOutForLessThanHalfAsMuchAgain) {
+TEST(Auto, KeepsTheFilterUnlessDroppingItGainsHalf) {
   DesignProblem r = sim_stylus();
   r.goals = DesignGoals{};
   r.goals.free_cap = true;
@@ -211,7 +211,7 @@ TEST(LoopTable, MissesNoCrossingThatDampingMoves) {
 
 /// What the searches of a design share answers as a table that remembers nothing, in whatever order
 /// they ask.
-TEST(FilterTable, AnswersEveryQuestionForItself) {
+TEST(FilterTable, QueriesAreIndependent) {
   DesignProblem r = stylus();
   r.goals.damping_force_ratio = kDefaultDampingForceRatio;
   const AxisProblem problem = axis_problems(r)[0];
@@ -248,7 +248,7 @@ TEST(FilterTable, AnswersEveryQuestionForItself) {
 /// Where the table says that the target is reached and the exact look denies it, the stiffest is
 /// looked for among the table's own numbers all the same, and none that is only known to be too
 /// little is taken for one: 627 N/m, where 556 N/m were taken.
-TEST(FilterSearch, TakesNothingForMoreThanItShowsWhereTheTableIsDenied) {
+TEST(FilterSearch, FindsTheStiffestIfTheTableIsWrong) {
   Random random(4712);
   DesignProblem r;
   for (int i = 0; i < 72; ++i)
@@ -260,7 +260,7 @@ TEST(FilterSearch, TakesNothingForMoreThanItShowsWhereTheTableIsDenied) {
 
 /// No setting that is tried, looked at exactly, shows more than a tenth more than the one that is
 /// taken, and the table's doubt.
-TEST(FilterSearch, TakesOneThatShowsNineTenthsOfTheBest) {
+TEST(FilterSearch, ReachesNineTenthsOfTheBest) {
   Random random(31);
   int looked_at = 0;
   for (int i = 0; i < 40; ++i) {
@@ -308,7 +308,7 @@ TEST(InnerLimits, KeepPlantsAndVelocitiesApart) {
       }
 }
 
-TEST(KeepsFloors, WhicheverCaseIsAskedFirst) {
+TEST(KeepsFloors, DoesNotDependOnTheOrderOfCases) {
   DesignProblem r = stylus();
   r.goals.floors = {};
   std::vector<AxisProblem> problems = axis_problems(r);

@@ -88,7 +88,7 @@ std::vector<LoopPlant> finer_cases(const AxisProblem& problem, Random& random, i
   return out;
 }
 
-TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
+TEST(Design, IsStableBetweenTheEvaluatedCases) {
   Random random(20240517);
   std::map<std::string, int> statuses;
   int loops = 0;
@@ -122,7 +122,7 @@ TEST(Design, IsStableBetweenTheCasesThatItLookedAt) {
 }
 
 /// To a percent, which the tables that are searched are good to.
-TEST(Design, ShowsNoLessWhereItMayUseWindows) {
+TEST(Design, VelocityWindowsNeverReduceStiffness) {
   Random random(43);
   int windows = 0;
   double most = 0.0;
@@ -193,7 +193,7 @@ TEST(Design, OfForceAndTorqueIsStableBetweenTheCases) {
   }
 }
 
-TEST(Design, IsJudgedToHoldByTheJudge) {
+TEST(Design, PassesItsOwnEvaluation) {
   Random random(99);
   int certified = 0;
   for (int i = 0; i < 40; ++i) {
@@ -230,7 +230,7 @@ TEST(Design, ReportsTheMarginThatItHas) {
 
 // --- Order.
 
-TEST(Design, MoreDampingLessDelayAndALowerWishNeverCostMuch) {
+TEST(Design, MoreDampingAndLessDelayNeverCostMuch) {
   // A tenth is what the search gives away for gentler parameters; a level of damping is another
   // tenth.
   constexpr double kGrid = 0.85;
@@ -274,7 +274,7 @@ TEST(Design, ReachesEveryStatusWord) {
                                           "stiffness_reduced", "infeasible"}));
 }
 
-TEST(Design, SaysWhatLimitsAndWhatItWouldTake) {
+TEST(Design, ReportsTheLimitAndItsRemedy) {
   Random random(11);
   for (int i = 0; i < 40; ++i) {
     const DesignProblem r = random_request(random);
@@ -291,7 +291,7 @@ TEST(Design, SaysWhatLimitsAndWhatItWouldTake) {
   }
 }
 
-TEST(Design, WhatTwiceTheRateIsSaidToGiveIsTrueAndNoRemedyIsOutOfALaboratorysReach) {
+TEST(Design, RemediesHoldAndAreFeasible) {
   Random random(11);
   int rates = 0;
   for (int i = 0; i < 150; ++i) {
@@ -318,7 +318,7 @@ TEST(Design, WhatTwiceTheRateIsSaidToGiveIsTrueAndNoRemedyIsOutOfALaboratorysRea
   EXPECT_GT(rates, 0);
 }
 
-TEST(Design, WhatTheCapRemedySaysIsTrue) {
+TEST(Design, CapRemedyHolds) {
   DesignProblem r = stylus();
   const Design d = designed(r);
   r.contact.all_points = 0.999 * d.translation.displayed_stiffness;
@@ -327,7 +327,7 @@ TEST(Design, WhatTheCapRemedySaysIsTrue) {
   EXPECT_NE(again.status, DesignStatus::kStiffnessReduced);
 }
 
-TEST(Design, GivesTheSameBitsAgain) {
+TEST(Design, RepeatsBitIdentically) {
   for (const DesignProblem& r : {stylus(), sim_stylus(), sim_arm()}) {
     const Design a = designed(r), b = designed(r);
     const auto bits = [](double x) {
@@ -345,7 +345,7 @@ TEST(Design, GivesTheSameBitsAgain) {
   }
 }
 
-TEST(Design, OfTheSimulatedDevicesIsQuickAndHolds) {
+TEST(Design, OfTheSimulatedDevicesIsFastAndStable) {
   for (DesignProblem r : {sim_stylus(), sim_arm()})
     for (const char* kind : {"shaping_filter", "spring_damper", "direct", "auto"})
       for (const bool cap : {false, true}) {
@@ -369,7 +369,7 @@ void refused(DesignProblem r, const char* word, void (*spoil)(DesignProblem&)) {
   }
 }
 
-TEST(Design, RefusesNumbersThatNothingCanBeDesignedFor) {
+TEST(Design, RefusesInvalidNumbers) {
   refused(stylus(), "damping", [](DesignProblem& r) { r.device.translation.damping = -1.0; });
   refused(stylus(), "inertia_min",
           [](DesignProblem& r) { r.device.translation.inertia_min = std::nan(""); });
@@ -401,7 +401,7 @@ TEST(Design, RefusesNumbersThatNothingCanBeDesignedFor) {
           [](DesignProblem& r) { r.goals.force_layer_depth_m = std::nan(""); });
 }
 
-TEST(Design, OfADeviceWithoutAnyDampingThatMayBeReleasedIsInfeasibleNotANumber) {
+TEST(Design, ReleasedUndampedDeviceIsInfeasible) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct", "auto"})
     for (const bool cap : {false, true}) {
       DesignProblem r = stylus();

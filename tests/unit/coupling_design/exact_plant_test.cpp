@@ -49,7 +49,7 @@ TEST(ExactPlant, KeepsTheEnergyOfAnUndampedHeldDevice) {
   EXPECT_NEAR(plant.energy() / energy, 1.0, 1e-10);
 }
 
-TEST(ExactPlant, GivesTheSameStateHoweverTheTimeIsCut) {
+TEST(ExactPlant, StateDoesNotDependOnTheTimeSteps) {
   coupling_models::Random random(2);
   for (const Case& c : cases()) {
     for (const double friction : {0.0, 0.3}) {
@@ -129,7 +129,7 @@ TEST(ExactPlant, CountsTheWorkOfTheEffort) {
   }
 }
 
-TEST(ExactPlant, RestsUnderLessThanItsFrictionToTheBit) {
+TEST(ExactPlant, StaysAtRestBelowItsFriction) {
   LoopPlant p;
   p.mass = 5.0, p.damping = 30.0, p.hand_stiffness = 200.0, p.effort_lag_s = 3e-3;
   coupling_models::ExactPlant plant(p, 3.0, 0.0);
@@ -151,7 +151,7 @@ TEST(ExactPlant, SlipsWhenTheEffortExceedsItsFriction) {
   EXPECT_GT(plant.speed(), 0.0);
 }
 
-TEST(ExactPlant, FrictionTakesItsForceTimesTheWayAndNoMore) {
+TEST(ExactPlant, FrictionDissipatesForceTimesPath) {
   LoopPlant p;
   p.mass = 0.2;
   coupling_models::ExactPlant plant(p, 0.5, 0.0);
@@ -162,7 +162,7 @@ TEST(ExactPlant, FrictionTakesItsForceTimesTheWayAndNoMore) {
   EXPECT_NEAR(plant.position(), 0.5 * 0.2 * 1.0 / 0.5, 1e-12);  // kinetic energy / friction
 }
 
-TEST(ExactPlant, AHeldBodyWithFrictionSwingsOutAsTheTextbookSays) {
+TEST(ExactPlant, GrippedBodyWithFrictionDecaysAsInTheory) {
   LoopPlant p;
   p.mass = 1.0, p.hand_stiffness = 100.0;
   coupling_models::ExactPlant plant(p, 1.0, 0.0);  // 2 F_c / k = 20 mm lost each half swing

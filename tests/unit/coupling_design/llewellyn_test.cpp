@@ -152,7 +152,7 @@ struct Pair {
   }
 };
 
-TEST(Llewellyn, NoPassiveHandAndWorldAreUnstableWithItAndSomeAreWithLess) {
+TEST(Llewellyn, BoundsEveryPassivePairAndIsTight) {
   const std::uint64_t seed = 20260102;
   Random random(seed);
   int violations = 0, sets_with_unstable = 0, pairs = 0;

@@ -84,7 +84,7 @@ TEST(LoopParts, NameFieldValueAndRuleOfEveryImpossibleNumber) {
   }
 }
 
-TEST(LoopParts, DoNotLookAtTheRotationOfADeviceWithoutTorque) {
+TEST(LoopParts, SkipTheRotationOfADeviceWithoutTorque) {
   DeviceModel device = good_device();
   device.rotation = {};
   EXPECT_FALSE(check(device).empty());

@@ -115,7 +115,7 @@ TEST(Multiplier, KeepsItsFloorUnderTheCircleCriterion) {
   EXPECT_FALSE(proves(one, loop));
 }
 
-TEST(Multiplier, CertifiesNothingThatASaturationMakesSwing) {
+TEST(Multiplier, RejectsLoopsThatSaturationDestabilises) {
   EXPECT_LT(swings(12.0), 1e-9);
   EXPECT_GT(swings(20.0), 1.0) << "stable with every linear contact below " << kLinearLimit;
   EXPECT_TRUE(found(before(kalman(), 12.0)));
@@ -132,7 +132,7 @@ TEST(Multiplier, PastAndFutureAreNotTheSame) {
   EXPECT_FALSE(proves({m->at_rest, m->future, m->past}, loop));
 }
 
-TEST(Multiplier, WeightsThatAreNotAllowedAreRefused) {
+TEST(Multiplier, InvalidWeightsAreRefused) {
   const ContactLoop easy = before(delay(1.0, 1), 0.01);
   Weights past{}, future{};
   past[0] = 0.6;
@@ -150,7 +150,7 @@ TEST(Multiplier, WeightsThatAreNotAllowedAreRefused) {
 
 /// L = 1/(z - 1): with M(1) < 0 the inequality would hold all the same, since L has no bound at
 /// rest.
-TEST(Multiplier, WeightsThatSumUpToOneAreRefusedForALoopThatIntegrates) {
+TEST(Multiplier, UnitWeightSumIsRefusedForAnIntegrator) {
   const LoopOverArc integrator = [](const Arc& arc) {
     return LoopFraction{arc.constant(1.0), arc.constant(1.0), true};
   };
@@ -202,7 +202,7 @@ TEST(Multiplier, OneServesAllLoopsOrNone) {
   EXPECT_EQ(proof.refuted.front().loop, 1U);
 }
 
-TEST(Multiplier, IsTheSameEachTime) {
+TEST(Multiplier, IsReproducible) {
   const std::array loops{before(kalman(), 12.0), before(first_order(0.9), 15.0)};
   const std::optional<Multiplier> a = find_multiplier(loops), b = find_multiplier(loops);
   ASSERT_TRUE(a && b);

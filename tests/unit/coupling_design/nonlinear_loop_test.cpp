@@ -52,7 +52,7 @@ coupling_models::NonlinearVerdict run_quarters(coupling_models::NonlinearLoop lo
   return coupling_models::simulate(loop);
 }
 
-TEST(NonlinearLoop, GrowsAndDecaysAsTheEigenvaluesSayWhereItIsLinear) {
+TEST(NonlinearLoop, GrowsAndDecaysByItsEigenvalues) {
   int compared = 0;
   for (const Row& row : rows()) {
     const double rate = std::log(row.radius);
@@ -86,7 +86,7 @@ TEST(NonlinearLoop, BecomesUnstableAtTheCriticalStiffness) {
   }
 }
 
-TEST(NonlinearLoop, SpringDamperShowsTwoSpringsInARow) {
+TEST(NonlinearLoop, SpringDamperActsAsTwoSpringsInSeries) {
   coupling_models::NonlinearLoop loop;
   loop.plant = {0.1, 5.0, 0, 0, 0, 1e-3, 0, 0};
   loop.controller.law = LoopController::Law::kSpringDamper;
@@ -114,14 +114,14 @@ coupling_models::NonlinearLoop literal_recipe() {
   return loop;
 }
 
-TEST(NonlinearLoop, TheLiteralRecipeOscillatesOnARobotWithoutFriction) {
+TEST(NonlinearLoop, RecipeOscillatesWithoutFriction) {
   const coupling_models::NonlinearVerdict v = coupling_models::simulate(literal_recipe());
   EXPECT_FALSE(v.stable);
   EXPECT_NEAR(v.late_amplitude, 0.048, 0.003);
   EXPECT_GT(v.energy_extracted_j, 0.1);
 }
 
-TEST(NonlinearLoop, ThreeNewtonsOfFrictionMakeTheLiteralRecipeQuiet) {
+TEST(NonlinearLoop, ThreeNewtonsOfFrictionQuietTheRecipe) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.coulomb_friction = 3.0;
   const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
@@ -130,7 +130,7 @@ TEST(NonlinearLoop, ThreeNewtonsOfFrictionMakeTheLiteralRecipeQuiet) {
   EXPECT_LE(v.late_amplitude, loop.resolution);
 }
 
-TEST(NonlinearLoop, TellsASlowDecayFromAnOscillation) {
+TEST(NonlinearLoop, DistinguishesSlowDecayFromOscillation) {
   coupling_models::NonlinearLoop
       loop;  // a bilateral wall at 0.9 of the limit, first looked at for much less than it takes
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
@@ -147,7 +147,7 @@ TEST(NonlinearLoop, TellsASlowDecayFromAnOscillation) {
   }
 }
 
-TEST(NonlinearLoop, GoesOnUntilASlowDecayHasComeToRest) {
+TEST(NonlinearLoop, ContinuesUntilASlowDecayRests) {
   coupling_models::NonlinearLoop loop;
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
   loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 0.707;
@@ -160,7 +160,7 @@ TEST(NonlinearLoop, GoesOnUntilASlowDecayHasComeToRest) {
   EXPECT_LT(v.simulated_s, 400.0);
 }
 
-TEST(NonlinearLoop, CallsAJitteredLimitCycleWhatItIs) {
+TEST(NonlinearLoop, ClassifiesAJitteredLimitCycle) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 0.2, loop.loss = 0.03, loop.delay_jitter_s = 1e-3;
   for (loop.seed = 0; loop.seed < 20; ++loop.seed) {
@@ -170,7 +170,7 @@ TEST(NonlinearLoop, CallsAJitteredLimitCycleWhatItIs) {
   }
 }
 
-TEST(NonlinearLoop, RunsAwayBeforeABilateralWallThatIsTooStiff) {
+TEST(NonlinearLoop, DivergesAtATooStiffBilateralWall) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.wall = coupling_models::WallLaw::kBilateral;
   const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
@@ -178,7 +178,7 @@ TEST(NonlinearLoop, RunsAwayBeforeABilateralWallThatIsTooStiff) {
   EXPECT_FALSE(v.stable);
 }
 
-TEST(NonlinearLoop, DoesWithJitterLossAndDelayWhatIsAsked) {
+TEST(NonlinearLoop, AppliesTheRequestedJitterLossAndDelay) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 0.2, loop.loss = 0.05, loop.most_lost_in_a_row = 2, loop.delay_jitter_s = 2.5e-3;
   loop.duration_s = loop.longest_s = 400.0;
@@ -204,7 +204,7 @@ TEST(NonlinearLoop, IsPunctualWithoutJitter) {
   EXPECT_EQ(s.period_max, 1e-3);
 }
 
-TEST(NonlinearLoop, GivesTheSameBitsForTheSameSeedOnly) {
+TEST(NonlinearLoop, SameSeedIsBitIdentical) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 0.2, loop.loss = 0.02, loop.delay_jitter_s = 1e-3, loop.coulomb_friction = 0.2,
   loop.seed = 9;
@@ -220,7 +220,7 @@ TEST(NonlinearLoop, GivesTheSameBitsForTheSameSeedOnly) {
   EXPECT_NE(coupling_models::simulate(loop).energy_extracted_j, a.energy_extracted_j);
 }
 
-TEST(NonlinearLoop, WallsAreMonotoneWithSlopesUpToTheStiffnessAndOnlyPush) {
+TEST(NonlinearLoop, WallsAreMonotoneUpToTheStiffness) {
   const double k = 500.0, knee = 1e-3, step = 1e-5;
   for (const coupling_models::WallLaw law :
        {coupling_models::WallLaw::kUnilateral, coupling_models::WallLaw::kSoftening,
@@ -263,7 +263,7 @@ TEST(NonlinearLoop, DampingInContactNeverPulls) {
   EXPECT_LE(let_go.energy_extracted_j, 0.5 * 200.0 * 0.005 * 0.005 * 1.01);
 }
 
-TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
+TEST(NonlinearLoop, NeverPullsAtAnySpeed) {
   coupling_models::NonlinearLoop loop;
   loop.plant.period_s = 1e-3;
   loop.controller.w0_rad_per_s = 2.0 * kPi * 60.0,
@@ -282,7 +282,7 @@ TEST(NonlinearLoop, TheLawPushesOnlyHoweverFastTheDeviceIsTornOut) {
 /// A design with a margin of 2 in its worst case, for a damper that is not bounded. One that adds
 /// no more than half of what the law gives is in a large swing less than the damper that was
 /// certified: the device goes on bouncing. So a design is certified for the damper as it will be.
-TEST(NonlinearLoop, ADamperThatIsBoundedNeedsACertificateOfItsOwn) {
+TEST(NonlinearLoop, BoundedDamperNeedsItsOwnCertificate) {
   coupling_models::NonlinearLoop loop;
   loop.plant = {.mass = 0.114234103822958,
                 .damping = 0.17277056763042722,
@@ -363,7 +363,7 @@ TEST(NonlinearLoop, FindsTheLimitThatTheLinearModelHas) {
   EXPECT_NEAR(coupling_models::simulated_limit(loop, 100.0, 1e5, 0.01), 508.99, 8.0);
 }
 
-TEST(NonlinearLoop, RefusesNumbersThatItCannotRun) {
+TEST(NonlinearLoop, RefusesInvalidNumbers) {
   coupling_models::NonlinearLoop loop = literal_recipe();
   loop.jitter = 1.0;
   EXPECT_THROW(coupling_models::simulate(loop), std::invalid_argument);

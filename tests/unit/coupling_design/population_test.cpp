@@ -30,7 +30,7 @@ TEST(Random, DrawsEveryDecadeEquallyOften) {
     EXPECT_NEAR(n, 10000, 400);
 }
 
-TEST(Population, IsTheSameBitsEverywhere) {
+TEST(Population, IsBitIdenticalEverywhere) {
   const coupling_models::PopulationMember a = coupling_models::draw_member(1, 6),
                                           b = coupling_models::draw_member(1, 7);
   // Written down once: a change of these bits is a change of every published seed.

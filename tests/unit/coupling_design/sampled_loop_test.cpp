@@ -65,7 +65,7 @@ TEST(SampledPlant, FractionalDelayIsAWholeDelayOfShorterPeriods) {
   }
 }
 
-TEST(SampledPlant, LagThatVanishesIsNone) {
+TEST(SampledPlant, VanishingDelayEqualsNone) {
   const auto none = sample_plant(0.2, 1.5, 30.0, 1e-3, 2.3e-3, 0.0);
   for (const double lag : {1e-300, 1e-13, 1e-11}) {
     const auto little = sample_plant(0.2, 1.5, 30.0, 1e-3, 2.3e-3, lag);
@@ -142,7 +142,7 @@ TEST(SampledLoop, RadiusIsTheGrowthOfALoopWithASpringDamper) {
   }
 }
 
-TEST(SampledLoop, InjectedDampingOfABareVelocityIsKnownInClosedForm) {
+TEST(SampledLoop, InjectedDampingMatchesTheClosedForm) {
   // A free mass with one sample's difference fed back at once: the velocity's share B T/m is taken
   // off per sample, the position stays; m v+ = m v - B (x - x_prev)/T has the characteristic z^2 -
   // (1 - c/2) z + c/2 over z - 1, c = B T/m.
@@ -168,7 +168,7 @@ TEST(SampledLoop, ReleasedDeviceWithoutContactKeepsItsPlaceExactly) {
   }
 }
 
-TEST(SampledLoop, SoftestContactTakesTheReleasedDevicesEigenvalueOffOne) {
+TEST(SampledLoop, SoftContactMovesTheEigenvalueOffOne) {
   const LoopPlant p{.mass = 0.075, .damping = 0.05, .period_s = 1e-3, .delay_s = 1e-3};
   for (const double k : {1e-3, 1e-5, 1e-7}) {
     const double radius = spectral_radius(p, {.w0_rad_per_s = 31.4, .damping_ratio = 1.0}, k);
@@ -188,7 +188,7 @@ TEST(SampledLoop, SlowFiltersLoseNoDigits) {
   EXPECT_GT(spectral_radius(p, c, 1.1 * limit), 1.0);
 }
 
-TEST(SampledLoop, RefusesNumbersThatNoMatrixHolds) {
+TEST(SampledLoop, RefusesUnrepresentableNumbers) {
   EXPECT_THROW(spectral_radius({.mass = 1e-300}, {.law = Law::kDirect}, 1e300),
                std::invalid_argument);
 }

@@ -62,7 +62,7 @@ TEST(SlowVelocity, IsTheSlowestThatKeepsThreeQuarters) {
   EXPECT_EQ(describe_slow_velocity(CouplingSpec{}), "");
 }
 
-TEST(SlowVelocity, IsGivenWhereAStepOfTheEncoderIsFeltAndNowhereElse) {
+TEST(SlowVelocity, IsSetOnlyIfAnEncoderStepIsPerceptible) {
   EXPECT_EQ(design_coupling(sim_stylus()).spec.slow_velocity_hz, 0.0) << "0.05 N";
   DesignProblem passive = arm(), fine = arm(), series = arm();
   passive.hand.translation.any_passive = passive.hand.rotation.any_passive = true;
@@ -77,7 +77,7 @@ TEST(SlowVelocity, IsGivenWhereAStepOfTheEncoderIsFeltAndNowhereElse) {
 
 /// Chosen by another program it is judged likewise, and a band that is wider than the encoder's
 /// steps is no small movement.
-TEST(SlowVelocity, ThatDoesNotHoldIsRefused) {
+TEST(SlowVelocity, UnstableOneIsRefused) {
   const DesignProblem request = arm();
   const Design d = design_coupling(request);
   EXPECT_EQ(judge_coupling(request, d.spec).status, DesignStatus::kAsRequested);

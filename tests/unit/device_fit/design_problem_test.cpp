@@ -89,7 +89,7 @@ TEST(DesignProblem, IsAllAtTheHand) {
   EXPECT_EQ(r.goals.damping_force_ratio, std::nullopt) << "the designer's choice";
 }
 
-TEST(DesignProblem, CarriesEveryWishOfTheScene) {
+TEST(DesignProblem, CarriesEveryRequestOfTheScene) {
   scene::Scene s = scaled_scene();
   s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5,
   s.design->inject_damping = false, s.design->velocity_windows = false;
@@ -109,7 +109,7 @@ TEST(DesignProblem, CarriesEveryWishOfTheScene) {
   EXPECT_TRUE(r.hand.translation.any_passive && r.hand.rotation.any_passive);
 }
 
-TEST(DesignProblem, PutsTheScenesCapsInAndThenLeavesTheDesignerNone) {
+TEST(DesignProblem, AppliesTheScenesCapsAndLeavesNoFreeCap) {
   scene::Scene s = scaled_scene();
   s.design->stiffness_cap_n_per_m = 500;
   coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
@@ -125,7 +125,7 @@ TEST(DesignProblem, PutsTheScenesCapsInAndThenLeavesTheDesignerNone) {
   EXPECT_FALSE(r.goals.free_cap);
 }
 
-TEST(DesignProblem, OfACouplingSetByHandIsForJudgingIt) {
+TEST(DesignProblem, OfAManualCouplingHasNoFreeCap) {
   scene::Scene s = scaled_scene();
   s.design.reset();
   s.coupling.stiffness_cap_n_per_m = 500;

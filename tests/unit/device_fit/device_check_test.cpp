@@ -50,7 +50,7 @@ effects::EffectSpec effect(const char* kind, std::initializer_list<double> first
   return spec;
 }
 
-TEST(DeviceCheck, CountsWhatTheEffectsMayShowAndNamesTheStiffestWithItsPlace) {
+TEST(DeviceCheck, SumsEffectStiffnessAndNamesTheStiffest) {
   scene::Scene s = scene_with();
   effects::EffectSpec guide = effect("guide_point", {});
   for (std::size_t n = 0; n < guide.kind->parameters.size(); ++n) {
@@ -67,7 +67,7 @@ TEST(DeviceCheck, CountsWhatTheEffectsMayShowAndNamesTheStiffestWithItsPlace) {
       << stiff.errors[0];
 }
 
-TEST(DeviceCheck, SeesTheGripAloneWhereTheObjectIsABody) {
+TEST(DeviceCheck, UsesOnlyTheGripOfABody) {
   scene::Scene s = scene_with();
   s.effects = {effect("body", {0.1})};
   EXPECT_DOUBLE_EQ(least_stiffness_n_per_m(s), 200);
@@ -87,7 +87,7 @@ TEST(DeviceCheck, RefusesDampingThatComesTooLateForTheDevice) {
       << "the hand feels half of it";
 }
 
-TEST(DeviceCheck, RefusesDampingOfTurningThatComesTooLateForADeviceThatGivesTorque) {
+TEST(DeviceCheck, RefusesLateRotationDampingOnTorqueDevices) {
   scene::Scene s = scene_with(80);
   coupling::design::DeviceModel device = late(0.1, 0.002);
   device.gives_torque = true, device.rotation.inertia_min = 1e-3;
@@ -130,7 +130,7 @@ TEST(DeviceCheck, CountsTheCouplingsCap) {
   EXPECT_FALSE(check_device(s, phantom(), std::numeric_limits<double>::quiet_NaN()).fits());
 }
 
-TEST(DeviceCheck, JudgesTheFilterForTheDevicesOwnPeriod) {
+TEST(DeviceCheck, ChecksTheFilterAgainstTheDevicesPeriod) {
   coupling::design::DeviceModel slow = phantom();
   slow.timing.period_s = 5e-3;
   EXPECT_TRUE(check_device(scene_with(20), phantom(), 1).warnings.empty());
@@ -138,7 +138,7 @@ TEST(DeviceCheck, JudgesTheFilterForTheDevicesOwnPeriod) {
   EXPECT_FALSE(check_device(scene_with(150), slow, 1).fits());
 }
 
-TEST(DeviceCheck, LetsNothingPassThatIsNoNumber) {
+TEST(DeviceCheck, RefusesNanAndInfinity) {
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                inf = std::numeric_limits<double>::infinity();
   for (const double bad : {nan, inf, -1.0})
@@ -152,7 +152,7 @@ TEST(DeviceCheck, LetsNothingPassThatIsNoNumber) {
       << "infinity is no limit";
 }
 
-TEST(DeviceCheck, NamesAnEffectWhoseTorqueADeviceWithoutTorqueCannotShow) {
+TEST(DeviceCheck, NamesAnEffectWithUndisplayableTorque) {
   scene::Scene s = scene_with();
   effects::EffectSpec oil{
       .name = "oil", .kind = effects::find_effect_kind("viscosity"), .values = {}, .region = {}};

@@ -89,7 +89,7 @@ double most_damping(const coupling::design::DeviceModel& device) {
   return low;
 }
 
-TEST(DeviceCompatibility, RefusesEveryValueThatTheStartRefusesWithTheSameSentence) {
+TEST(DeviceCompatibility, RefusesLikeTheStartInTheSameWords) {
   const scene::Scene now = scene_with({oil(0.5)});
   DeviceCompatibility on = running(now, stylus());
   ASSERT_EQ(on.refusal(), "");
@@ -104,7 +104,7 @@ TEST(DeviceCompatibility, RefusesEveryValueThatTheStartRefusesWithTheSameSentenc
   EXPECT_GT(refused, 5);
 }
 
-TEST(DeviceCompatibility, JudgesTheSumOfAllEffects) {
+TEST(DeviceCompatibility, ChecksTheSumOfAllEffects) {
   const double most = most_damping(stylus());
   const scene::Scene now = scene_with({oil(0.6 * most), effect("surface_damping", {0.3 * most})});
   DeviceCompatibility on = running(now, stylus());
@@ -115,7 +115,7 @@ TEST(DeviceCompatibility, JudgesTheSumOfAllEffects) {
   EXPECT_EQ(asked(on, next), at_start(next, stylus()));
 }
 
-TEST(DeviceCompatibility, CountsEffectsAtFullGainSoThatNoGainAndNoSwitchBringsOutMore) {
+TEST(DeviceCompatibility, CountsDisabledEffectsAtFullGain) {
   const double most = most_damping(stylus());
   scene::Scene off = scene_with({oil(1.5 * most)});
   off.effects[0].on = false;
@@ -132,7 +132,7 @@ TEST(DeviceCompatibility, CountsEffectsAtFullGainSoThatNoGainAndNoSwitchBringsOu
 
 /// The first effect is on its way down from nearly all that may be displayed when the second one is
 /// to rise.
-TEST(DeviceCompatibility, JudgesWhatIsStillOnItsWay) {
+TEST(DeviceCompatibility, ChecksValuesDuringTheirTransition) {
   const double most = most_damping(stylus());
   const scene::Scene now = scene_with({oil(0.9 * most), effect("surface_damping", {0.05 * most})});
   DeviceCompatibility on = running(now, stylus());
@@ -149,7 +149,7 @@ TEST(DeviceCompatibility, JudgesWhatIsStillOnItsWay) {
 
 /// A coupling is fitted anew some tenths of a second after the contact has changed: what damps must
 /// be good with both.
-TEST(DeviceCompatibility, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollows) {
+TEST(DeviceCompatibility, ChecksDampingOnCurrentAndNextCoupling) {
   const auto lag = [](const rendering::StiffnessBounds& bounds) {
     return coupling::lag_s(fit_coupling(scene_with({}), stylus(), bounds, {}).spec);
   };
@@ -170,7 +170,7 @@ TEST(DeviceCompatibility, JudgesDampingOnTheCouplingThatRunsAndOnTheOneThatFollo
 
 /// Damping that goes down is displayed until it is down; the coupling that follows may be there
 /// before.
-TEST(DeviceCompatibility, JudgesTheWayOnTheCouplingThatFollows) {
+TEST(DeviceCompatibility, ChecksTheTransitionOnTheNextCoupling) {
   rendering::StiffnessBounds soft = kContact;
   soft.translation = {0.3, 30.0};
   const scene::Scene scene = scene_with({oil(0.95 * most_damping(stylus()))}),
@@ -185,7 +185,7 @@ TEST(DeviceCompatibility, JudgesTheWayOnTheCouplingThatFollows) {
   EXPECT_EQ(on.check(thin, soft, effects::at_rest(thin.effects)), "") << "once it has settled";
 }
 
-TEST(DeviceCompatibility, RefusesAnEffectThatGivesTorqueWhereTheDeviceGivesNone) {
+TEST(DeviceCompatibility, RefusesTorqueOnADeviceWithoutTorque) {
   const scene::Scene now = scene_with({oil(0.5)}), next = scene_with({oil(0.5, 0.01)});
   DeviceCompatibility on = running(now, stylus());
   EXPECT_NE(asked(on, next), "");
@@ -195,7 +195,7 @@ TEST(DeviceCompatibility, RefusesAnEffectThatGivesTorqueWhereTheDeviceGivesNone)
   EXPECT_EQ(asked(on_arm, next), "");
 }
 
-TEST(DeviceCompatibility, JudgesDampingOfTurningAsDampingOfMotion) {
+TEST(DeviceCompatibility, ChecksRotationDampingLikeTranslation) {
   const auto rotation_damping = [](double a, double b = 0.0) {
     return scene_with({oil(0.5, a), oil(0.5, b)});
   };
@@ -221,7 +221,7 @@ TEST(DeviceCompatibility, JudgesDampingOfTurningAsDampingOfMotion) {
       << "it demands more of what is too much already";
 }
 
-TEST(DeviceCompatibility, RefusesStiffnessThatADeviceCannotShowWhereTheCouplingIsSetByHand) {
+TEST(DeviceCompatibility, RefusesStiffnessBeyondAManualCoupling) {
   const auto guide = [](double stiffness) {
     effects::EffectSpec spec = effect("guide_point", {});
     for (std::size_t n = 0; n < spec.kind->parameters.size(); ++n) {
@@ -243,7 +243,7 @@ TEST(DeviceCompatibility, RefusesStiffnessThatADeviceCannotShowWhereTheCouplingI
       << asked(on, stiffer);
 }
 
-TEST(DeviceCompatibility, JudgesAnewWhenTheDeviceIsAnother) {
+TEST(DeviceCompatibility, ChecksAgainForAnotherDevice) {
   const double most = most_damping(stylus());
   const scene::Scene now = scene_with({oil(0.9 * most)});
   DeviceCompatibility on = running(now, stylus());
@@ -261,7 +261,7 @@ TEST(DeviceCompatibility, JudgesAnewWhenTheDeviceIsAnother) {
   EXPECT_EQ(on.refusal(), at_start(now, arm())) << "another kind of device, whose session begins";
 }
 
-TEST(DeviceCompatibility, TakesEverythingBeforeADeviceIsKnownAndJudgesItWhenOneComes) {
+TEST(DeviceCompatibility, AcceptsAllUntilADeviceIsKnown) {
   DeviceCompatibility on;
   const scene::Scene thick = scene_with({oil(50.0)});
   on.runs(scene_with({oil(1.0)}), kContact, kContact, {});
@@ -274,7 +274,7 @@ TEST(DeviceCompatibility, TakesEverythingBeforeADeviceIsKnownAndJudgesItWhenOneC
 }
 
 /// No force is commanded then: what demands less is on the way out of it.
-TEST(DeviceCompatibility, TakesWhatDemandsLessWhereNothingIsFelt) {
+TEST(DeviceCompatibility, AcceptsALowerDemandIfNoForceIsCommanded) {
   const scene::Scene two = scene_with({oil(50.0), effect("surface_damping", {50.0})});
   DeviceCompatibility on = running(two, stylus());
   ASSERT_NE(on.refusal(), "");
@@ -286,7 +286,7 @@ TEST(DeviceCompatibility, TakesWhatDemandsLessWhereNothingIsFelt) {
   EXPECT_NE(asked(on, more), "");
 }
 
-TEST(DeviceCompatibility, LetsNothingPassThatIsNoNumber) {
+TEST(DeviceCompatibility, RefusesNanAndInfinity) {
   const scene::Scene scene = scene_with({oil(0.5)});
   const scene::Scene hand = by_hand({});
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -55,7 +55,7 @@ void says(const std::string& why, std::initializer_list<const char*> words) {
     EXPECT_NE(why.find(word), std::string::npos) << why << "\nshould say: " << word;
 }
 
-TEST(ExternalDemand, IsRefusedAtTheStartWhereTheDeviceGivesLessForceOrTorque) {
+TEST(ExternalDemand, BeyondTheDevicesForceIsRefusedAtStart) {
   EXPECT_EQ(at_start(scene_with(2.0), device(8.5)), "");
   EXPECT_EQ(at_start(scene_with(8.5), device(8.5)), "");
   says(at_start(scene_with(2.0), device(1.5)),
@@ -94,7 +94,7 @@ TEST(ExternalDemand, IsRefusedAtEveryLaterChangeByTheSameSentence) {
   EXPECT_NE(on.check(more, kContact, effects::at_rest(more.effects)), "");
 }
 
-TEST(ExternalDemand, OfAFadeOrAWayIsTheMostOfBoth) {
+TEST(ExternalDemand, OfATransitionIsTheLargerOfBoth) {
   EXPECT_EQ(larger_of(demand_of(scene_with(2.0)), demand_of(scene_with(1.0))).external.force_n,
             2.0);
   EXPECT_EQ(larger_of(demand_of(scene_with(1.0)), demand_of(scene_with(2.0))).external.force_n,

@@ -48,7 +48,7 @@ struct Case {
   }
 };
 
-TEST(ForcePreview, IsTheCertifiedSpringAndWhereItSaturates) {
+TEST(ForcePreview, ContainsTheSpringAndItsSaturation) {
   Case c;
   const auto p = c.preview();
   ASSERT_TRUE(p) << c.fitted.refusal;
@@ -84,7 +84,7 @@ TEST(ForcePreview, NamesEachLimit) {
   EXPECT_LT(lever->stiffness_n_per_m, long_lever.fitted.design.translation.displayed_stiffness);
 }
 
-TEST(ForcePreview, AcrossTheArmTwoSpringsActInARow) {
+TEST(ForcePreview, AcrossTheArmTwoSpringsActInSeries) {
   Case c;
   c.preview();
   const ForcePreview p = force_preview(c.fitted, c.scene, c.device, c.bounds, 0.02).value();
@@ -94,14 +94,14 @@ TEST(ForcePreview, AcrossTheArmTwoSpringsActInARow) {
   EXPECT_EQ(c.preview().value().across_n_per_m(), p.stiffness_n_per_m) << "no reach, no lever";
 }
 
-TEST(ForcePreview, IsNoneWhereNoForceMayBeCommanded) {
+TEST(ForcePreview, IsAbsentIfNoForceMayBeCommanded) {
   Case c;
   c.device.translation.inertia_min = 0.0;
   EXPECT_FALSE(c.preview());
   EXPECT_NE(c.fitted.refusal, "");
 }
 
-TEST(ForcePreview, LimitsHaveNamesThatLeadBack) {
+TEST(ForcePreview, NamesOfLimitsReadBack) {
   for (const auto limit :
        {StiffnessLimit::kDevice, StiffnessLimit::kRequested, StiffnessLimit::kLever,
         StiffnessLimit::kLoop, StiffnessLimit::kSetByHand})

@@ -57,7 +57,7 @@ struct Scene {
 
 /// Two ways to one figure: the spring's law, and the frames of a hand that presses. Where it
 /// touches first is known to some 0.1 mm.
-TEST(Press, FindsTheStiffnessThatAVirtualToolIsToldToHave) {
+TEST(Press, FindsTheConfiguredVirtualToolStiffness) {
   for (const double scale : {1.0, 2.0}) {
     Scene s("field", scene::RenderingKind::kVirtualTool);
     ASSERT_EQ(s.fitted.refusal, "");
@@ -80,7 +80,7 @@ TEST(Press, FindsTheStiffnessThatAVirtualToolIsToldToHave) {
   }
 }
 
-TEST(Press, OfEachModelIsWhatTheCouplingReturnsAtRest) {
+TEST(Press, EqualsTheCouplingAtRestForEachModel) {
   for (const char* model : {"original", "adapted", "field"}) {
     Scene s(model);
     ASSERT_EQ(s.fitted.refusal, "") << model;
@@ -136,7 +136,7 @@ TEST(Press, RisesWithEveryDepthAndNeverExceedsTheCertified) {
   }
 }
 
-TEST(Press, OfAModelAloneFallsWhereItsPointsHaveGoneThrough) {
+TEST(Press, OfAMemorylessModelFallsOncePointsPassThrough) {
   for (const char* model : {"original", "adapted"}) {
     Scene alone(model, scene::RenderingKind::kMemoryless), held(model);
     ASSERT_EQ(alone.fitted.refusal, "") << model;

@@ -54,7 +54,7 @@ FittedCoupling fit(const scene::Scene& scene, const coupling::design::DeviceMode
   return fit_coupling(scene, device, rendering::spring_of_any_device(lever), demand_of(scene));
 }
 
-TEST(Spring, IsAllThatIsCertifiedAndNothingIsTakenOffItAgain) {
+TEST(Spring, IsTheWholeCertifiedStiffness) {
   for (const char* kind : {"shaping_filter", "direct"})
     for (const coupling::design::DeviceModel& device : {stylus(), arm()}) {
       const scene::Scene scene = scene_of(kind);
@@ -73,7 +73,7 @@ TEST(Spring, IsAllThatIsCertifiedAndNothingIsTakenOffItAgain) {
     }
 }
 
-TEST(Spring, LeavesRoomForEffectsSoThatTheCapTakesNothingFromBoth) {
+TEST(Spring, LeavesRoomForEffectsBelowTheCap) {
   scene::Scene scene = scene_of();
   effects::EffectSpec guide{.name = "guide",
                             .kind = effects::find_effect_kind("guide_plane"),
@@ -104,7 +104,7 @@ TEST(Spring, LeavesRoomForEffectsSoThatTheCapTakesNothingFromBoth) {
       << "which the virtual tool does";
 }
 
-TEST(Spring, IsNoStifferThanTheDeviceCanShow) {
+TEST(Spring, NeverExceedsTheDevicesStiffness) {
   coupling::design::DeviceModel device = arm();
   device.translation.max_stiffness = 60.0;
   const scene::Scene scene = scene_of();
@@ -113,7 +113,7 @@ TEST(Spring, IsNoStifferThanTheDeviceCanShow) {
       60.0);
 }
 
-TEST(Spring, GivesWayWhereTurningIsTheHarderPart) {
+TEST(Spring, IsLoweredIfRotationIsTheHarderAxis) {
   const scene::Scene scene = scene_of();
   const double lever = 1.0;
   const FittedCoupling fitted = fit(scene, arm(), lever);
@@ -133,7 +133,7 @@ TEST(Spring, FollowsTheScalesOfTheDevice) {
               plain / 5.0, 1e-3 * plain);
 }
 
-TEST(Spring, IsNoneOfAPenaltyContactAndNoneWhereNoCouplingHolds) {
+TEST(Spring, IsAbsentForPenaltyContactsOrNoCoupling) {
   const scene::Scene scene = scene_of();
   const rendering::StiffnessBounds contact = {{30.0, 3000.0}, {0.003, 0.3}};
   EXPECT_EQ(spring_n_per_m(fit_coupling(scene, stylus(), contact, {}), scene, stylus(), contact),
@@ -146,7 +146,7 @@ TEST(Spring, IsNoneOfAPenaltyContactAndNoneWhereNoCouplingHolds) {
   EXPECT_EQ(spring_n_per_m(none, scene, light, rendering::spring_of_any_device(kLever)), 0.0);
 }
 
-TEST(Spring, UnderACouplingSetByHandIsItsCap) {
+TEST(Spring, OfAManualCouplingIsItsCap) {
   scene::Scene scene = scene_of();
   scene.design.reset();
   scene.coupling.stiffness_cap_n_per_m = 120.0;
@@ -162,7 +162,7 @@ TEST(Spring, UnderACouplingSetByHandIsItsCap) {
 
 /// Its row in the table of changes: the plan says that the contact is a spring, and all that is
 /// judged is judged as at the start.
-TEST(DeviceCompatibility, JudgesASceneWithAVirtualToolByTheSameCode) {
+TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
   scene::Scene now = scene_of();
   now.effects = {oil(0.2)};
   const rendering::StiffnessBounds alone = rendering::spring_of_any_device(kLever);

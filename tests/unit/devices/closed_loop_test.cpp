@@ -145,7 +145,7 @@ TEST(ClosedLoop, LwrHeldByAnArmRestsOnAWall) {
   EXPECT_NEAR(r.mean_n, 1500.0 * 200.0 / 1700.0 * 0.05, 3.1);
 }
 
-TEST(ClosedLoop, AWallThatIsTooStiffDoesNotRest) {
+TEST(ClosedLoop, TooStiffWallDoesNotRest) {
   const sim::SimParameters p = sim::sim_phantom();
   sim::OperatorConfig light = p.hand;
   light.mass_kg = 0.02, light.damping_ns_per_m = 0.5, light.stiffness_n_per_m = 20.0;

@@ -18,7 +18,7 @@ TEST(Gate, FollowsTheFirstWriterUntilItGoes) {
   EXPECT_EQ(gate.accept(kAnna, kMine, 8, kNewest), GateVerdict::kForeignWriter);
 }
 
-TEST(Gate, RefusesForeignSessionsAndGivesThemNoPlace) {
+TEST(Gate, RefusesForeignSessions) {
   CommandGate gate(kMine);
   EXPECT_EQ(gate.accept(kAnna, kMine + 1, 5, kNewest), GateVerdict::kForeignSession);
   EXPECT_FALSE(gate.writer());

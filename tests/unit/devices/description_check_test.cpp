@@ -10,12 +10,12 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TEST(Description, OfEveryDeviceThatIsKnownIsPossible) {
+TEST(Description, OfEveryKnownDeviceIsPossible) {
   for (const std::string& name : device_names())
     EXPECT_EQ(validate(describe_device(name)), "") << name;
 }
 
-TEST(Description, IsRefusedForEachNumberThatCannotBe) {
+TEST(Description, IsRefusedForEachInvalidNumber) {
   double DeviceDescription::*const numbers[] = {&DeviceDescription::rate_hz,
                                                 &DeviceDescription::max_force_n,
                                                 &DeviceDescription::max_torque_nm,

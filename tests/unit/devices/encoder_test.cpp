@@ -44,14 +44,14 @@ TEST(Encoder, RoundsOrientationsWithinTheStatedAngle) {
   EXPECT_LE(small.angularDistance(sim::quantise(small, r)), 0.88 * r);
 }
 
-TEST(Encoder, LeavesTheTruthWhereTheResolutionIsZero) {
+TEST(Encoder, IsExactAtZeroResolution) {
   const Vec3 x(0.1234567, 0, 0);
   const Quat q = Quat(1, 2, 3, 4).normalized();
   EXPECT_EQ(sim::quantise(x, 0.0), x);
   EXPECT_EQ(sim::quantise(q, 0.0).coeffs(), q.coeffs());
 }
 
-TEST(Encoder, VelocityLagsByHalfAPeriodAndTheFilter) {
+TEST(Encoder, VelocityIsDelayedByHalfAPeriodAndTheFilter) {
   const double period = 1e-3, filter_hz = 50.0;
   sim::Encoder encoder(0.0, 0.0, filter_hz, period);
   const auto at = [](double t) { return Pose{Vec3(0.5 * 2.0 * t * t, 0, 0), Quat::Identity()}; };
@@ -61,7 +61,7 @@ TEST(Encoder, VelocityLagsByHalfAPeriodAndTheFilter) {
   EXPECT_NEAR(encoder.twist().linear.x(), 2.0 * (1.0 - lag), 1e-9);
 }
 
-TEST(Encoder, MeasuresTurningInTheOuterAxes) {
+TEST(Encoder, MeasuresRotationInTheOuterAxes) {
   sim::Encoder encoder(0.0, 1e-6, 50.0, 1e-3);
   const Vec3 rate(0.0, 0.0, 1.5);
   const Quat start(Eigen::AngleAxisd(1.0, Vec3::UnitX()));
@@ -70,7 +70,7 @@ TEST(Encoder, MeasuresTurningInTheOuterAxes) {
   EXPECT_LT((encoder.twist().angular - rate).norm(), 2e-3);
 }
 
-TEST(Encoder, ReportsNoVelocityAtTheFirstSampleNorAtRest) {
+TEST(Encoder, VelocityIsZeroAtFirstAndAtRest) {
   sim::Encoder encoder(3e-5, 1e-3, 50.0, 1e-3);
   for (int i = 0; i < 5; ++i) {
     encoder.sample({Vec3(0.1, 0.2, 0.3), Quat(0.5, 0.5, 0.5, 0.5)});
@@ -91,7 +91,7 @@ TEST(Tremor, HasTheStatedDeviationAndBandwidth) {
   EXPECT_NEAR(product / square, 1.0 / (1.0 + 2.0 * std::numbers::pi * 10.0 * 1e-3), 0.01);
 }
 
-TEST(Tremor, IsTheSameForTheSameSeedAndAbsentByDefault) {
+TEST(Tremor, IsReproducibleAndAbsentByDefault) {
   sim::Tremor a(0.5, 10.0, 1e-3, 7), b(0.5, 10.0, 1e-3, 7), c(0.5, 10.0, 1e-3, 8),
       none(0.0, 10.0, 1e-3, 7);
   bool differs = false;

@@ -30,7 +30,7 @@ GuardInput push(double fx, double fy = 0.0, double fz = 0.0,
   return {{Vec3(fx, fy, fz), Vec3::Zero()}, valid_until_ns};
 }
 
-TEST(Guard, PassesAGoodCommandUnchanged) {
+TEST(Guard, PassesAValidCommandUnchanged) {
   ForceGuard guard(quick());
   const GuardInput in{{Vec3(1, -2, 3), Vec3(0.1, 0.2, -0.3)}, kForever};
   const Wrench out = guard.pass(in, 0);
@@ -46,7 +46,7 @@ TEST(Guard, GivesZeroBeforeTheFirstCommand) {
     EXPECT_TRUE(guard.pass(std::nullopt, i * kMs).zero());
 }
 
-TEST(Guard, RefusesEveryCommandThatIsNotFiniteAndHoldsTheOneBefore) {
+TEST(Guard, RefusesNonFiniteCommandsAndHoldsTheLast) {
   for (double bad : {kNan, kInf, -kInf})
     for (int axis = 0; axis < 6; ++axis) {
       ForceGuard guard(quick());
@@ -110,7 +110,7 @@ TEST(Guard, LimitsTheSlewOfForceAndTorqueAlongTheChange) {
   EXPECT_GE(guard.counts().clamped_slew, 4U);
 }
 
-TEST(Guard, HoldsThreePeriodsThenFadesToZeroWithinTwentyMilliseconds) {
+TEST(Guard, HoldsThreePeriodsThenFadesWithin20Milliseconds) {
   ForceGuard guard(quick());
   guard.pass(push(2.0), 0);
   for (int i = 1; i <= 3; ++i)
@@ -136,7 +136,7 @@ TEST(Guard, HoldAndFadeAreSettable) {
   EXPECT_TRUE(guard.pass(std::nullopt, 3 * kMs).zero());
 }
 
-TEST(Guard, RefusesACommandThatIsOverAndFadesOneThatRunsOut) {
+TEST(Guard, RefusesAnExpiredCommandAndFadesAnExpiringOne) {
   ForceGuard guard(quick());
   EXPECT_TRUE(guard.pass(push(1, 0, 0, 10 * kMs - 1), 10 * kMs).zero());
   EXPECT_EQ(guard.counts().refused_stale, 1U);
@@ -145,7 +145,7 @@ TEST(Guard, RefusesACommandThatIsOverAndFadesOneThatRunsOut) {
               1e-12);  // valid-until is before three periods
 }
 
-TEST(Guard, FadesFromWhatItGivesEvenWhereTheSlewLimitHoldsItBack) {
+TEST(Guard, FadesFromItsOutputUnderTheSlewLimit) {
   GuardConfig config = quick();
   config.max_force_rate_n_per_s = config.max_force_n / config.fade_s;  // the least that is allowed
   ForceGuard guard(config);
@@ -185,7 +185,7 @@ TEST(Guard, RampsInAtTheStartAndFasterAfterAFade) {
   EXPECT_NEAR(guard.pass(push(2.0), now += kMs).force.x(), 2.0 * 0.51, 1e-9);
 }
 
-TEST(Guard, AFadeBeforeTheStartRampIsOverDoesNotShortenIt) {
+TEST(Guard, FadeDoesNotShortenTheStartRamp) {
   GuardConfig config = quick();
   config.start_ramp_s = 0.5;
   config.return_ramp_s = 0.0;
@@ -199,7 +199,7 @@ TEST(Guard, AFadeBeforeTheStartRampIsOverDoesNotShortenIt) {
   EXPECT_NEAR(guard.pass(push(2.0), now += kMs).force.x(), 2.0 * 0.002, 1e-12);
 }
 
-TEST(Guard, ACommandDuringAFadeTakesItUpWhereItIs) {
+TEST(Guard, CommandDuringAFadeContinuesFromIt) {
   GuardConfig config = quick();
   config.return_ramp_s = 0.1;
   ForceGuard guard(config);
@@ -228,7 +228,7 @@ TEST(Guard, StopGivesZeroAtOnceUntilRestart) {
   EXPECT_NEAR(guard.pass(push(5.0), 40 * kMs).force.x(), 1.0, 1e-9);
 }
 
-TEST(Guard, AClockThatStandsOrGoesBackCannotHoldAForce) {
+TEST(Guard, StalledClockCannotHoldAForce) {
   for (std::int64_t step : {std::int64_t{0}, -kMs, -1000 * kMs}) {
     ForceGuard guard(quick());
     std::int64_t now = 5000 * kMs;
@@ -241,7 +241,7 @@ TEST(Guard, AClockThatStandsOrGoesBackCannotHoldAForce) {
   }
 }
 
-TEST(Guard, AShortGapDoesNotOpenTheSlewLimit) {
+TEST(Guard, ShortGapKeepsTheSlewLimit) {
   GuardConfig config = quick();
   config.max_force_rate_n_per_s = 500.0;
   ForceGuard guard(config);
@@ -252,7 +252,7 @@ TEST(Guard, AShortGapDoesNotOpenTheSlewLimit) {
   EXPECT_NEAR(out, 8.0 - 500.0 * 3e-3, 1e-9) << "no more than the hold time's worth";
 }
 
-TEST(Guard, AfterALongGapACommandSetsOutFromZero) {
+TEST(Guard, LongGapRestartsFromZero) {
   GuardConfig config = quick();
   config.max_force_rate_n_per_s = 500.0;
   ForceGuard guard(config);
@@ -276,7 +276,7 @@ TEST(Guard, CountsWhatTheGateRefused) {
 }
 
 /// Anything at all, at any time: finite, within the limits, and never faster than the slew limit.
-TEST(Guard, OutputIsFiniteAndWithinLimitsWhateverComesIn) {
+TEST(Guard, OutputIsFiniteAndLimitedForAnyInput) {
   const std::vector<double> odd = {0.0,     -0.0, 5e-324, -5e-324, 1e-310, kHuge, -kHuge, 1e200,
                                    -1e-200, kNan, kInf,   -kInf,   1.0,    -8.5,  8.5,    20.0};
   const std::vector<std::int64_t> steps = {
@@ -319,7 +319,7 @@ TEST(Guard, OutputIsFiniteAndWithinLimitsWhateverComesIn) {
   }
 }
 
-TEST(Guard, SurvivesTheEndsOfTime) {
+TEST(Guard, SurvivesExtremeTimes) {
   ForceGuard guard(quick());
   const std::int64_t low = std::numeric_limits<std::int64_t>::min(), high = kForever;
   for (std::int64_t now : {low, high, low, std::int64_t{0}, high, high, low}) {
@@ -337,7 +337,7 @@ std::string sentence(const GuardConfig& config) {
   return "";
 }
 
-TEST(GuardConfig, NamesTheFieldThatIsWrong) {
+TEST(GuardConfig, NamesTheWrongField) {
   EXPECT_EQ(sentence(quick()), "");
   const auto with = [](double GuardConfig::*field, double value) {
     GuardConfig config = quick();

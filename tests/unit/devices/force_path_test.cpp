@@ -33,7 +33,7 @@ TEST(ForcePath, DelaysByExactlyTheStatedSubsteps) {
   }
 }
 
-TEST(ForcePath, LagsLikeAFirstOrderSystem) {
+TEST(ForcePath, DelaysLikeAFirstOrderSystem) {
   const double lag = 0.003;
   sim::ForcePath path(device(0.002, lag), kSubstep);
   for (int i = 0; i < 200; ++i) {
@@ -56,7 +56,7 @@ TEST(ForcePath, SaturatesInTheDirectionOfTheCommand) {
   EXPECT_LE(length_of(out.force), 10.0);
 }
 
-TEST(ForcePath, ClearDropsWhatIsUnderWay) {
+TEST(ForcePath, ClearDropsPendingForces) {
   sim::ForcePath path(device(0.002, 0.003), kSubstep);
   for (int i = 0; i < 100; ++i)
     path.step({Vec3(1, 2, 3), Vec3(0.1, 0, 0)});

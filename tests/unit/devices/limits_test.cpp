@@ -12,7 +12,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kHuge = std::numeric_limits<double>::max();
 
-TEST(Limits, LengthSurvivesSquaresThatOverflowOrVanish) {
+TEST(Limits, LengthSurvivesOverflowAndUnderflow) {
   EXPECT_DOUBLE_EQ(length_of(Vec3(3e200, 4e200, 0)), 5e200);
   EXPECT_DOUBLE_EQ(length_of(Vec3(3e-200, 0, 4e-200)), 5e-200);
   EXPECT_EQ(length_of(Vec3::Zero()), 0.0);
@@ -53,7 +53,7 @@ TEST(Limits, ClampMakesAnythingFinite) {
   EXPECT_NEAR(v.norm(), 2.0, 1e-12);  // overflow on the way must not cost the force
 }
 
-TEST(Limits, ALimitThatIsNoNumberNegativeOrNextToZeroLetsNothingPass) {
+TEST(Limits, InvalidOrTinyLimitPassesNothing) {
   constexpr double kMin = std::numeric_limits<double>::denorm_min();
   for (double limit : {kNan, -1.0, -kInf, 0.0, -0.0, kMin, 1e-310}) {
     for (const Vec3& expected :
@@ -65,7 +65,7 @@ TEST(Limits, ALimitThatIsNoNumberNegativeOrNextToZeroLetsNothingPass) {
   }
 }
 
-TEST(Limits, ADeviceWithoutTorqueLeavesItOutAndCallsItNoCut) {
+TEST(Limits, OmittedTorqueIsNotCountedAsACut) {
   Wrench wrench{Vec3(1, 0, 0), Vec3(0, 2, 0)};
   EXPECT_FALSE(clamp_wrench(wrench, 5.0, 0.0).any());
   EXPECT_EQ(wrench.force, Vec3(1, 0, 0));
@@ -77,7 +77,7 @@ TEST(Limits, ADeviceWithoutTorqueLeavesItOutAndCallsItNoCut) {
   EXPECT_LE(length_of(both.torque), 1.0);
 }
 
-TEST(Limits, CheckRefusesEachFieldThatIsNotFiniteOrOverItsLimit) {
+TEST(Limits, CheckRefusesNonFiniteOrExcessiveFields) {
   DeviceDescription device;
   device.max_force_n = 8.5;
   device.max_torque_nm = 0.5;

@@ -50,7 +50,7 @@ TEST(Plant, UndampedSpringKeepsItsEnergy) {
   EXPECT_NEAR(plant.energy(25.0), before, 1e-10 * before);
 }
 
-TEST(Plant, UndampedTurningKeepsItsEnergy) {
+TEST(Plant, UndampedRotationKeepsItsEnergy) {
   sim::SimPlant plant(ideal(0.075), spring(0.1, 0.0, 300.0), stay());
   plant.set_state({Vec3::Zero(), Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 2) / 3.0))}, {});
   const double before = plant.energy(0.0);
@@ -106,7 +106,7 @@ TEST(Plant, AtRestUnderLessThanTheFrictionStaysExactlyThere) {
   EXPECT_GT(plant.pose().position.x(), at.x());
 }
 
-TEST(Plant, SlidingBodyStopsWhereTheClosedFormSays) {
+TEST(Plant, SlidingBodyStopsByTheClosedForm) {
   sim::SimParameters p = ideal(2.0);
   p.description.coulomb_friction_n = 3.0;
   sim::SimPlant plant(p, released(), stay());
@@ -138,7 +138,7 @@ TEST(Plant, ConstantForceOnADampedMassGivesTheClosedForm) {
   EXPECT_NEAR(plant.pose().position.y(), 12.0 / 30.0 * (t - 5.0 / 30.0 * (1.0 - decay)), 1e-7);
 }
 
-TEST(Plant, HandSpringRingsAndDecaysAsTheClosedFormSays) {
+TEST(Plant, HandSpringDecaysByTheClosedForm) {
   sim::SimPlant plant(ideal(0.075), spring(0.1, 2.0, 300.0), stay());
   plant.set_state({Vec3(0.01, 0, 0), Quat::Identity()}, {});
   const double mass = 0.175, sigma = 2.0 / (2.0 * mass),
@@ -152,7 +152,7 @@ TEST(Plant, HandSpringRingsAndDecaysAsTheClosedFormSays) {
   }
 }
 
-TEST(Plant, HandTurnsTheToolAtTheClosedFormsFrequency) {
+TEST(Plant, HandRotatesTheToolAtTheExactFrequency) {
   sim::SimParameters p = ideal(1.0);
   p.inertia_kg_m2 = 1e-4;
   sim::SimPlant plant(p, spring(0.1, 4.0, 300.0), stay());
@@ -178,7 +178,7 @@ TEST(Plant, HandFollowsItsMotionAndTheToolKeepsItsOrientation) {
   EXPECT_EQ(plant.pose().orientation.coeffs(), motion.orientation.coeffs());
 }
 
-TEST(Plant, AHandThatLetsGoTakesItsMassAndItsSpringAlong) {
+TEST(Plant, ReleaseRemovesTheHandsMassAndSpring) {
   sim::OperatorConfig hand = spring(0.1, 0.0, 300.0);
   hand.release_time_s = 0.01;
   sim::SimPlant plant(ideal(0.075), hand, stay());

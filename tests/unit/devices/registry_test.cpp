@@ -30,7 +30,7 @@ TEST(Registry, OpensTheSimulatedDevicesByName) {
 }
 
 // Before any test that loads the simulated library: a process keeps the one that it loaded first.
-TEST(Registry, SaysWhichLibrariesOfAPhantomItTriedAndWhatToInstall) {
+TEST(Registry, ListsTriedPhantomLibrariesAndWhatToInstall) {
   for (const char* name : {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"})
     if (dlopen(name, RTLD_LAZY) != nullptr)
       GTEST_SKIP() << "a test must not start a device that may be there";
@@ -43,7 +43,7 @@ TEST(Registry, SaysWhichLibrariesOfAPhantomItTriedAndWhatToInstall) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
 }
 
-TEST(Registry, SaysOnWhichPortItWaitedForARobotAndWhatToSet) {
+TEST(Registry, ReportsTheAwaitedRobotPortAndWhatToSet) {
   DeviceOptions options;
   const std::string port = std::to_string(arm::UdpSocket("127.0.0.1", 0).local().port);
   options.settings = {{"address", "127.0.0.1"}, {"port", port}, {"connect_timeout_s", "0.2"}};
@@ -53,7 +53,7 @@ TEST(Registry, SaysOnWhichPortItWaitedForARobotAndWhatToSet) {
   EXPECT_NE(said.find("--device emulated-lwr"), std::string::npos) << said;
 }
 
-TEST(Registry, SaysWhichRobotItAskedAndWhatToDo) {
+TEST(Registry, ReportsTheRequestedRobotAndWhatToDo) {
   DeviceOptions options;
   options.settings = {{"address", "127.0.0.1"}, {"port", "1"}};
   const std::string said = refusal("fr3", options);
@@ -62,7 +62,7 @@ TEST(Registry, SaysWhichRobotItAskedAndWhatToDo) {
   EXPECT_NE(said.find("--device emulated-fr3"), std::string::npos) << said;
 }
 
-TEST(Registry, OpensTheDriversAtTheirCounterpartsWhereTheHandIs) {
+TEST(Registry, OpensEmulatedDevicesAtTheHandsPose) {
   for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
@@ -84,7 +84,7 @@ TEST(Registry, OpensTheDriversAtTheirCounterpartsWhereTheHandIs) {
   }
 }
 
-TEST(Registry, DescribesTheCounterpartsAsTheyDescribeThemselvesOnceOpen) {
+TEST(Registry, DescribesEmulatorsAsTheyDoOnceOpen) {
   for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
@@ -100,7 +100,7 @@ TEST(Registry, DescribesTheCounterpartsAsTheyDescribeThemselvesOnceOpen) {
   }
 }
 
-TEST(Registry, PutsTheDevicesRestWhereItIsTold) {
+TEST(Registry, PlacesTheDevicesRestAsConfigured) {
   for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
@@ -123,7 +123,7 @@ TEST(Registry, DescribesHardwareWithoutOpeningIt) {
   EXPECT_THROW(usual_hand("lwr"), DeviceOpenError);
 }
 
-TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
+TEST(Registry, RefusesUnknownSettingsAndListsTheValid) {
   const auto with = [](const char* name, DeviceSettings settings) {
     DeviceOptions options;
     options.settings = std::move(settings);
@@ -167,7 +167,7 @@ TEST(Registry, RefusesSettingsThatADeviceHasNotGotAndNamesThoseThatItHas) {
   EXPECT_EQ(parse_settings({"name=a=b"}).front().second, "a=b");
 }
 
-TEST(Registry, SaysWhyACounterpartCannotFollowTheHandAndLeavesNothingBehind) {
+TEST(Registry, ReportsAnUnreachableHandAndLeavesNoEmulator) {
   for (const char* name : {"emulated-phantom", "emulated-lwr", "emulated-fr3"}) {
     DeviceOptions options;
     options.lockstep = true;
@@ -180,7 +180,7 @@ TEST(Registry, SaysWhyACounterpartCannotFollowTheHandAndLeavesNothingBehind) {
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1) << "a child is left";
 }
 
-TEST(Registry, HandsOnWhatTheSimulatedControllerSaysOfItsOptions) {
+TEST(Registry, PassesOnTheEmulatorsErrorsAboutItsOptions) {
   DeviceOptions options;
   options.settings = {{"fault", "earthquake@1"}};
   const std::string said = refusal("emulated-lwr", options);
@@ -188,7 +188,7 @@ TEST(Registry, HandsOnWhatTheSimulatedControllerSaysOfItsOptions) {
   EXPECT_NE(said.find("earthquake"), std::string::npos) << said;
 }
 
-TEST(Registry, InjectsTheFaultsOfACounterpartWhenTheyAreDue) {
+TEST(Registry, InjectsEmulatorFaultsOnTime) {
   for (const auto& [name, fault] :
        {std::pair{"emulated-phantom", "comm_error@0.1"},
         std::pair{"emulated-lwr", "drive_error@0.3"}, std::pair{"emulated-fr3", "reflex@0.2"}}) {
@@ -214,7 +214,7 @@ TEST(Registry, ListsTheKnownNamesForAnUnknownOne) {
   EXPECT_EQ(device_names().size(), 8U);
 }
 
-TEST(Registry, PassesHandMotionAndSeedOn) {
+TEST(Registry, PassesOnHandMotionAndSeed) {
   DeviceOptions options;
   options.hand = usual_hand("sim-lwr");
   EXPECT_EQ(options.hand->mass_kg, 1.3);
@@ -232,7 +232,7 @@ TEST(Registry, PassesHandMotionAndSeedOn) {
   EXPECT_NE(after(1), after(2));
 }
 
-TEST(Registry, TurnsBadOptionsIntoOneSentence) {
+TEST(Registry, ReportsBadOptionsInOneSentence) {
   DeviceOptions options;
   options.motion.emplace();
   const std::string said = refusal("sim-lwr", options);

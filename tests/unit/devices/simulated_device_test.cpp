@@ -28,7 +28,7 @@ sim::SimulatedDevice free_phantom() { return {sim::sim_phantom(), released(), st
 
 Wrench push_x(double newton) { return {Vec3(newton, 0, 0), Vec3::Zero()}; }
 
-TEST(SimulatedDevice, FirstSampleIsAtTimeZeroAndEachWriteTakesOnePeriod) {
+TEST(SimulatedDevice, StartsAtZeroAndEachWriteTakesOnePeriod) {
   sim::SimulatedDevice device = free_phantom();
   EXPECT_TRUE(device.simulated());
   for (int i = 0; i < 5; ++i) {
@@ -54,7 +54,7 @@ TEST(SimulatedDevice, ForceReachesTheToolAfterExactlyTheDelay) {
   }
 }
 
-TEST(SimulatedDevice, AReadThatNobodyAnsweredLetsOnePeriodPassWithoutForce) {
+TEST(SimulatedDevice, UnansweredReadAdvancesWithoutForce) {
   sim::SimulatedDevice device = free_phantom();
   device.read(microseconds(0));
   device.write(push_x(1.0));
@@ -84,7 +84,7 @@ TEST(SimulatedDevice, RefusesANanCommandAndGivesZeroForThatPeriod) {
   }
 }
 
-TEST(SimulatedDevice, RefusesACommandOverItsLimitAndGivesZeroForThatPeriod) {
+TEST(SimulatedDevice, CommandBeyondTheLimitGivesZeroForce) {
   sim::SimulatedDevice device = free_phantom();
   EXPECT_TRUE(device.write(push_x(8.5)));
   EXPECT_TRUE(device.write(push_x(8.6)) == std::unexpected(DeviceError::kLimit));
@@ -96,7 +96,7 @@ TEST(SimulatedDevice, RefusesACommandOverItsLimitAndGivesZeroForThatPeriod) {
       << "it has no torque motors";
 }
 
-TEST(SimulatedDevice, StopIsZeroAtOnceAndTwiceIsAsOnce) {
+TEST(SimulatedDevice, StopIsImmediateAndIdempotent) {
   sim::SimulatedDevice device(sim::sim_lwr(), released(), stay());
   for (int i = 0; i < 50; ++i)
     device.write({Vec3(50, 0, 0), Vec3(0, 5, 0)});
@@ -152,13 +152,13 @@ std::vector<unsigned char> trace(std::uint64_t seed, double tremor_n) {
   return bytes;
 }
 
-TEST(SimulatedDevice, ARestartGivesTheSameBits) {
+TEST(SimulatedDevice, RestartIsBitIdentical) {
   EXPECT_EQ(trace(5, 0.3), trace(5, 0.3));
   EXPECT_EQ(trace(1, 0.0), trace(2, 0.0)) << "no tremor, no randomness";
   EXPECT_NE(trace(1, 0.3), trace(2, 0.3));
 }
 
-TEST(SimulatedDevice, PhantomTurnsWithTheHandAndLwrWithTheTorque) {
+TEST(SimulatedDevice, PhantomFollowsTheHandAndLwrTheTorque) {
   const sim::SimParameters phantom = sim::sim_phantom(), lwr = sim::sim_lwr();
   Motion motion = stay();
   motion.orientation = Quat(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
@@ -199,7 +199,7 @@ std::string sentence(Change change) {
   return "";
 }
 
-TEST(SimulatedDevice, NamesWhatCannotBeSimulated) {
+TEST(SimulatedDevice, NamesInvalidParameters) {
   const auto has = [](const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
   };

@@ -38,7 +38,7 @@ struct Loop {
   std::optional<GuardInput> newest;
 };
 
-TEST(SpoofedWriter, IsHeldWithinTheLimitsAndTheCouplingIsFeltAgainWhenHeStops) {
+TEST(SpoofedWriter, IsLimitedAndTheCouplingTakesOverAfterwards) {
   const DeviceDescription device = sim::sim_phantom().description;
   const auto chosen = testing::seed(1);
   SCOPED_TRACE(testing::seed_trace(chosen));

@@ -96,7 +96,7 @@ TEST(TargetFollower, ReachesAndKeepsItsTarget) {
   EXPECT_TRUE(led.turn().rate.isZero(0.0));
 }
 
-TEST(TargetFollower, RestsWhereItIsWithoutTargets) {
+TEST(TargetFollower, StaysInPlaceWithoutTargets) {
   Led led;
   led.follower.aim(at({10.0, 0.0, 0.0}));
   Vec3 after_rest = Vec3::Zero();
@@ -162,7 +162,7 @@ TEST(TargetFollower, RatesAreTheDerivativesOfThePose) {
   });
 }
 
-TEST(TargetFollower, IgnoresWhatIsNoPose) {
+TEST(TargetFollower, IgnoresInvalidPoses) {
   const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
   Led led;
   for (const Pose& bad : {at({nan, 0, 0}), at({0, inf, 0}), at({1, 0, 0}, Quat(0, 0, 0, 0)),
@@ -225,7 +225,7 @@ double press_ratio(const sim::SimParameters& p, double wall_n_per_m, double dept
   return most / p.description.max_force_n;
 }
 
-TEST(LedDevice, PressesNoHarderThanItsLimitHoweverFarTheTarget) {
+TEST(LedDevice, ForceStaysBelowItsLimitForAnyTarget) {
   for (const sim::SimParameters& p : {sim::sim_phantom(), sim::sim_lwr()})
     for (const double wall_n_per_m : {30.0, 100.0, 500.0, 1'000.0})
       for (const double depth_m : {10.0, 1e17, 1e300}) {
@@ -236,7 +236,7 @@ TEST(LedDevice, PressesNoHarderThanItsLimitHoweverFarTheTarget) {
 }
 
 /// Led at full speed, then no target comes any more just as the wall is met.
-TEST(LedDevice, GivesWayAtRestWhenItPressesTooHard) {
+TEST(LedDevice, YieldsAtRestAfterPressingTooHard) {
   const sim::SimParameters p = sim::sim_phantom();
   AtAWall at_wall(p);
   double force = 0.0;
@@ -251,7 +251,7 @@ TEST(LedDevice, GivesWayAtRestWhenItPressesTooHard) {
 }
 
 /// A torque against the turn, as of a slot.
-TEST(LedDevice, TurnsNoHarderThanItsLimitHoweverFarTheTarget) {
+TEST(LedDevice, TorqueStaysBelowItsLimitForAnyTarget) {
   sim::SimParameters p = sim::sim_lwr();
   p.hand = *hand::grip("arm-firm");
   AtAWall free(p);
@@ -286,7 +286,7 @@ TEST(LedDevice, LosingItsTargetsInContactIsNoJumpOfForce) {
   EXPECT_LT(last, 0.02) << "it rests";
 }
 
-TEST(LedDevice, SameTargetsGiveTheSameBits) {
+TEST(LedDevice, SameTargetsAreBitIdentical) {
   AtAWall first(sim::sim_lwr()), second(sim::sim_lwr());
   std::mt19937 random(9);
   std::uniform_real_distribution<double> anywhere(-0.05, 0.05);
@@ -303,7 +303,7 @@ TEST(LedDevice, SameTargetsGiveTheSameBits) {
   }
 }
 
-TEST(LedDevice, RestsWhereItStartsBeforeTheFirstTarget) {
+TEST(LedDevice, RestsAtItsStartUntilTheFirstTarget) {
   AtAWall at_wall(sim::sim_phantom());
   for (int n = 0; n < 500; ++n)
     EXPECT_EQ(at_wall.step(), 0.0);

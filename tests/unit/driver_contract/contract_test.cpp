@@ -79,7 +79,7 @@ auto numbers_of(const DeviceDescription& d) {
       d.lost_in_a_row, d.grip, d.input_dof, d.output_dof, d.model);
 }
 
-TEST_P(DriverContract, OpensAndSaysWhatItIsTheSameBeforeAndAfter) {
+TEST_P(DriverContract, KeepsItsDescriptionAfterOpening) {
   open();
   const DeviceDescription d = subject->driver().description();
   EXPECT_FALSE(d.model.empty());
@@ -130,7 +130,7 @@ TEST_P(DriverContract, ReadGivesFiniteSamplesAndTimeGrows) {
   EXPECT_NEAR(path_s / (samples - 1), period_s, subject->virtual_time() ? 1e-9 : period_s);
 }
 
-TEST_P(DriverContract, ThePlantReceivesTheForceThatIsWritten) {
+TEST_P(DriverContract, PlantReceivesTheWrittenForce) {
   open();
   for (const Vec3& direction :
        {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-0.5, 0.4, -0.3)}) {
@@ -176,7 +176,7 @@ TEST_P(DriverContract, RefusedCommandsReachThePlantAsZero) {
   EXPECT_TRUE(subject->push_until_measured(push)) << "and takes good ones again";
 }
 
-TEST_P(DriverContract, StopIsZeroNowAndTwiceIsFine) {
+TEST_P(DriverContract, StopIsImmediateAndIdempotent) {
   open_and_push();
   ASSERT_TRUE(cycle(std::nullopt).time_s > 0.0);
   double at_s = subject->now_s();
@@ -201,7 +201,7 @@ TEST_P(DriverContract, AnUnansweredPeriodIsZeroForce) {
   expect_zero_after(at_s, 0.1);
 }
 
-TEST_P(DriverContract, AfterTheDriverHasGoneThePlantReceivesNothing) {
+TEST_P(DriverContract, ClosedDriverSendsNothing) {
   open_and_push();
   cycle(push);
   subject->close();
@@ -222,7 +222,7 @@ TEST_P(DriverContract, AfterTheDriverHasGoneThePlantReceivesNothing) {
     EXPECT_TRUE(subject->received()[i].wrench.zero() || !subject->exclusive());
 }
 
-TEST_P(DriverContract, OpenedTwiceItIsASentenceAndTheFirstGoesOn) {
+TEST_P(DriverContract, SecondOpeningIsRefusedOrIndependent) {
   open_and_push();
   const auto second = subject->open_another();
   if (subject->exclusive()) {
@@ -237,7 +237,7 @@ TEST_P(DriverContract, OpenedTwiceItIsASentenceAndTheFirstGoesOn) {
   EXPECT_TRUE(subject->push_until_measured(push));
 }
 
-TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
+TEST_P(DriverContract, RandomCommandsKeepTheLimitsOnTheWire) {
   open_and_push();
   const DeviceDescription d = subject->driver().description();
   std::mt19937_64 random(20);
@@ -289,7 +289,7 @@ TEST_P(DriverContract, TenThousandRandomCommandsKeepTheLimitsAtTheWire) {
   }
 }
 
-TEST_P(DriverContract, AnOpenDriverTakesNothingFromTheHeap) {
+TEST_P(DriverContract, OpenDriverUsesNoHeap) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitiser owns malloc";
   open_and_push();
@@ -314,7 +314,7 @@ TEST_P(DriverContract, AnOpenDriverTakesNothingFromTheHeap) {
   EXPECT_GT(good, 150);
 }
 
-TEST_P(DriverContract, InVirtualTimeTheSameCallsGiveTheSameBits) {
+TEST_P(DriverContract, VirtualTimeIsBitIdentical) {
   if (!subject->virtual_time())
     GTEST_SKIP() << "real time is never the same";
   const auto run = [&] {

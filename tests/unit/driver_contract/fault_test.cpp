@@ -29,7 +29,7 @@ class EveryFault : public testing::TestWithParam<std::size_t> {
   const FaultCase& fault() const { return fault_cases()[GetParam()]; }
 };
 
-TEST_P(EveryFault, IsToldAndZeroInTimeAndEndsAsExpected) {
+TEST_P(EveryFault, IsReportedWithZeroForceAndEndsAsExpected) {
   const auto subject = subject_of(fault(), true);
   const FaultOutcome o = run_fault(*subject, fault());
   EXPECT_EQ(name_of(o.after), name_of(fault().after));
@@ -82,7 +82,7 @@ TEST(FaultInRealTime, IsZeroInTimeToo) {
   }
 }
 
-TEST(Fault, AKilledControllerIsATimeoutAndThenDisconnectedAndTheDriverStillCloses) {
+TEST(Fault, KilledControllerDisconnectsAndTheDriverCloses) {
   const std::uint16_t port = arm::UdpSocket("127.0.0.1", 0).local().port;
   test::Process controller({std::string(VOXTOUCH_BIN) + "/voxtouch_fri_controller", "--remote",
                             "127.0.0.1:" + std::to_string(port), "--period-ms", "5"});

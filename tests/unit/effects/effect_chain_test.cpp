@@ -59,7 +59,7 @@ EffectFrame at(const Vec3& x) {
   return frame;
 }
 
-TEST(EffectKinds, AreSortedByNameAndCompleteInWhatTheySay) {
+TEST(EffectKinds, AreSortedAndFullyDescribed) {
   std::string_view last;
   for (const EffectKind* kind : effect_kinds()) {
     EXPECT_GT(kind->name, last);
@@ -138,11 +138,11 @@ TEST(EffectChain, ChangesWhileRunningAreRampsAndNoSteps) {
   settle(-20);
 }
 
-TEST(EffectChain, RefusesAStiffnessThatCannotBe) {
+TEST(EffectChain, RefusesAnInvalidStiffness) {
   EXPECT_THROW(EffectChain({spring(2000)}), std::invalid_argument);
 }
 
-TEST(EffectChain, LeavesOutAnEffectThatIsNoNumberAndCountsIt) {
+TEST(EffectChain, SkipsAndCountsANonFiniteEffect) {
   EffectChain chain({spring(100), spring(10)});
   broken = true;
   const EffectForce push = chain.apply(at(Vec3(0.1, 0, 0)));

@@ -96,7 +96,7 @@ TEST(EffectChange, BringsADirectionToUnitLength) {
   EXPECT_NEAR(judged->value[2], 0.8, 1e-15);
 }
 
-TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
+TEST(EffectChange, RefusesWithAMessageWhatCannotRun) {
   for (const double bad : {kNan, kInf, -kInf, -0.1, 1.1})
     EXPECT_NE(refusal(gain(bad)), "") << bad;
   for (const double bad : {kNan, kInf, -1.0, 2.1})
@@ -122,7 +122,7 @@ TEST(EffectChange, RefusesWithASentenceWhateverCannotRun) {
   EXPECT_FALSE(judge({}, gain(1.0)).has_value());
 }
 
-TEST(EffectChange, JudgesWhatIsMadeTogetherByWhereItLeads) {
+TEST(EffectChange, ChecksACombinedRequestByItsResult) {
   const auto together = [](const std::vector<EffectRequest>& requests) {
     return judge(two_pushes(), requests);
   };
@@ -142,13 +142,13 @@ TEST(EffectChange, JudgesWhatIsMadeTogetherByWhereItLeads) {
   EXPECT_TRUE(together({}));
 }
 
-TEST(EffectChange, QuotesNothingThatATerminalWouldObey) {
+TEST(EffectChange, QuotesNoControlCharacters) {
   const std::string quote = quotable("a\x1b[2J\n" + std::string(500, 'x'));
   EXPECT_EQ(quote.substr(0, 6), "a?[2J?");
   EXPECT_LT(quote.size(), 70U);
 }
 
-TEST(EffectChange, DoesToTheSpecWhatTheChainComesTo) {
+TEST(EffectChange, SpecMatchesTheChain) {
   std::vector<EffectSpec> specs = two_pushes();
   EffectChain chain(specs);
   for (const EffectRequest& request :

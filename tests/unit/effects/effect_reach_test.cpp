@@ -21,7 +21,7 @@ EffectSpec oil(double damping) {
   return spec;
 }
 
-TEST(EffectReach, CountsTheMostOfWhatItWasAndWhatItGoesTo) {
+TEST(EffectReach, IsTheMaximumOfOldAndNewValues) {
   EffectReach reach(oil(3.0));
   EXPECT_EQ(reach.bound().damping_ns_per_m, 3.0);
   reach.widen(oil(0.5));
@@ -84,7 +84,7 @@ bool draw(EffectSpec& spec, double word, std::mt19937_64& random) {
   return false;
 }
 
-TEST(EffectReach, BoundsEveryStateOnTheWayForEveryKind) {
+TEST(EffectReach, BoundsEveryIntermediateStateForEveryKind) {
   const std::uint64_t seed = testing::seed(20261122);
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
@@ -116,7 +116,7 @@ TEST(EffectReach, BoundsEveryStateOnTheWayForEveryKind) {
   }
 }
 
-TEST(EffectChainAtRest, IsSoWhenAllNumbersHaveCome) {
+TEST(EffectChainAtRest, IsReachedOnceAllValuesArrived) {
   EffectChain chain({oil(3.0)});
   EXPECT_TRUE(chain.at_rest());
   ASSERT_EQ(test::set_value(chain, "damping_ns_per_m", {1.0, 0.0, 0.0}), "");

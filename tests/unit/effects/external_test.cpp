@@ -75,7 +75,7 @@ class ForceProbe {
 
 const Wrench kPush{Vec3(0.0, 1.0, 0.0), Vec3(0.0, 0.0, 0.01)};
 
-TEST(External, GivesNothingBeforeAnybodyHasWritten) {
+TEST(External, GivesNothingUntilTheFirstMessage) {
   ForceProbe probe(external());
   probe.samples(100);
   EXPECT_TRUE(probe.push.wrench.zero());
@@ -83,7 +83,7 @@ TEST(External, GivesNothingBeforeAnybodyHasWritten) {
   EXPECT_EQ(probe.push.potential_j, 0.0);
 }
 
-TEST(External, ComesToWhatIsWrittenAtTheSlewAndStays) {
+TEST(External, ReachesItsInputAtTheSlewAndStays) {
   ForceProbe probe(external());
   probe.writes(kPush);
   probe.samples(5);
@@ -95,7 +95,7 @@ TEST(External, ComesToWhatIsWrittenAtTheSlewAndStays) {
   EXPECT_LE(probe.most_torque_step, kStepS * kTorqueSlew * (1 + 1e-9));
 }
 
-TEST(External, IsCutToItsLargestForceAndTorqueWhateverIsWritten) {
+TEST(External, AnyInputIsClampedToItsLargestForceAndTorque) {
   for (const double size : {3.0, 1e6, 1e300, std::numeric_limits<double>::max()}) {
     ForceProbe probe(external());
     probe.writes({Vec3(size, -size, 0.5 * size), Vec3(0, size, size)});
@@ -108,7 +108,7 @@ TEST(External, IsCutToItsLargestForceAndTorqueWhateverIsWritten) {
   }
 }
 
-TEST(External, TurnsRoundNoFasterThanItsSlew) {
+TEST(External, ReversesNoFasterThanItsSlew) {
   ForceProbe probe(external());
   for (int turn = 0; turn < 20; ++turn) {
     probe.writes({turn % 2 ? Vec3(-100, 0, 0) : Vec3(100, 0, 0), Vec3::Zero()});
@@ -117,7 +117,7 @@ TEST(External, TurnsRoundNoFasterThanItsSlew) {
   EXPECT_LE(probe.most_step, kStepS * kSlew * (1 + 1e-9));
 }
 
-TEST(External, FadesToExactlyZeroWithinTheStatedTimeWhenNothingComesAnyMore) {
+TEST(External, FadesToZeroWithinTheStatedTime) {
   for (const double slew : {kSlew, 0.5}) {  // the fade does not wait for a slow slew
     EffectSpec spec = external();
     spec.values.at(5)[0] = slew;
@@ -141,7 +141,7 @@ TEST(External, FadesToExactlyZeroWithinTheStatedTimeWhenNothingComesAnyMore) {
   }
 }
 
-TEST(External, AgeCountsInTheTimeOfSamplesSoThatAGapOfSamplesIsSilenceToo) {
+TEST(External, AgeIsSampleTimeSoGapsCountAsSilence) {
   ForceProbe probe(external());
   probe.writes(kPush);
   probe.samples(200);
@@ -160,7 +160,7 @@ TEST(External, AgeCountsInTheTimeOfSamplesSoThatAGapOfSamplesIsSilenceToo) {
   EXPECT_TRUE(backwards.push.wrench.zero()) << "a value from a later time is none";
 }
 
-TEST(External, ANumberThatIsNoneChangesNothingAndAges) {
+TEST(External, NonFiniteNumberChangesNothingAndAges) {
   for (const double bad : {kNan, kInf, -kInf})
     for (int place = 0; place < 6; ++place) {
       ForceProbe probe(external());
@@ -177,7 +177,7 @@ TEST(External, ANumberThatIsNoneChangesNothingAndAges) {
     }
 }
 
-TEST(External, AnyBitsStayWithinForceTorqueAndSlew) {
+TEST(External, AnyInputStaysWithinForceTorqueAndSlew) {
   const std::uint64_t seed = testing::seed(20261124);
   SCOPED_TRACE(testing::seed_trace(seed));
   std::mt19937_64 random(seed);
@@ -205,7 +205,7 @@ TEST(External, AnyBitsStayWithinForceTorqueAndSlew) {
   EXPECT_GT(probe.most_force, 0.1);
 }
 
-TEST(External, GivesTheHandNoMoreThanItsBudgetHoweverFarItDrivesIt) {
+TEST(External, EnergyNeverExceedsItsBudget) {
   for (const double power_w : {0.0, 0.02}) {
     constexpr double kEnergy = 0.05;
     ForceProbe probe(external(kEnergy, power_w));
@@ -234,14 +234,14 @@ TEST(External, GivesTheHandNoMoreThanItsBudgetHoweverFarItDrivesIt) {
   }
 }
 
-TEST(External, AQuietHandFeelsItsFullForceForEver) {
+TEST(External, HandAtRestReceivesTheFullForceForever) {
   ForceProbe probe(external(0.001, 0.0));
   probe.writes({Vec3(10, 0, 0), Vec3::Zero()});
   probe.samples(20'000);
   EXPECT_NEAR(probe.force(), kMax, 1e-9);
 }
 
-TEST(External, ARegionThatIsLeftAndEnteredAgainGivesNoNewBudget) {
+TEST(External, ReenteredRegionGivesNoNewBudget) {
   EffectSpec spec = external(0.02, 0.0);
   spec.region = {SphereRegion{Vec3::Zero(), 0.03}, 0.01};
   ForceProbe probe(spec);
@@ -272,7 +272,7 @@ TEST(External, AllowsNoTorqueToTheObserver) {
   EXPECT_EQ(reported_j, 0.0);
 }
 
-TEST(External, ForgetsWhatItFeltWhenItsRegionOrSessionEnds) {
+TEST(External, ForgetsItsForceWhenRegionOrSessionEnds) {
   ForceProbe probe(external());
   probe.writes(kPush);
   probe.samples(300);
@@ -295,7 +295,7 @@ TEST(External, ValuesGainAndSwitchChangeWithoutAStep) {
   EXPECT_NE(test::set_value(probe.chain, "max_force_n", {kNan, 0, 0}), "");
 }
 
-TEST(External, ALimitThatComesDownIsKeptWhereTheSlewIsSlower) {
+TEST(External, LoweredLimitIsKeptDespiteASlowSlew) {
   EffectSpec spec = external();
   spec.values.at(5)[0] = 0.5;
   ForceProbe probe(spec);
@@ -310,7 +310,7 @@ TEST(External, ALimitThatComesDownIsKeptWhereTheSlewIsSlower) {
   EXPECT_NEAR(probe.force(), 0.5, 1e-9);
 }
 
-TEST(External, NeedsAndBoundsSayWhatItIs) {
+TEST(External, NeedsAndBoundsAreCorrect) {
   const EffectSpec spec = external();
   const EffectNeeds needs = spec.kind->needs(spec.values);
   EXPECT_TRUE(needs.external && needs.torque);
@@ -324,7 +324,7 @@ TEST(External, NeedsAndBoundsSayWhatItIs) {
   EXPECT_EQ(external_of({}), nullptr);
 }
 
-TEST(RosTopic, TakesAbsoluteNamesAloneAndSaysWhatIsWrong) {
+TEST(RosTopic, TakesAbsoluteNamesOnlyAndReportsWhatIsWrong) {
   for (const char* good : {"/sim/wrench", "/w", "/a_b/c9/_d"})
     EXPECT_EQ(fault_of_ros_topic(good), "") << good;
   for (const char* bad : {"", "/", "wrench", "sim/wrench", "/sim/", "//w", "/9a", "/a b", "/a-b",

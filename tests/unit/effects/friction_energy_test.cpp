@@ -66,7 +66,7 @@ TEST(Friction, GivesNoEnergyOnAnyOf240RandomClosedPaths) {
 /// Bent at the rim, where little friction holds, carried in within the bristles' reach, let go
 /// inside, out again unbent: a force that the region scaled would come back larger than it was put
 /// in.
-TEST(Friction, GivesNoEnergyAtTheRimOfARegionHoweverSharpItIs) {
+TEST(Friction, GivesNoEnergyAtTheRimOfARegion) {
   for (const double blend : {1e-5, 1e-4, 1e-3}) {
     effects::EffectSpec spec =
         effect("friction", {{"coulomb", {1.0}}, {"stiffness_n_per_m", {300}}});
@@ -95,7 +95,7 @@ TEST(Friction, GivesNoEnergyAtTheRimOfARegionHoweverSharpItIs) {
   }
 }
 
-TEST(Friction, HoldsAToolOnATiltedPlaneForAMinuteWithoutCreepUnderEncoderNoise) {
+TEST(Friction, HoldsAToolOnASlopeWithoutCreep) {
   constexpr double kMass = 0.1, kWall = 1000.0, kDamping = 2.0, kStep = 2e-5, kDt = 1e-3,
                    kGravity = 9.81;
   const Vec3 up =
@@ -130,7 +130,7 @@ TEST(Friction, HoldsAToolOnATiltedPlaneForAMinuteWithoutCreepUnderEncoderNoise) 
       << "no more than the bristles make of the noise itself";
 }
 
-TEST(Friction, IsConstantToTheLastBitForAToolAtRestHoweverItCameToRest) {
+TEST(Friction, IsConstantForAToolAtRest) {
   std::mt19937_64 random(4);
   for (int attempt = 0; attempt < 50; ++attempt) {
     Asked asked(any_friction(random));
@@ -147,7 +147,7 @@ TEST(Friction, IsConstantToTheLastBitForAToolAtRestHoweverItCameToRest) {
   }
 }
 
-TEST(Friction, HasNoForceStepOnTheWayInAlongAndOut) {
+TEST(Friction, HasNoForceStepInAlongAndOut) {
   std::mt19937_64 random(9);
   for (int attempt = 0; attempt < 40; ++attempt) {
     Asked asked(any_friction(random));
@@ -173,7 +173,7 @@ TEST(Friction, HasNoForceStepOnTheWayInAlongAndOut) {
   }
 }
 
-TEST(Friction, GivesNoTorqueStepWhereTheDeepestPointJumps) {
+TEST(Friction, DeepestPointJumpGivesNoTorqueStep) {
   Asked asked(effect("friction", {{"coulomb", {1.0}}}));
   double largest = 0.0;
   Vec3 last = Vec3::Zero();
@@ -191,7 +191,7 @@ TEST(Friction, GivesNoTorqueStepWhereTheDeepestPointJumps) {
                 1.01);  // k times arm of a step, and the force times a step of the height
 }
 
-TEST(Friction, StaysANumberThroughContactsThatHaveNoSense) {
+TEST(Friction, StaysFiniteForInvalidContacts) {
   Asked asked(
       effect("friction", {{"coulomb", {2.0}}, {"sticking", {2.0}}, {"stiffness_n_per_m", {5000}}}));
   std::mt19937_64 random(2);

@@ -20,7 +20,7 @@ effects::EffectForce slide_to(Asked& asked, const Pose& pose) {
   return asked.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)});
 }
 
-TEST(Friction, IsASpringUntilTheFrictionConeAndThatConeBeyondIt) {
+TEST(Friction, IsASpringWithinTheConeAndTheConeBeyond) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
   for (int n = 0; n <= 1000; ++n) {
     const double x = 1e-5 * n;
@@ -34,7 +34,7 @@ TEST(Friction, IsASpringUntilTheFrictionConeAndThatConeBeyondIt) {
   }
 }
 
-TEST(Friction, TurnsWithTheWayOfSlidingInTheTangentPlane) {
+TEST(Friction, OpposesTheSlidingDirectionInTheTangentPlane) {
   Asked asked(effect("friction", {{"coulomb", {0.3}}}));
   const double heading = 0.7;
   Wrench last;
@@ -48,7 +48,7 @@ TEST(Friction, TurnsWithTheWayOfSlidingInTheTangentPlane) {
       << last.force.transpose();
 }
 
-TEST(Friction, HoldsByTheStickingFactorAndLetsGoWithNoStep) {
+TEST(Friction, SticksByItsFactorAndReleasesWithoutAStep) {
   Asked asked(
       effect("friction", {{"coulomb", {0.4}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {500}}}));
   double most = 0.0, last = 0.0;
@@ -66,7 +66,7 @@ TEST(Friction, HoldsByTheStickingFactorAndLetsGoWithNoStep) {
   EXPECT_NEAR(most, -1.2, 1e-9) << "mended on the way to the other side";
 }
 
-TEST(Friction, LetsGoInTheSameWayHoweverLongTheStepsAre) {
+TEST(Friction, ReleasesIndependentlyOfTheStepLength) {
   const auto force_after = [](double displacement, int steps) {
     Asked asked(effect("friction",
                        {{"coulomb", {0.4}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {500}}}));
@@ -80,7 +80,7 @@ TEST(Friction, LetsGoInTheSameWayHoweverLongTheStepsAre) {
         << displacement;
 }
 
-TEST(Friction, IsNeverMoreThanTheCapOfItsScene) {
+TEST(Friction, NeverExceedsTheScenesCap) {
   Asked asked(effect("friction", {{"coulomb", {1.0}}, {"most_n", {0.8}}}));
   double most = 0.0;
   for (int n = 0; n < 2000; ++n)
@@ -89,7 +89,7 @@ TEST(Friction, IsNeverMoreThanTheCapOfItsScene) {
   EXPECT_EQ(effects::bound_of(asked.chain.spec(0)).force_n, 0.8);
 }
 
-TEST(Friction, WeakerPressureLetsTheBristlesSlipAndMorePressureDoesNotBendThem) {
+TEST(Friction, LowerPressureSlipsAndHigherDoesNotBend) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {500}}}));
   slide_to(asked, pressing(2.0, 0));
   EXPECT_NEAR(slide_to(asked, pressing(2.0, 0.0018)).wrench.force.x(), -0.9, 1e-12);
@@ -102,7 +102,7 @@ TEST(Friction, WeakerPressureLetsTheBristlesSlipAndMorePressureDoesNotBendThem) 
       << "what was before the lift is forgotten";
 }
 
-TEST(Friction, OfABallThatTurnsOnTheSpotIsATorqueAtItsDeepestPoint) {
+TEST(Friction, OfASpinningBallActsAtItsDeepestPoint) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
   effects::EffectForce push;
   for (int n = 0; n <= 100; ++n) {
@@ -116,7 +116,7 @@ TEST(Friction, OfABallThatTurnsOnTheSpotIsATorqueAtItsDeepestPoint) {
   EXPECT_NEAR(push.wrench.torque.y(), -0.01 * 400 * displacement, 2e-5);
 }
 
-TEST(Friction, OfAToolThatTouchesAsideOfItsOriginActsWhereItTouches) {
+TEST(Friction, OfAnOffsetContactActsAtTheContact) {
   const BallTool tool{Vec3(0.05, 0, 0), 0.01};
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
   effects::EffectForce push;
@@ -156,7 +156,7 @@ TEST(Friction, IsAgainstTheObjectsOwnMotion) {
   EXPECT_TRUE(after.isApprox(Eigen::AngleAxisd(0.1, Vec3::UnitZ()) * before, 1e-9));
 }
 
-TEST(Friction, GoesRoundACornerWithItsBendUnstretchedAndAcrossTheNormal) {
+TEST(Friction, KeepsItsBendTangentialAroundACorner) {
   const Vec3 middle = Vec3::Zero();
   Asked asked(effect("friction", {{"coulomb", {2.0}}, {"stiffness_n_per_m", {100}}}));
   double last = 0.0;
@@ -174,7 +174,7 @@ TEST(Friction, GoesRoundACornerWithItsBendUnstretchedAndAcrossTheNormal) {
   EXPECT_GT(last, 0.1);
 }
 
-TEST(Friction, KeepsItsSizeWhereTheNormalTurnsUnderAToolAtRest) {
+TEST(Friction, KeepsItsSizeWhenTheNormalRotates) {
   Asked asked(effect("friction", {{"coulomb", {2.0}}, {"stiffness_n_per_m", {100}}}));
   const Pose pose = pressing(2.0, 1e-3, 5e-4);
   slide_to(asked, pressing(2.0, 0));
@@ -219,7 +219,7 @@ TEST(Friction, SumsOverObjectsInAnyOrderAndKeepsThemApart) {
   }
 }
 
-TEST(Friction, OfMoreObjectsThanItHasRoomForLeavesTheRestOut) {
+TEST(Friction, LeavesOutExcessObjects) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {100}}}));
   double force = 0.0;
   for (int n = 0; n <= 10; ++n) {
@@ -240,7 +240,7 @@ TEST(Friction, IsForgottenByAResetAndStartsFromNothing) {
   EXPECT_TRUE(slide_to(asked, pressing(2.0, 0.5)).wrench.zero());
 }
 
-TEST(Friction, KeepsItsForceWhereItsBristlesGetStiffer) {
+TEST(Friction, StifferBristlesKeepTheForce) {
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {200}}}));
   slide_to(asked, pressing(2.0, 0));
   slide_to(asked, pressing(2.0, 0.001));
@@ -250,7 +250,7 @@ TEST(Friction, KeepsItsForceWhereItsBristlesGetStiffer) {
   EXPECT_NEAR(slide_to(asked, pressing(2.0, 0.0011)).wrench.force.x(), -0.3, 1e-9);
 }
 
-TEST(Friction, ReportsAStiffnessThatIsNotLessThanItsOwn) {
+TEST(Friction, ReportsAtLeastItsOwnStiffness) {
   std::mt19937_64 random(11);
   for (int attempt = 0; attempt < 200; ++attempt) {
     const double k = scale_between(random, 10, 5000), wall = scale_between(random, 50, 3000);
@@ -279,7 +279,7 @@ TEST(Friction, ReportsAStiffnessThatIsNotLessThanItsOwn) {
   }
 }
 
-TEST(Friction, ReportsAStiffnessThatCoversAPushThatEasesWhileItLetsGo) {
+TEST(Friction, StiffnessCoversAReleaseUnderEasingForce) {
   const double wall = 3000, slides = 0.5, k = 100, push_n = 2.0;
   Asked asked(
       effect("friction", {{"coulomb", {slides}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {k}}}));

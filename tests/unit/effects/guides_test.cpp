@@ -67,7 +67,7 @@ effects::EffectSpec random_guide(Random& random, int which) {
   return spec;
 }
 
-TEST(GuidePoint, PullsAsAnIdealSpringThenBendsToItsLimit) {
+TEST(GuidePoint, PullsAsASpringUpToItsLimit) {
   Bench bench(point_guide());
   const Vec3 p(0.1, 0.2, 0.3), u = Vec3(2, -1, 2) / 3.0;
   const auto force = [&](double s) { return -bench.at(at(p + s * u)).wrench.force.dot(u); };
@@ -83,7 +83,7 @@ TEST(GuidePoint, PullsAsAnIdealSpringThenBendsToItsLimit) {
   EXPECT_TRUE(std::isinf(effects::bound_of(bench.spec()).potential_j));
 }
 
-TEST(GuidePoint, LetsGoAtItsRangeWhereAskedTo) {
+TEST(GuidePoint, ReleasesAtItsRangeIfConfigured) {
   Bench bench(point_guide(true));
   const Vec3 p(0.1, 0.2, 0.3);
   const auto pull = [&](double s) { return bench.at(at(p + s * Vec3::UnitX())); };
@@ -96,7 +96,7 @@ TEST(GuidePoint, LetsGoAtItsRangeWhereAskedTo) {
   EXPECT_NEAR(effects::bound_of(bench.spec()).potential_j, -pull(0.0).potential_j, 1e-13);
 }
 
-TEST(GuideLine, HoldsAcrossAndLetsSlideAlong) {
+TEST(GuideLine, HoldsAcrossAndIsFreeAlong) {
   Bench bench(line_guide(0));
   const effects::EffectForce push = bench.at(at({0.003, 0.004, 7.0}));
   EXPECT_TRUE(push.wrench.force.isApprox(-200 * Vec3(0.003, 0.004, 0)));
@@ -114,7 +114,7 @@ TEST(GuideLine, OfFiniteLengthHoldsAtItsEnds) {
   EXPECT_TRUE(bench.at(at({0, 0, -0.011})).wrench.zero());
 }
 
-TEST(GuidePlane, OfTwoSidesHoldsOnThePlaneOfOneKeepsOutOnly) {
+TEST(GuidePlane, TwoSidedHoldsAndOneSidedKeepsOut) {
   Bench both(plane_guide(false)), one(plane_guide(true));
   EXPECT_TRUE(both.at(at({3, 4, 0.052})).wrench.force.isApprox(Vec3(0, 0, -0.4)));
   EXPECT_TRUE(both.at(at({3, 4, 0.048})).wrench.force.isApprox(Vec3(0, 0, 0.4)));
@@ -126,7 +126,7 @@ TEST(GuidePlane, OfTwoSidesHoldsOnThePlaneOfOneKeepsOutOnly) {
   EXPECT_NEAR(both.at(at({0, 0, 0.048})).stiffness(2, 2), 200, 1e-9);
 }
 
-TEST(Guides, PushAsTheirPotentialSaysForAnyParameters) {
+TEST(Guides, PushAlongTheirPotentialForAnyParameters) {
   Random random(11);
   for (int attempt = 0; attempt < 1000; ++attempt) {
     Bench bench(random_guide(random, attempt % 3));
@@ -142,7 +142,7 @@ TEST(Guides, HaveAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
   }
 }
 
-TEST(Guides, ReachTheirBoundSoThatItIsNoLargerThanNeeded) {
+TEST(Guides, ReachTheirBound) {
   Bench bench(point_guide(true));
   double most = 0.0;
   for (int n = 0; n < 700; ++n)
@@ -190,7 +190,7 @@ TEST(Guides, LeaveLessEnergyTheFinerAPathIsSampled) {
   EXPECT_LT(fine, coarse / 16);  // 64 where nothing bends sharply
 }
 
-TEST(Guides, AreFiniteWhereTheToolIsOnThemFarOffAndWhereNothingPushes) {
+TEST(Guides, AreFiniteOnThemFarAwayAndAtZeroForce) {
   for (effects::EffectSpec spec : {point_guide(), point_guide(true), line_guide(0),
                                    line_guide(0.02), plane_guide(false), plane_guide(true)})
     for (const double k : {0.0, 1e-300, 200.0})
@@ -207,7 +207,7 @@ TEST(Guides, AreFiniteWhereTheToolIsOnThemFarOffAndWhereNothingPushes) {
         }
 }
 
-TEST(Guides, RefuseWhatContradictsItselfWithASentence) {
+TEST(Guides, RefuseContradictionsWithAMessage) {
   const auto why = [](effects::EffectSpec spec, std::size_t p, std::array<double, 3> value) {
     spec.values.at(p) = value;
     return effects::check_values(*spec.kind, spec.values);
@@ -223,7 +223,7 @@ TEST(Guides, RefuseWhatContradictsItselfWithASentence) {
   EXPECT_NE(why(line_guide(0.1), 7, just(0.0)).find("'half_length_m'"), std::string::npos);
 }
 
-TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
+TEST(Guides, StayWithinTheirStiffnessDuringAnyChange) {
   effects::EffectSpec spec = point_guide(true);
   spec.values.at(0) = just(100), spec.values.at(1) = just(1), spec.values.at(3) = just(0.03);
   Bench bench(spec);
@@ -238,7 +238,7 @@ TEST(Guides, StayWithinTheirStiffnessWhileAllTheirParametersChangeAtOnce) {
   }
 }
 
-TEST(Guides, TurnedAndMovedWhileRunningMakeNoForceStep) {
+TEST(Guides, RotatedAndMovedAtRunTimeMakeNoForceStep) {
   for (effects::EffectSpec spec :
        {line_guide(0), line_guide(0.02), plane_guide(false), plane_guide(true)}) {
     Bench bench(spec);

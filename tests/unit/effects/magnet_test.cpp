@@ -25,7 +25,7 @@ effects::EffectSpec random_magnet(Random& random) {
 
 Pose at(const Vec3& x) { return {x, Quat::Identity()}; }
 
-TEST(Magnet, PullsTowardsItsPointMostAtARootOfAFifthOfItsRadius) {
+TEST(Magnet, PullPeaksAtItsRadiusOverRootFive) {
   Bench bench(magnet({0.1, 0, 0}, 0.02, 3));
   double most = 0.0, where = 0.0;
   for (int n = 1; n < 4000; ++n) {
@@ -44,7 +44,7 @@ TEST(Magnet, PullsTowardsItsPointMostAtARootOfAFifthOfItsRadius) {
   EXPECT_NEAR(bench.at(at({0.1, 0, 0})).potential_j, -25 * std::sqrt(5.0) / 96 * 3 * 0.02, 1e-15);
 }
 
-TEST(Magnet, PushesAsItsPotentialSaysForAnyParameters) {
+TEST(Magnet, PushesAlongItsPotentialForAnyParameters) {
   Random random(21);
   for (int attempt = 0; attempt < 1000; ++attempt) {
     Bench bench(random_magnet(random));

@@ -22,7 +22,7 @@ TEST(ProximityField, IsTheTrueDistanceBeforeAFlatWallOutToItsRange) {
   }
 }
 
-TEST(ProximityField, IsOffByLessThanAQuarterOfTheSmoothingSquaredOverTheRadiusBeforeABall) {
+TEST(ProximityField, ErrorBeforeABallIsWithinItsBound) {
   const double radius = 0.03, range = 0.008;
   const mesh::TriangleMesh mesh = sphere_mesh(radius, 4);
   Random random(31);
@@ -43,7 +43,7 @@ TEST(ProximityField, IsOffByLessThanAQuarterOfTheSmoothingSquaredOverTheRadiusBe
   }
 }
 
-TEST(ProximityField, ReachesOutAsFarAsAskedOnEverySideAndNoNearerThanThatBeyond) {
+TEST(ProximityField, ReachesTheRequestedRangeOnEverySide) {
   Random random(32);
   const Quat turn(Eigen::AngleAxisd(0.5, Vec3(1, 2, 3).normalized()));
   const Vec3 size(0.06, 0.06, 0.04);
@@ -66,7 +66,7 @@ TEST(ProximityField, ReachesOutAsFarAsAskedOnEverySideAndNoNearerThanThatBeyond)
   }
 }
 
-TEST(ProximityField, HasTheGradientAndCurvatureOfItsDistanceWithinTheirBounds) {
+TEST(ProximityField, HasBoundedGradientAndCurvature) {
   Random random(33);
   for (const double h : {0.002, 0.004}) {
     const rendering::ProximityField field = ground_of(block_mesh(random.orientation()), 0.012, h);
@@ -92,7 +92,7 @@ TEST(ProximityField, HasTheGradientAndCurvatureOfItsDistanceWithinTheirBounds) {
   }
 }
 
-TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
+TEST(ProximityField, IsContinuousBeyondStorageAtAnyPoint) {
   const rendering::ProximityField field = ground_of(block_mesh(), 0.01, 0.002);
   effects::ProximitySample last = field.at({0.001, 0.002, 0.0});
   for (int n = 1; n <= 40000; ++n) {
@@ -111,7 +111,7 @@ TEST(ProximityField, ContinuesWhereWhatIsStoredEndsAndStandsAnyPoint) {
   }
 }
 
-TEST(ToolPoints, AreShellPointsThatStandForAllOfItsAreaAndLieNearAllOfIt) {
+TEST(ToolPoints, AreShellPointsCoveringTheWholeArea) {
   const mesh::TriangleMesh mesh = sphere_mesh(0.01, 4);
   const pointshell::Pointshell shell = exact_shell(mesh, 0.001);
   double last = 1.0;

@@ -58,7 +58,7 @@ class ProximityScene : public scene::SceneFolder {
       "{magnet: {point: [0, 0, 0.1], radius_m: 0.02, force_n: 1}}";
 };
 
-TEST_F(ProximityScene, BuildsDistancesWhereAnEffectAsksForThemAndOnlyThere) {
+TEST_F(ProximityScene, BuildsDistancesOnlyIfAnEffectNeedsThem) {
   const auto with = built(kProximity), magnet = built(kMagnet), none = built("");
   ASSERT_TRUE(with->effect_ground().proximity.has_value());
   for (const rendering::BuiltScene* scene : {magnet.get(), none.get()}) {
@@ -90,7 +90,7 @@ TEST_F(ProximityScene, TheModelFieldKeepsAFieldOfItsOwn) {
   EXPECT_EQ(with->field()->bytes(), without->field()->bytes());
 }
 
-TEST_F(ProximityScene, IsFeltBeforeTheToolTouchesAndThePlanBoundsIt) {
+TEST_F(ProximityScene, PushesBeforeTouchWithinThePlannedBound) {
   const auto scene = built(kProximity), none = built("");
   rendering::ToolState tool;
   tool.pose = {Vec3(0.025, 0.025, 0.064), Quat::Identity()};
@@ -108,7 +108,7 @@ TEST_F(ProximityScene, IsFeltBeforeTheToolTouchesAndThePlanBoundsIt) {
   EXPECT_TRUE(scene->scene_renderer().render(tool, 0.001).wrench.zero());
 }
 
-TEST_F(ProximityScene, RefusesOpenMeshesAndLeversThatAreTooShortWithASentence) {
+TEST_F(ProximityScene, RefusesOpenMeshesAndShortLevers) {
   EXPECT_NE(refusal(kProximity, "{mesh: open.obj}").find("closed"), std::string::npos);
   const auto both = built(kProximity, "{mesh: block.obj}, {mesh: open.obj, position: [0, 0, 0.2]}");
   EXPECT_TRUE(any_has(both->plan().warnings, "open.obj: "));

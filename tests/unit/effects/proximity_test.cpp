@@ -71,7 +71,7 @@ TEST(Proximity, IsTheSameForMorePointsOnTheSameTool) {
               0.05 * force(20000).stiffness_bound_n_per_m);
 }
 
-TEST(Proximity, TurnsTheToolOnlyWhereALeverSaysThatItMay) {
+TEST(Proximity, GivesTorqueOnlyWithALever) {
   const std::vector<effects::ToolPoint> points = ball(0.005, 64, {0.02, 0, 0});
   Bench with(proximity(4.0, kRange, 0.002, 0.03), &block(0.002), points),
       without(proximity(4.0, kRange, 0.002), &block(0.002), points);
@@ -86,7 +86,7 @@ TEST(Proximity, TurnsTheToolOnlyWhereALeverSaysThatItMay) {
   EXPECT_EQ(effects::needs_of(std::vector{without.spec(), with.spec()}).lever_m, 0.03);
 }
 
-TEST(Proximity, PushesAndTurnsAsItsPotentialSaysForAnyParameters) {
+TEST(Proximity, ForceAndTorqueFollowItsPotential) {
   Random random(41);
   const std::vector<effects::ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
   int with_force = 0;
@@ -100,7 +100,7 @@ TEST(Proximity, PushesAndTurnsAsItsPotentialSaysForAnyParameters) {
   EXPECT_GT(with_force, 150);
 }
 
-TEST(Proximity, HasAStiffnessAndBoundsThatCoverEveryFiniteDifference) {
+TEST(Proximity, BoundsCoverEveryFiniteDifference) {
   Random random(42);
   const std::vector<effects::ToolPoint> points = ball(0.008, 100, {0.004, 0, -0.002});
   for (int attempt = 0; attempt < 1500; ++attempt) {
@@ -163,7 +163,7 @@ TEST(Proximity, LeavesLessEnergyTheFinerAPathIsSampled) {
   EXPECT_LT(fine, coarse / 16);
 }
 
-TEST(Proximity, OfNothingToLookUpGivesNothing) {
+TEST(Proximity, WithoutDistancesGivesNothing) {
   Bench bench(proximity(4.0, kRange, 0.002));
   EXPECT_TRUE(bench.at({}).wrench.zero());
   const std::vector<effects::ToolPoint> points = ball(0.008, 60);
@@ -173,7 +173,7 @@ TEST(Proximity, OfNothingToLookUpGivesNothing) {
   EXPECT_EQ(far.chain().not_finite(), 0u);
 }
 
-TEST(Proximity, MayNotBeChangedToWhatWasNotBuilt) {
+TEST(Proximity, RefusesChangesBeyondTheBuiltField) {
   Bench bench(proximity(4.0, kRange, 0.002));
   EXPECT_EQ(set_value(bench.chain(), "range_m", {0.008, 0, 0}), "");
   EXPECT_NE(set_value(bench.chain(), "range_m", {0.02, 0, 0}), "");

@@ -40,7 +40,7 @@ BodyLoad floor_at(const Pose& pose, double k, double speed = 0.0) {
   return load;
 }
 
-TEST(RigidBody, FallsAsGravitySaysWhileNobodyHoldsIt) {
+TEST(RigidBody, FallsByGravityWhileReleased) {
   RigidBody body(box_shape());
   body.place({Vec3(0, 0, 1), Quat::Identity()}, false);
   for (int n = 0; n < 300; ++n)
@@ -50,7 +50,7 @@ TEST(RigidBody, FallsAsGravitySaysWhileNobodyHoldsIt) {
       << "half a step early, as semi-implicit Euler is";
 }
 
-TEST(RigidBody, RestsWhereTheFloorCarriesItsWeightHoweverStiffTheFloorIs) {
+TEST(RigidBody, RestsOnAFloorOfAnyStiffness) {
   for (const double k : {100.0, 2e3, 1e5, 1e8}) {
     RigidBody body(box_shape());
     body.place({Vec3(0, 0, 0.02), Quat::Identity()}, false);
@@ -66,7 +66,7 @@ TEST(RigidBody, RestsWhereTheFloorCarriesItsWeightHoweverStiffTheFloorIs) {
   }
 }
 
-TEST(RigidBody, HangsOnTheToolByItsWeightAndTheHandFeelsJustThat) {
+TEST(RigidBody, DisplaysItsWeightWhenHeldByTheTool) {
   RigidBody body(box_shape());
   const Pose tool{Vec3(0.1, 0.2, 0.3), Quat(Eigen::AngleAxisd(0.4, Vec3::UnitY()))};
   body.place(tool, true);
@@ -78,7 +78,7 @@ TEST(RigidBody, HangsOnTheToolByItsWeightAndTheHandFeelsJustThat) {
   EXPECT_LT(grip.wrench.torque.norm(), 1e-6) << "its centre of mass is where it is held";
 }
 
-TEST(RigidBody, HeldOffItsCentreItTurnsTheHand) {
+TEST(RigidBody, GrippedOffCentreGivesATorque) {
   BodyShape shape = box_shape();
   shape.centre = Vec3(0.02, 0, 0);
   RigidBody body(shape);
@@ -91,7 +91,7 @@ TEST(RigidBody, HeldOffItsCentreItTurnsTheHand) {
   EXPECT_NEAR(grip.wrench.torque.y(), 0.981 * 0.02, 1e-4);
 }
 
-TEST(RigidBody, IsTakenUpAsItLiesWithoutAForceToBeginWith) {
+TEST(RigidBody, IsGrippedWithoutAnInitialForce) {
   RigidBody body(box_shape());
   BodyParameters p = usual();
   p.gravity_m_per_s2.setZero();
@@ -108,7 +108,7 @@ TEST(RigidBody, IsTakenUpAsItLiesWithoutAForceToBeginWith) {
   EXPECT_LT(body.pose().position.norm(), 1e-9) << "it stays where it lay";
 }
 
-TEST(RigidBody, LetGoTheHandLosesTheWeightInARampNotAStep) {
+TEST(RigidBody, ReleaseRampsTheWeightDown) {
   RigidBody body(box_shape());
   const Pose tool{Vec3(0, 0, 1), Quat::Identity()};
   body.place(tool, true);
@@ -127,7 +127,7 @@ TEST(RigidBody, LetGoTheHandLosesTheWeightInARampNotAStep) {
 
 /// What the hand got out is no more than what the store gave: kinetic, height, grip and the floor's
 /// spring.
-TEST(RigidBody, GivesTheHandNoMoreThanItsStoreLoses) {
+TEST(RigidBody, GivesOnlyItsStoredEnergy) {
   std::mt19937_64 random(5);
   const auto uniform = [&](double a, double b) {
     return a + (b - a) * 0x1p-53 * static_cast<double>(random() >> 11);
@@ -183,7 +183,7 @@ TEST(RigidBody, RidesOnAFloorThatMoves) {
       << "no deeper than on one that rests";
 }
 
-TEST(RigidBody, StopsWhereALoadIsNoNumber) {
+TEST(RigidBody, StopsForANonFiniteLoad) {
   RigidBody body(box_shape());
   body.place({}, false);
   BodyLoad load;

@@ -9,7 +9,7 @@ const Vec3 kUp = Vec3::UnitZ();
 Pose pressing(double push_n) { return {Vec3(0, 0, 0.01 - push_n / 1000.0), Quat::Identity()}; }
 contact::ContactResult plane(const Pose& pose) { return on_plane(pose, kBall, kUp, 0, 1000); }
 
-TEST(SurfaceDamping, IsViscousAlongTheSurfaceAndAcrossItAsAskedFor) {
+TEST(SurfaceDamping, HasItsViscosityAlongAndAcrossTheSurface) {
   Asked asked(
       effect("surface_damping",
              {{"damping_ns_per_m", {4}}, {"normal_damping_ns_per_m", {2}}, {"full_force_n", {1}}}));
@@ -22,7 +22,7 @@ TEST(SurfaceDamping, IsViscousAlongTheSurfaceAndAcrossItAsAskedFor) {
   EXPECT_TRUE(push.wrench.torque.isApprox(Vec3(0, 0, -0.01).cross(expected), 1e-9));
 }
 
-TEST(SurfaceDamping, GrowsFromNothingToAllWithThePush) {
+TEST(SurfaceDamping, GrowsWithTheContactForce) {
   Asked asked(effect("surface_damping", {{"damping_ns_per_m", {4}}, {"full_force_n", {1}}}));
   const Twist twist{Vec3(0.1, 0, 0), Vec3::Zero()};
   double last = 0.0;
@@ -84,7 +84,7 @@ TEST(SurfaceDamping, TakesEnergyAtEveryMomentWithinItsBound) {
   }
 }
 
-TEST(SurfaceDamping, ReportsAStiffnessNotLessThanItsChangeWithDepth) {
+TEST(SurfaceDamping, StiffnessCoversItsChangeWithDepth) {
   Asked asked(effect("surface_damping", {{"damping_ns_per_m", {20}}, {"full_force_n", {2}}}));
   const Twist twist{Vec3(0.3, 0.1, 0), Vec3::Zero()};
   Vec3 last = Vec3::Zero();

@@ -29,7 +29,7 @@ effects::EffectSpec any_texture(std::mt19937_64& random) {
   return spec;
 }
 
-TEST(TexturePattern, HasTheSlopeOfItsHeightWithinOneAndItsBendWithinItsBound) {
+TEST(TexturePattern, SlopeMatchesItsHeightAndBendIsBounded) {
   std::mt19937_64 random(1);
   for (const int pattern : {kGrating, kNoise}) {
     const double wave = 0.002;
@@ -95,7 +95,7 @@ TEST(Texture, PushesAlongTheSurfaceOnlyAndNotInFreeSpace) {
   }
 }
 
-TEST(Texture, OnAFlatSurfacePressedEvenlyGivesNoEnergyOn220RandomClosedPaths) {
+TEST(Texture, OnAFlatSurfaceConservesEnergy) {
   std::mt19937_64 random(77);
   for (int attempt = 0; attempt < 220; ++attempt) {
     effects::EffectSpec spec = any_texture(random);
@@ -116,7 +116,7 @@ TEST(Texture, OnAFlatSurfacePressedEvenlyGivesNoEnergyOn220RandomClosedPaths) {
   }
 }
 
-TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
+TEST(Texture, EnergyPerMetreIsBounded) {
   std::mt19937_64 random(78);
   double highest = 0.0;
   for (int attempt = 0; attempt < 220; ++attempt) {
@@ -151,7 +151,7 @@ TEST(Texture, GivesNoMoreThanItsBoundForEachMetreOnAnyOf220RandomClosedPaths) {
   EXPECT_EQ(effects::find_effect_kind("texture")->energy, effects::EnergyBehaviour::kBounded);
 }
 
-TEST(Texture, GivesEnergyToAHandThatPressesDownhillOnlyAndNoMoreThanTheBound) {
+TEST(Texture, DownhillPressureGainsAtMostTheBound) {
   Asked asked(texture(kGrating, 0.004, 0.5));
   double sum = 0.0, displacement = 0.0;
   Wrench last;
@@ -209,7 +209,7 @@ TEST(Texture, ChangesItsRidgesWithoutAForceStepFarFromTheOrigin) {
   EXPECT_NEAR(last, -std::cos(2 * M_PI * 7.3 / 0.0013), 1e-9);
 }
 
-TEST(Texture, BelongsToThePlaceAndNotToTheTimeOrTheWayThere) {
+TEST(Texture, DependsOnPlaceOnly) {
   for (const int pattern : {kGrating, kNoise}) {
     Asked wandering(texture(pattern, 0.003, 1.0)), fresh(texture(pattern, 0.003, 1.0));
     std::mt19937_64 random(12);
@@ -239,7 +239,7 @@ TEST(Texture, OfSeveralObjectsSumsInAnyOrderToNoMoreThanItsForce) {
   }
 }
 
-TEST(Texture, ActsAtTheFootOfTheContactForceButNoFartherOutThanItsReach) {
+TEST(Texture, ActsAtTheContactCentreWithinItsReach) {
   const BallTool tool{Vec3(0, 0.05, 0), 0.01};
   const Pose pose{Vec3(0, 0, 0.008), Quat::Identity()};
   for (const double reach : {0.02, 0.2}) {

@@ -19,7 +19,7 @@ std::vector<Box> random_boxes(std::size_t count, std::mt19937& random) {
   return boxes;
 }
 
-TEST(BoxTree, FindsWhatBruteForceFindsAndSaysHowFarTheRestIs) {
+TEST(BoxTree, MatchesBruteForceAndBoundsTheRest) {
   std::mt19937 random(7);
   for (const std::size_t count : {1u, 3u, 5u, 64u, 1000u}) {
     const std::vector<Box> boxes = random_boxes(count, random);
@@ -47,7 +47,7 @@ TEST(BoxTree, FindsWhatBruteForceFindsAndSaysHowFarTheRestIs) {
   }
 }
 
-TEST(BoxTree, StopsAtItsLimitAndSaysSo) {
+TEST(BoxTree, StopsAtItsLimitAndReportsIt) {
   std::mt19937 random(8);
   const BoxTree tree(random_boxes(1000, random));
   Work work(20);

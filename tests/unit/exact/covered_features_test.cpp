@@ -28,13 +28,13 @@ void slides_as_on_one_plane(const mesh::TriangleMesh& object,
   }
 }
 
-TEST(CoveredFeatures, ASeamOfTwoBoxesIsNotThere) {
+TEST(CoveredFeatures, SeamOfTwoBoxesIsAbsent) {
   slides_as_on_one_plane(
       test::joined(test::box({-.1, -.1, -.02}, {0, .1, 0}), test::box({0, -.1, -.02}, {.1, .1, 0})),
       {0.0});
 }
 
-TEST(CoveredFeatures, ASeamOfBoxesOfDifferentSizeIsNotThere) {
+TEST(CoveredFeatures, SeamOfUnequalBoxesIsAbsent) {
   slides_as_on_one_plane(test::joined(test::box({-.1, -.1, -.02}, {0, .1, 0}),
                                       test::box({0, -.05, -.03}, {.1, .2, 0})));
 }
@@ -44,11 +44,11 @@ TEST(CoveredFeatures, BoxesThatOverlapAreOne) {
                                       test::box({-.005, -.1, -.02}, {.1, .1, 0})));
 }
 
-TEST(CoveredFeatures, TJunctionsOfASheetAreNotThere) {
+TEST(CoveredFeatures, TJunctionsOfASheetAreAbsent) {
   slides_as_on_one_plane(test::sheet(0.1, 10, true));
 }
 
-TEST(CoveredFeatures, WhatStandsFreeStays) {
+TEST(CoveredFeatures, FreeFeaturesStay) {
   const mesh::TriangleMesh box = test::box({-.1, -.1, -.02}, {.1, .1, 0});
   const mesh::TriangleMesh post = test::box({-.01, -.01, -.01}, {.01, .01, .05});
   const FeatureMesh alone = free_features(post), both = free_features(test::joined(box, post));

@@ -30,7 +30,7 @@ double least_distance(const Distance& distance) {
   return least;
 }
 
-TEST(Crossing, AVertexThatPassesIsFoundAndNoOther) {
+TEST(Crossing, FindsExactlyTheVerticesThatCross) {
   std::mt19937 random(1);
   int passed = 0;
   for (int k = 0; k < 600; ++k) {
@@ -46,7 +46,7 @@ TEST(Crossing, AVertexThatPassesIsFoundAndNoOther) {
   EXPECT_GT(passed, 10);
 }
 
-TEST(Crossing, EdgesThatPassAreFoundAndNoOthers) {
+TEST(Crossing, FindsExactlyTheEdgesThatCross) {
   std::mt19937 random(2);
   int passed = 0;
   for (int k = 0; k < 600; ++k) {
@@ -62,7 +62,7 @@ TEST(Crossing, EdgesThatPassAreFoundAndNoOthers) {
   EXPECT_GT(passed, 10);
 }
 
-TEST(Crossing, AStepThatOnlyJustPassesIsFound) {
+TEST(Crossing, FindsABarelyCrossingStep) {
   const std::array<MovingPoint, 3> face{MovingPoint{{0, 0, 0}, {0, 0, 0}},
                                         MovingPoint{{1, 0, 0}, {1, 0, 0}},
                                         MovingPoint{{0, 1, 0}, {0, 1, 0}}};

@@ -7,7 +7,7 @@
 namespace voxtouch::exact {
 namespace {
 
-TEST(Edges, CrossedEdgesOfAnyAngleTouchWhereTheirLinesMeet) {
+TEST(Edges, CrossedEdgesTouchAtTheirLinesIntersection) {
   for (const double degrees : {10.0, 30.0, 60.0, 90.0, 120.0, 150.0}) {
     const mesh::TriangleMesh wedge = test::wedge(degrees * kDegree, 0.01, 0.02);
     const Quat upside_down =
@@ -32,7 +32,7 @@ TEST(Edges, CrossedEdgesOfAnyAngleTouchWhereTheirLinesMeet) {
   }
 }
 
-TEST(Edges, ABallDrawnOverAnEdgeLeavesItWithoutASnag) {
+TEST(Edges, BallPulledOverAnEdgeLeavesWithoutASnag) {
   Rig rig(test::ball(0.01, 3), test::box({-0.05, -0.05, -0.05}, {0.0, 0.05, 0.0}));
   const Pose start{{-0.02, 0.001, 0.011}, Quat::Identity()};
   ASSERT_TRUE(rig.virtual_tool.place(start, {&rig.object_pose, 1}));

@@ -59,7 +59,7 @@ TEST(Energy, SlidingRoundACylinderGivesNone) {
   EXPECT_LE(round.given, 1e-4 * round.moved);
 }
 
-TEST(Energy, APinLedRoundItsHoleGivesNone) {
+TEST(Energy, PinGuidedAroundItsHoleGivesNone) {
   Rig rig(test::prism(test::circle(0.005, 72), -0.015, 0.015),
           test::block_with_hole(test::circle(0.0052, 72), 0.02, -0.02, 0.02));
   ASSERT_TRUE(rig.virtual_tool.place({}, {&rig.object_pose, 1}));

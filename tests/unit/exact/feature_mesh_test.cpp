@@ -71,7 +71,7 @@ TEST(FeatureMesh, LeavesOutDoublesAndTrianglesWithoutArea) {
   EXPECT_THROW(find_features({mesh.vertices, {{0, 0, 1}}}), std::runtime_error);
 }
 
-TEST(FeatureMesh, FacesThatPointAgainstEachOtherShareNoEdge) {
+TEST(FeatureMesh, OppositeFacesHaveNoCommonEdge) {
   mesh::TriangleMesh mesh = test::sheet(1.0, 1);
   std::swap(mesh.triangles[1][0], mesh.triangles[1][1]);
   EXPECT_EQ(count(find_features(mesh), EdgeKind::kRim), 6);

@@ -45,7 +45,7 @@ TEST(Foils, NoneIsPassed) {
   EXPECT_EQ(passed(2e-5, 1.5e-3, 0.02, random), 0);
 }
 
-TEST(Foils, AnEdgeOnAnEdgeOfAFoilDoesNotPassEither) {
+TEST(Foils, EdgeOnAnEdgeDoesNotPass) {
   // A thin rod across the rim of a foil: no vertex of either is near the crossing.
   Rig rig(test::box({-2e-4, -0.02, -2e-4}, {2e-4, 0.02, 2e-4}),
           test::box({-0.02, -1e-5, -0.05}, {0.02, 1e-5, 0.0}));

@@ -11,7 +11,7 @@
 namespace voxtouch::exact {
 namespace {
 
-TEST(Frames, InFreeSpaceTheToolIsTheHandToTheBit) {
+TEST(Frames, InFreeSpaceTheToolIsExactlyTheHand) {
   Rig rig(test::ball(0.01, 3), test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}));
   ASSERT_TRUE(rig.virtual_tool.place({{0, 0, 0.03}, Quat::Identity()}, {&rig.object_pose, 1}));
   std::mt19937 random(4);
@@ -39,7 +39,7 @@ Pose tumbling(int k) {
       turned(17.0 * t, {1, std::sin(3 * t), 0.4})};
 }
 
-TEST(Frames, TheSameFramesGiveTheSameBitsAndTheSameWork) {
+TEST(Frames, SameFramesAreBitIdenticalWithEqualWork) {
   const mesh::TriangleMesh box = test::box({-.004, -.006, -.015}, {.004, .006, .015}),
                            bowl = test::bowl(0.03, 0.034, 48, 12);
   Rig a(box, bowl), b(box, bowl);
@@ -53,7 +53,7 @@ TEST(Frames, TheSameFramesGiveTheSameBitsAndTheSameWork) {
   }
 }
 
-TEST(Frames, AtTheLimitOfWorkTheToolLagsAndPassesNothing) {
+TEST(Frames, AtTheWorkLimitTheToolTrailsAndNeverPasses) {
   VirtualToolOptions options;
   options.max_work = 5000;
   Rig rig(test::box({-.004, -.006, -.015}, {.004, .006, .015}), test::bowl(0.03, 0.0302, 48, 12),
@@ -164,7 +164,7 @@ TEST(Frames, APinThatMovesFreelyKeepsWithinTheLimitOfWork) {
   }
 }
 
-TEST(Frames, PosesThatAreNoneGiveNoForceAndLeaveTheTool) {
+TEST(Frames, InvalidPosesGiveNoForceAndKeepTheTool) {
   Rig rig(test::ball(0.01, 2), test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}));
   const Pose hand{{0, 0, 0.02}, Quat::Identity()};
   ASSERT_TRUE(rig.virtual_tool.place(hand, {&rig.object_pose, 1}));
@@ -228,7 +228,7 @@ TEST(Frames, ALostHandIsFoundOrTheToolStays) {
 }
 
 /// What a scene that was built anew takes over from the one before it.
-TEST(Frames, AToolThatIsTakenOverHasItsWholeForceAtOnce) {
+TEST(Frames, TakenOverToolHasItsWholeForceAtOnce) {
   const mesh::TriangleMesh block = test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0});
   Rig rig(test::ball(0.01, 3), block);
   rig.virtual_tool.start_at({{0, 0, 0.0101}, Quat::Identity()});
@@ -243,7 +243,7 @@ TEST(Frames, AToolThatIsTakenOverHasItsWholeForceAtOnce) {
   EXPECT_FALSE(rig.rest({{0, 0, 0.02}, Quat::Identity()}, 100).not_initialised);
 }
 
-TEST(Frames, AfterAResetTheToolStartsAnew) {
+TEST(Frames, ResetRestartsTheTool) {
   Rig rig(test::ball(0.01, 2), test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}));
   ASSERT_TRUE(rig.virtual_tool.place({{0, 0, 0.02}, Quat::Identity()}, {&rig.object_pose, 1}));
   rig.virtual_tool.reset();

@@ -22,7 +22,7 @@ struct Pressed : Rig {
   Pose hand;
 };
 
-TEST(Friction, ADraggedToolIsHeldByFrictionTimesForce) {
+TEST(Friction, DraggedToolIsHeldByFrictionTimesForce) {
   Pressed rig;
   VirtualToolFrame frame;
   for (int k = 0; k < 300; ++k) {
@@ -46,7 +46,7 @@ TEST(Friction, WithinTheConeTheToolSticksAndDoesNotCreep) {
     EXPECT_EQ(rig.frame(rig.hand, kFriction).tool, rested);
 }
 
-TEST(Friction, AWayThereAndBackTakesEnergy) {
+TEST(Friction, PathThereAndBackDissipatesEnergy) {
   Pressed rig;
   double taken = 0.0, displacement = 0.0;
   Vec3 last = Vec3::Zero();
@@ -65,7 +65,7 @@ TEST(Friction, AWayThereAndBackTakesEnergy) {
   EXPECT_LT(taken, kFriction * 0.0052 * displacement);
 }
 
-TEST(Friction, ATwistedPegFaceResistsTurnsAboutItsNormal) {
+TEST(Friction, TwistedPegFaceResistsRotation) {
   Rig rig(test::box({-.005, -.005, -.01}, {.005, .005, .01}),
           test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}));
   const Pose start{{0, 0, 0.0102}, Quat::Identity()};

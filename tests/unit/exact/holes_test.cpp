@@ -50,7 +50,7 @@ TEST(Holes, AShiftedCrossIsHeldByTheClosedForm) {
   }
 }
 
-TEST(Holes, ATurnedCrossIsHeldByTheClosedForm) {
+TEST(Holes, RotatedCrossIsHeldByTheClosedForm) {
   for (const double c : {2e-4, 5e-5}) {
     for (const double displacement : {0.1, -0.1}) {
       Rig rig(test::prism(test::cross(kLength, kWidth, 0.0), -0.01, 0.01),

@@ -48,7 +48,7 @@ TEST(Objects, InACornerOfTwoEachPushesWithItsOwnForce) {
 
 /// Two flush blocks as one body: nothing is displayed of their seam, and each reports its own
 /// force.
-TEST(Objects, OfOneBodyTellEachItsOwnForce) {
+TEST(Objects, OfOneBodyReportTheirOwnForces) {
   const mesh::TriangleMesh left = test::box({-0.1, -0.1, -0.02}, {0.0, 0.1, 0.0});
   const mesh::TriangleMesh right = test::box({0.0, -0.12, -0.03}, {0.1, 0.12, 0.0});
   std::vector<std::uint32_t> owners(left.triangles.size(), 0);
@@ -80,7 +80,7 @@ TEST(Objects, OfOneBodyTellEachItsOwnForce) {
 }
 
 /// A plate that goes up and down by 10 mm at half a metre per second, under a hand at rest.
-TEST(Objects, AnObjectAtHalfAMetrePerSecondDoesNotLag) {
+TEST(Objects, FastObjectIsFollowedWithoutDelay) {
   for (const bool ball : {true, false}) {
     const mesh::TriangleMesh tool =
         ball ? test::ball(0.01, 3) : test::box({-.005, -.005, -.01}, {.005, .005, .01});
@@ -106,7 +106,7 @@ TEST(Objects, AnObjectAtHalfAMetrePerSecondDoesNotLag) {
   }
 }
 
-TEST(Objects, AToolThatIsPinchedIsNotPassedUntilTheObjectIsFarBeyond) {
+TEST(Objects, PinchedToolPassesOnlyFarObjects) {
   TwoObjects rig(test::ball(0.01, 3), kPlate, kPlate);
   rig.poses[1] = {{0, 0, 0.025},
                   turned(std::numbers::pi, Vec3::UnitX())};  // a ceiling that comes down

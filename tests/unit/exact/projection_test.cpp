@@ -106,7 +106,7 @@ TEST(Projection, ForcesBalanceTheTargetAndNonePulls) {
   }
 }
 
-TEST(Projection, WithoutRowsIsTheTargetToTheBit) {
+TEST(Projection, WithoutRowsIsExactlyTheTarget) {
   Vec6 target;
   target << 0.1, -0.2, 0.3, 1e-9, 1e300, -0.0;
   Work work;

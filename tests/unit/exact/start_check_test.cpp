@@ -29,7 +29,7 @@ TEST(StartCheck, ABallOverAThinSheetIsNoStart) {
   EXPECT_TRUE(starts_at(test::ball(0.01, 2), sheet, {0.01, 0.0, -0.011}));
 }
 
-TEST(StartCheck, ARoomThatIsTurnedInsideOutIsFree) {
+TEST(StartCheck, InvertedRoomIsFree) {
   EXPECT_TRUE(starts_at(test::ball(0.01, 2), test::turned_inside_out(kBlock), {0, 0, 0}));
   EXPECT_TRUE(starts_at(
       test::ball(0.01, 2),

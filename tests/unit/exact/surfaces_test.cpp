@@ -93,7 +93,7 @@ TEST(Surfaces, InABowlTheForceLeadsToItsMiddle) {
   EXPECT_LT(errors.angle_at(0.95), 4.0 * kDegree);  // facets of 3.75 degrees
 }
 
-TEST(Surfaces, ABoxLaidAskewOnAPlaneComesToLieFlatAndRests) {
+TEST(Surfaces, TiltedBoxComesToRestFlat) {
   Rig rig(test::box({-.005, -.004, -.01}, {.005, .004, .01}),
           test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0}));
   const Pose start{{0, 0, 0.02}, turned(0.15, {1, 0.6, 0})};

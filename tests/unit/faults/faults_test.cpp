@@ -32,7 +32,7 @@ TEST(RecentRows, AreTheNewestOldestFirst) {
   EXPECT_EQ(taken(rows), (std::vector{10, 11, 12, 13}));
 }
 
-TEST(RecentRows, AreKeptUntilTheyAreTakenWhateverComesMeanwhile) {
+TEST(RecentRows, AreKeptUntilTaken) {
   RecentRows<int> rows;
   rows.reserve(2);
   rows.push(1);
@@ -47,7 +47,7 @@ TEST(RecentRows, AreKeptUntilTheyAreTakenWhateverComesMeanwhile) {
   EXPECT_EQ(taken(rows), (std::vector{7, 8}));
 }
 
-TEST(RecentRows, AreKeptAnewForTheSameReasonOnlyWhereAllAreNew) {
+TEST(RecentRows, RepeatedReasonNeedsAllNewRows) {
   RecentRows<int> rows;
   rows.reserve(3);
   rows.push(1);
@@ -92,7 +92,7 @@ void push(FaultRecorder<Row>& recorder, std::uint64_t first, std::uint64_t last)
   }
 }
 
-TEST(FaultRecorder, LeavesABagOfTheLastTwoSecondsForEachFaultAndNoMoreThanTheMost) {
+TEST(FaultRecorder, KeepsTwoSecondsPerFaultUpToTheMaximum) {
   const test::TemporaryFolder folder;
   constexpr const char* kReasons[] = {"one", "another"};
   {
@@ -117,7 +117,7 @@ TEST(FaultRecorder, LeavesABagOfTheLastTwoSecondsForEachFaultAndNoMoreThanTheMos
   EXPECT_NE(reported.at(0).find(" 2.0 s before another "), std::string::npos) << reported.at(0);
 }
 
-TEST(FaultRecorder, SaysWhereTheDiskRefusesAndGoesOn) {
+TEST(FaultRecorder, ReportsADiskErrorAndContinues) {
   const test::TemporaryFolder folder;
   std::ofstream(folder / "faults") << "a file where the folder should be";
   const auto recorder = recorder_in(folder / "faults");
@@ -132,7 +132,7 @@ TEST(FaultRecorder, SaysWhereTheDiskRefusesAndGoesOn) {
   EXPECT_FALSE(report.values.contains("fault_record"));
 }
 
-TEST(ForceLock, IsOpenedByItsOwnNumberOnceAndHasAnotherOneTheNextTime) {
+TEST(ForceLock, IsResetByItsOwnNumberOnlyOnce) {
   const auto number_of = [](const ForceLock& lock) {
     runtime::NodeReport report;
     lock.report_to(report);
@@ -159,7 +159,7 @@ TEST(ForceLock, IsOpenedByItsOwnNumberOnceAndHasAnotherOneTheNextTime) {
   EXPECT_NE(number_of(lock), first);
 }
 
-TEST(FaultRecorder, OfAnotherNodeIsSeenOnceForEachRecord) {
+TEST(FaultRecorder, ReportsEachRecordOfAnotherNodeOnce) {
   OthersFaults seen;
   runtime::NodeReport other;
   EXPECT_FALSE(seen.see(other));

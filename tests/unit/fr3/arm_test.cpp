@@ -13,14 +13,14 @@ namespace arm_test {
 const Pose kTool{Vec3(0.03, -0.02, 0.1),
                  Quat(Eigen::AngleAxisd(0.4, Vec3(1.0, 2.0, -1.0).normalized()))};
 
-TEST(Fr3Arm, StretchedUpItsFlangeIsWhereTheRowsAddUpTo) {
+TEST(Fr3Arm, StretchedFlangeIsTheSumOfTheRows) {
   const Pose flange = Fr3Arm().at(Joints::Zero()).flange;
   EXPECT_LT((flange.position - Vec3(0.088, 0.0, 0.333 + 0.316 + 0.384 - 0.107)).norm(), 1e-12);
   EXPECT_LT((flange.orientation * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-12)
       << "the flange looks down";
 }
 
-TEST(Fr3Arm, InItsRestPostureTheFlangeLooksDownInFront) {
+TEST(Fr3Arm, FlangePointsDownAtRest) {
   const Pose flange = Fr3Arm().at(fr3_rest_posture()).flange;
   EXPECT_LT((flange.position - Vec3(0.3069, 0.0, 0.5903)).norm(), 1e-3);
   EXPECT_LT((flange.orientation * Vec3::UnitZ() + Vec3::UnitZ()).norm(), 1e-9);
@@ -43,7 +43,7 @@ TEST(Fr3Arm, IsTheSameArmAsTheSimulatedOne) {
   }
 }
 
-TEST(Fr3Arm, TheMassAtItsToolIsWithinWhatTheDeviceFileSays) {
+TEST(Fr3Arm, MassAtTheToolMatchesTheDeviceFile) {
   const arm_sim::PlantParameters plant = fr3_sim::fr3_plant();
   const arm_sim::ArmDynamics::Terms terms =
       arm_sim::ArmDynamics(plant.bodies, plant.pose_FT).at(fr3_rest_posture(), Joints::Zero());

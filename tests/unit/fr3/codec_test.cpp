@@ -37,7 +37,7 @@ TEST(FciCodec, ConnectIsVersionAndPort) {
             (Bytes{0, 0, 0, 0, 7, 0, 0, 0, 16, 0, 0, 0, 10, 0, 0xCD, 0xAB}));
 }
 
-TEST(FciCodec, MoveAsksForExternalTorquesWithoutAGeneratorOrWithOneOfZeroVelocity) {
+TEST(FciCodec, MoveRequestsTorquesInEveryVersion) {
   const Bytes newest = bytes_of(move_request(*dialect_of(10), 0x01020304));
   ASSERT_EQ(newest.size(), 68U);
   EXPECT_EQ(Bytes(newest.begin(), newest.begin() + 20),
@@ -73,7 +73,7 @@ TEST(FciCodec, RequestsHaveTheNumbersOfTheirVersion) {
             (Bytes{0, 0, 0, 0, 0, 0, 0, 0x40}));  // the middle of nine
 }
 
-TEST(FciCodec, AnswersMeanWhatTheirVersionSays) {
+TEST(FciCodec, DecodesAnswersByTheirVersion) {
   Received received;
   received.size = 13;
   const auto says = [&](std::uint16_t version, Request request, int status) {
@@ -139,7 +139,7 @@ TEST(FciCodec, ReadsTheStatesOfOlderPandas) {
   }
 }
 
-TEST(FciCodec, ReadsAStateOfFloatsWhereItsFieldsStand) {
+TEST(FciCodec, ReadsFloatStateFieldsAtTheirOffsets) {
   Bytes bytes(1377, 0);
   set(bytes, 0, std::uint64_t{0x0102030405060708});
   // Before the angles: six transforms of 16, masses and inertias 26, elbow 4, three torques of 7.
@@ -175,7 +175,7 @@ TEST(FciCodec, ReadsAStateOfFloatsWhereItsFieldsStand) {
   EXPECT_EQ(state.success_rate, 0.75);
 }
 
-TEST(FciCodec, ReadsAStateOfDoublesWhereItsFieldsStand) {
+TEST(FciCodec, ReadsDoubleStateFieldsAtTheirOffsets) {
   Bytes bytes(2373, 0);
   set(bytes, 0, std::uint64_t{42});
   set(bytes, 8 + 8 * (147 + 6), 1.25);  // the last angle
@@ -194,7 +194,7 @@ TEST(FciCodec, ReadsAStateOfDoublesWhereItsFieldsStand) {
   }
 }
 
-TEST(FciCodec, RefusesOtherLengthsModesThatThereAreNotAndNumbersThatAreNone) {
+TEST(FciCodec, RefusesBadLengthsModesAndNumbers) {
   Bytes good(1377, 0);
   State state;
   EXPECT_EQ(decode(*dialect_of(10), span_of(good), state), PacketFault::kNone);
@@ -241,7 +241,7 @@ TEST(FciCodec, ACommandIsACountSevenTorquesAndItsEnd) {
   }
 }
 
-TEST(FciCodec, WhatASimulatedRobotWritesIsReadBack) {
+TEST(FciCodec, ReadsBackASimulatedRobotsState) {
   State state;
   state.message_id = 99;
   state.q << 0.5, -0.5, 0.25, -2.0, 0.125, 1.5, 0.75;
@@ -266,7 +266,7 @@ TEST(FciCodec, WhatASimulatedRobotWritesIsReadBack) {
   }
 }
 
-TEST(FciStream, CutsMessagesWhereverTheStreamIsCutAndDropsLongBodies) {
+TEST(FciStream, ReassemblesMessagesAndDropsLongBodies) {
   Bytes stream;
   const auto append = [&](const Bytes& more) {
     stream.insert(stream.end(), more.begin(), more.end());
@@ -295,7 +295,7 @@ TEST(FciStream, CutsMessagesWhereverTheStreamIsCutAndDropsLongBodies) {
   }
 }
 
-TEST(FciStream, AHeaderThatCannotBeEndsIt) {
+TEST(FciStream, InvalidHeaderEndsIt) {
   for (const std::uint32_t size : {0U, 11U, 0x7FFFFFFFU}) {
     StreamReader reader;
     Bytes header(12, 0);

@@ -56,7 +56,7 @@ TEST(FciHostile, AMillionPacketsAreTakenOrRefused) {
   EXPECT_GT(refused, 100'000);
 }
 
-TEST(FciHostile, AStreamOfAnythingNeverOutgrowsItsRoom) {
+TEST(FciHostile, AnyStreamStaysWithinItsBuffer) {
   std::mt19937_64 random(34);
   for (int n = 0; n < 2000; ++n) {
     StreamReader reader;

@@ -104,7 +104,7 @@ std::string refusal_after(const std::string& bytes) {
   return said;
 }
 
-TEST(Fr3Open, NamesAPortThatIsNoFciServer) {
+TEST(Fr3Open, NamesAPortWithoutAnFciServer) {
   for (const std::string& bytes : {std::string("SSH-2.0-OpenSSH_9.2p1 Debian\r\n"),
                                    std::string("HTTP/1.1 400 Bad Request\r\n\r\n"),
                                    std::string("hello"), std::string(200, '\0')})
@@ -113,7 +113,7 @@ TEST(Fr3Open, NamesAPortThatIsNoFciServer) {
   EXPECT_TRUE(refusal_after("").contains("closed the connection"));
 }
 
-TEST(Fr3Open, TellsWhatIsKnownOfAServerOfAnotherVersion) {
+TEST(Fr3Open, ReportsAServerOfAnotherVersion) {
   const auto refused_by = [](std::uint16_t version) {
     const fci::Message m = fci::connect_answer(0, false, version);
     return refusal_after({reinterpret_cast<const char*>(m.bytes.data()), m.size});
@@ -123,7 +123,7 @@ TEST(Fr3Open, TellsWhatIsKnownOfAServerOfAnotherVersion) {
   EXPECT_TRUE(refused_by(2).contains("update the robot's system image")) << refused_by(2);
 }
 
-TEST(Fr3Open, SaysThatNobodyListensAndWhatToDo) {
+TEST(Fr3Open, ReportsThatNoServerListensAndWhatToDo) {
   Fr3Options options;
   options.address = "127.0.0.1";
   options.port = 1;
@@ -134,25 +134,25 @@ TEST(Fr3Open, SaysThatNobodyListensAndWhatToDo) {
   EXPECT_NE(refusal(options).find("IPv4"), std::string::npos);
 }
 
-TEST(Fr3Open, TakesAnEndEffectorThatTheRobotTellsOf) {
+TEST(Fr3Open, AcceptsTheRobotsEndEffector) {
   const Robot robot(10, {}, Vec3(0.0, 0.0, 0.1034));
   EXPECT_EQ(refusal(robot.options()), "");
 }
 
-TEST(Fr3Open, WaitsForPeopleAndSaysSo) {
+TEST(Fr3Open, WaitsForTheOperatorAndReportsIt) {
   const Robot robot(10, {"not_ready@0:60"});
   const Fr3Driver driver(robot.options());
   EXPECT_NE(driver.last_error().find("joints"), std::string::npos) << driver.last_error();
 }
 
-TEST(Fr3Open, AReflexThatIsThereAlreadyIsRefusedInWords) {
+TEST(Fr3Open, ActiveReflexIsRefusedWithAMessage) {
   const Robot robot(10, {"reflex@0:60:6"});
   std::this_thread::sleep_for(20ms);
   const std::string said = refusal(robot.options());
   EXPECT_NE(said.find("[joint reflex]"), std::string::npos) << said;
 }
 
-TEST(Fr3Open, AChannelThatClosesInTheMiddleIsDisconnectedAtOnceAndSaidSo) {
+TEST(Fr3Open, ClosedChannelIsReportedAsDisconnected) {
   const Robot robot(10, {"closed@1:60"});
   Fr3Driver driver(robot.options());
   devices::DeviceError last = devices::DeviceError::kTimeout;

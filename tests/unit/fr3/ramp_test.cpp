@@ -46,7 +46,7 @@ TEST(TorqueRamp, GoesAlongAStraightLineInStepsAndArrivesExactly) {
   EXPECT_TRUE(ramp.at_rest());
 }
 
-TEST(TorqueRamp, ACommandThatWasLostIsNotCountedAsGiven) {
+TEST(TorqueRamp, LostCommandIsNotCountedAsApplied) {
   TorqueRamp ramp(kStep, kMax);
   const Wrench expected{Vec3(40.0, 0.0, 0.0), Vec3::Zero()};
   std::mt19937 random(2);
@@ -62,7 +62,7 @@ TEST(TorqueRamp, ACommandThatWasLostIsNotCountedAsGiven) {
   }
 }
 
-TEST(TorqueRamp, WhatARobotClaimsBeyondTheLastCommandsIsNotBelieved) {
+TEST(TorqueRamp, ClaimsBeyondTheLastCommandsAreIgnored) {
   TorqueRamp ramp(kStep, kMax);
   for (int n = 0; n < 100; ++n) {
     ramp.acknowledge(Joints::Constant(n % 2 ? 1e30 : std::numeric_limits<double>::quiet_NaN()));
@@ -71,7 +71,7 @@ TEST(TorqueRamp, WhatARobotClaimsBeyondTheLastCommandsIsNotBelieved) {
   }
 }
 
-TEST(TorqueRamp, EndsAtZeroEvenIfTheRobotsWordNeverChanges) {
+TEST(TorqueRamp, EndsAtZeroDespiteAConstantReply) {
   for (const double word : {0.5, std::numeric_limits<double>::quiet_NaN()}) {
     TorqueRamp ramp(kStep, kMax);
     for (int n = 0; n < 200; ++n)
@@ -83,7 +83,7 @@ TEST(TorqueRamp, EndsAtZeroEvenIfTheRobotsWordNeverChanges) {
   }
 }
 
-TEST(TorqueRamp, KeepsToWhatAJointMayGive) {
+TEST(TorqueRamp, StaysWithinTheJointLimits) {
   TorqueRamp ramp(kStep, kMax);
   Joints torque;
   for (int n = 0; n < 500; ++n) {

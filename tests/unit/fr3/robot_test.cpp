@@ -65,7 +65,7 @@ TEST(FciRobot, HoldsTheArmStillWithoutAMotionAndFloatsInOne) {
   EXPECT_EQ(rig.robot.measure().success_rate, 1.0);
 }
 
-TEST(FciRobot, BearsNineteenLostCommandsAndNotTwenty) {
+TEST(FciRobot, ToleratesNineteenLostCommandsNotTwenty) {
   Rig rig;
   rig.move();
   rig.period(kZero);
@@ -83,7 +83,7 @@ TEST(FciRobot, BearsNineteenLostCommandsAndNotTwenty) {
   EXPECT_EQ(rig.move(), Outcome::kStarted);
 }
 
-TEST(FciRobot, StopsWhereTorquesJumpAndNotWhereTheyStep) {
+TEST(FciRobot, StopsForTorqueJumpsButNotForSteps) {
   Rig rig;
   rig.move();
   arm::Joints torque = kZero;
@@ -108,7 +108,7 @@ TEST(FciRobot, TakesACommandForItsOwnMillisecondOnly) {
   EXPECT_EQ(rig.robot.counts().stale, 1U);
 }
 
-TEST(FciRobot, EndsAMotionWhenItIsToldInTheCommandOrOverTheChannel) {
+TEST(FciRobot, EndsAMotionByCommandOrByChannel) {
   Rig rig;
   rig.move();
   rig.period(kZero);

@@ -42,14 +42,14 @@ struct Rig {
   }
 };
 
-TEST(FciSession, AsksForTorqueControlOnceAndAllowsForceWhenItIsThere) {
+TEST(FciSession, RequestsTorqueControlOnceThenAllowsForce) {
   Rig rig;
   EXPECT_FALSE(rig.session.force_allowed());
   rig.run();
   EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kNone);
 }
 
-TEST(FciSession, ComesBackFromLostPacketsByItselfAfterAPauseAndNotForEver) {
+TEST(FciSession, RecoversFromLostPacketsALimitedNumberOfTimes) {
   Rig rig;
   rig.run();
   for (int n = 0; n < 10; ++n) {
@@ -68,7 +68,7 @@ TEST(FciSession, ComesBackFromLostPacketsByItselfAfterAPauseAndNotForEver) {
   EXPECT_EQ(rig.session.diagnostic(), Diagnostic::kTooOften);
 }
 
-TEST(FciSession, AnyOtherReflexIsAPersonsMatter) {
+TEST(FciSession, OtherReflexesNeedAnOperator) {
   for (const Errors errors : {Errors{1} << 7, kLostPacketsError | Errors{1} << 3, Errors{0}}) {
     Rig rig;
     rig.run();
@@ -92,7 +92,7 @@ TEST(FciSession, WaitsThroughAShortUserStopAndEndsInALongOne) {
   EXPECT_EQ(rig.session.error(), devices::DeviceError::kFault);
 }
 
-TEST(FciSession, SaysWhyMoveWasRefusedAndAsksAgain) {
+TEST(FciSession, ReportsARefusedMoveAndRetries) {
   Rig rig;
   EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle)), Request::kMove);
   rig.session.answered(Request::kMove, Outcome::kSafetyFunction);
@@ -112,7 +112,7 @@ TEST(FciSession, AnotherProgramsMotionIsNotItsOwn) {
   EXPECT_FALSE(rig.session.force_allowed());
 }
 
-TEST(FciSession, AJointThatIsTooFastTakesTheForceAwayForAsLong) {
+TEST(FciSession, TooFastJointSuspendsTheForce) {
   Rig rig;
   rig.run();
   rig.session.see(in_torque_control(), 1e-3, true);
@@ -122,7 +122,7 @@ TEST(FciSession, AJointThatIsTooFastTakesTheForceAwayForAsLong) {
   EXPECT_TRUE(rig.session.force_allowed());
 }
 
-TEST(FciSession, AtItsEndItStopsTheMotionAndAsksForNothingElse) {
+TEST(FciSession, EndStopsTheMotionAndRequestsNothingElse) {
   Rig rig;
   rig.run();
   rig.session.end();
@@ -131,7 +131,7 @@ TEST(FciSession, AtItsEndItStopsTheMotionAndAsksForNothingElse) {
   EXPECT_EQ(rig.see(in_mode(RobotMode::kIdle), 2.0), std::nullopt);
 }
 
-TEST(FciSession, EveryTroubleHasASentenceThatSaysWhatToDo) {
+TEST(FciSession, EveryDiagnosticHasASentenceWithARemedy) {
   for (int i = 1; i <= static_cast<int>(Diagnostic::kFast); ++i)
     EXPECT_TRUE(sentence_of(static_cast<Diagnostic>(i)).starts_with("no force")) << i;
 }

@@ -82,7 +82,7 @@ TEST(OutputError, KnownFrictionLeavesMassAndDelay) {
   EXPECT_NEAR(fit.figures.mass_kg.value, 0.4, 1e-4);
 }
 
-TEST(Windows, CutStrokesWhereTheMotionReverses) {
+TEST(Windows, CutStrokesAtMotionReversals) {
   AxisRecord record;
   record.reserve(2000);
   for (int i = 0; i < 1000; ++i) {

@@ -26,7 +26,7 @@ std::array<testing::AxisTruth, 3> fine_device() {
   return {axis, axis, axis};
 }
 
-TEST(StartCheck, ADeviceAsItsFileSaysAgrees) {
+TEST(StartCheck, ADeviceAgreesWithItsFile) {
   const auto found = check_start(fine_device(), Planted::kHealthy, Holding::kStill, 3).findings;
   EXPECT_EQ(found.mass_kg.finding, Finding::kAgrees);
   EXPECT_EQ(found.delay_s.finding, Finding::kAgrees);

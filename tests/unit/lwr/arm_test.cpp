@@ -41,7 +41,7 @@ TEST(LwrArm, ReachesThePublishedPointWithTheElbowBent) {
       << flange.position.transpose();
 }
 
-TEST(LwrArm, PutsTheToolWhereTheFlangeCarriesIt) {
+TEST(LwrArm, ToolFollowsTheFlange) {
   const LwrJoints q = degrees({10, -20, 30, 40, -50, 60, 70});
   const Pose flange = LwrArm().flange(q), tool = LwrArm(odd_tool()).tool(q);
   EXPECT_NEAR((tool.position - flange * odd_tool().position).norm(), 0.0, 1e-12);
@@ -91,7 +91,7 @@ TEST(LwrArm, HasTheSmallerOfThePublishedLimits) {
   EXPECT_DOUBLE_EQ(limits.torque_nm[6], 30);
 }
 
-TEST(LwrArm, GivesNoNumberForAPostureThatIsNone) {
+TEST(LwrArm, GivesNoNumberForAnInvalidPosture) {
   LwrJoints q = lwr_rest_posture();
   q[3] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(LwrArm().tool(q).finite());

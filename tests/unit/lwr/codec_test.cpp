@@ -62,7 +62,7 @@ TEST(FriCodec, RefusesAnotherLengthIdOrSizeField) {
   EXPECT_EQ(decode(bytes, msr), PacketFault::kSizeField);
 }
 
-TEST(FriCodec, RefusesStatesQualitiesAndModesThatAreNotDefined) {
+TEST(FriCodec, RefusesUndefinedStatesQualitiesAndModes) {
   MsrPacket out, packet = test::named_msr();
   packet.interface.state = static_cast<State>(3);
   EXPECT_EQ(decode(bytes_of(packet), out), PacketFault::kEnum);
@@ -91,7 +91,7 @@ TEST(FriCodec, RefusesAMeasurementWithoutTimeOrAPositionToMirror) {
       << "their sum is what is mirrored";
 }
 
-TEST(FriCodec, TellsAMeasuredPositionThatIsNoNumber) {
+TEST(FriCodec, DetectsANonFiniteMeasuredPosition) {
   MsrPacket out, packet = test::named_msr();
   EXPECT_TRUE(measured_finite(packet));
   packet.data.jnt_pos[5] = kNaN;
@@ -99,7 +99,7 @@ TEST(FriCodec, TellsAMeasuredPositionThatIsNoNumber) {
   EXPECT_FALSE(measured_finite(out));
 }
 
-TEST(FriCodec, RefusesACommandWithAnyNumberThatIsNone) {
+TEST(FriCodec, RefusesACommandWithAnyNonFiniteNumber) {
   for (std::size_t at = 140 + 4; at < kCmdSize; at += 4) {
     CmdPacket packet = test::named_cmd();
     std::memcpy(reinterpret_cast<char*>(&packet) + at, &kNaN, 4);

@@ -23,7 +23,7 @@ struct Scene {
   LwrJoints push;
 };
 
-TEST(FriComposer, LeavesThePushOutWhereTheSessionAllowsNone) {
+TEST(FriComposer, OmitsTheForceIfTheSessionForbidsIt) {
   Scene s;
   ASSERT_TRUE(s.session.force_allowed());
   EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq[3], 5.0F);
@@ -33,7 +33,7 @@ TEST(FriComposer, LeavesThePushOutWhereTheSessionAllowsNone) {
   EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq, Joints{});
 }
 
-TEST(FriComposer, LeavesAPushOutThatIsNoNumberOrTooLargeForTheWire) {
+TEST(FriComposer, OmitsANonFiniteOrTooLargeForce) {
   for (const double bad : {std::nan(""), 1e300}) {
     Scene s;
     s.push[6] = bad;
@@ -43,7 +43,7 @@ TEST(FriComposer, LeavesAPushOutThatIsNoNumberOrTooLargeForTheWire) {
   }
 }
 
-TEST(FriComposer, RepeatsThePositionWithoutPushForAPacketItCannotTrust) {
+TEST(FriComposer, RepeatsThePositionForAnInvalidPacket) {
   Scene s;
   const CmdPacket before = s.composer.answer(s.msr, s.session, true, s.push);
   const CmdPacket after = s.composer.reply_to_invalid({99, 0, kMsrSize, kMsrId}, s.session);

@@ -39,7 +39,7 @@ class LwrDriverFault : public testing::Test {
   std::unique_ptr<lwr::LwrDriver> driver;
 };
 
-TEST_F(LwrDriverFault, RefusesACommandThatIsNoNumber) {
+TEST_F(LwrDriverFault, RefusesANonFiniteCommand) {
   for (int axis = 0; axis < 6; ++axis)
     for (const double bad : {kNaN, std::numeric_limits<double>::infinity()}) {
       Wrench wrench = kPush;
@@ -59,7 +59,7 @@ TEST_F(LwrDriverFault, RefusesACommandOverTheLimits) {
   push();
 }
 
-TEST_F(LwrDriverFault, MarksAPoseWhoseJointsAreNoNumbersOrImpossible) {
+TEST_F(LwrDriverFault, FlagsAPoseFromInvalidJoints) {
   const float good = msr().data.jnt_pos[2];
   const Pose before = cycle(*krc, *driver).sample->pose;
   for (const float bad : {static_cast<float>(kNaN), INFINITY, 3.2F}) {
@@ -78,7 +78,7 @@ TEST_F(LwrDriverFault, MarksAPoseWhoseJointsAreNoNumbersOrImpossible) {
   EXPECT_EQ(driver->counts().invalid_poses, 3U);
 }
 
-TEST_F(LwrDriverFault, AnswersAMeasurementItCannotTrustWithTheLastPosition) {
+TEST_F(LwrDriverFault, AnswersInvalidMeasurementsWithTheLastPosition) {
   const float kept = krc->received.back().command.jnt_pos[4];
   const lwr::fri::MsrPacket good = msr();
   msr().data.cmd_jnt_pos[4] = static_cast<float>(kNaN);
@@ -95,7 +95,7 @@ TEST_F(LwrDriverFault, AnswersAMeasurementItCannotTrustWithTheLastPosition) {
   EXPECT_EQ(driver->counts().untrusted, 2U);
 }
 
-TEST_F(LwrDriverFault, SaysProtocolWhereOnlyGarbageComes) {
+TEST_F(LwrDriverFault, ReportsAProtocolErrorForGarbage) {
   const std::array<std::byte, 916> garbage{};
   krc->send_bytes(garbage);
   krc->send_bytes(std::span(garbage).first(10));
@@ -105,7 +105,7 @@ TEST_F(LwrDriverFault, SaysProtocolWhereOnlyGarbageComes) {
   push();
 }
 
-TEST_F(LwrDriverFault, TimesOutWithoutAMeasurementAndIsGoneAfterASilence) {
+TEST_F(LwrDriverFault, TimesOutThenDisconnectsAfterSilence) {
   EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
   EXPECT_EQ(driver->write(kPush).error(), devices::DeviceError::kTimeout);
   EXPECT_TRUE(krc->receive().empty());
@@ -121,7 +121,7 @@ TEST_F(LwrDriverFault, TimesOutWithoutAMeasurementAndIsGoneAfterASilence) {
   EXPECT_EQ(driver->read(40ms).error(), devices::DeviceError::kDisconnected);
 }
 
-TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
+TEST_F(LwrDriverFault, IgnoresDuplicatesAndOldPackets) {
   const lwr::fri::MsrPacket old = krc->next();
   push();
   krc->send(old);
@@ -134,7 +134,7 @@ TEST_F(LwrDriverFault, TakesDuplicatesAndOldPacketsForNothingNew) {
   EXPECT_EQ(driver->sequence().lost, 1U);
 }
 
-TEST_F(LwrDriverFault, TakesTheNewestOfSeveralWhateverTheirOrder) {
+TEST_F(LwrDriverFault, TakesTheNewestInAnyOrder) {
   const lwr::fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
   const auto before =
       driver->counts()
@@ -163,7 +163,7 @@ TEST_F(LwrDriverFault, CountsLostPacketsAcrossTheWrap) {
   EXPECT_EQ(driver->sequence().lost - before, 20U);
 }
 
-TEST_F(LwrDriverFault, TakesAMeasurementThatLayTooLongForNothingNew) {
+TEST_F(LwrDriverFault, IgnoresAStaleMeasurement) {
   lwr::LwrOptions options = quick_options();
   options.max_age_s = 0.1;
   run(options);
@@ -174,7 +174,7 @@ TEST_F(LwrDriverFault, TakesAMeasurementThatLayTooLongForNothingNew) {
   push();
 }
 
-TEST_F(LwrDriverFault, AnswersWithoutPushWhatTheCallerLeft) {
+TEST_F(LwrDriverFault, UnansweredMeasurementsGetZeroForce) {
   krc->send();
   ASSERT_TRUE(driver->read(10ms));
   krc->send();
@@ -186,7 +186,7 @@ TEST_F(LwrDriverFault, AnswersWithoutPushWhatTheCallerLeft) {
   EXPECT_TRUE(driver->write(kPush));
 }
 
-TEST_F(LwrDriverFault, HearsOnlyTheControllerThatItKnows) {
+TEST_F(LwrDriverFault, AcceptsOnlyItsOwnController) {
   FakeController stranger("127.0.0.2");
   stranger.port = krc->port;
   stranger.msr = msr();
@@ -197,7 +197,7 @@ TEST_F(LwrDriverFault, HearsOnlyTheControllerThatItKnows) {
   EXPECT_EQ(driver->counts().foreign, 1U);
 }
 
-TEST_F(LwrDriverFault, DropsTheForceWithTheQualityAndTakesItUpAgain) {
+TEST_F(LwrDriverFault, SuspendsTheForceForLowQuality) {
   msr().interface.quality = lwr::fri::Quality::kBad;
   const Cycle t = without_push();
   EXPECT_TRUE(t.sample);
@@ -208,7 +208,7 @@ TEST_F(LwrDriverFault, DropsTheForceWithTheQualityAndTakesItUpAgain) {
   push();
 }
 
-TEST_F(LwrDriverFault, ComesBackByItselfAfterTheControllerLeftCommandMode) {
+TEST_F(LwrDriverFault, RecoversAfterTheControllerLeftCommandMode) {
   krc->program_runs = false;
   msr().interface.state = lwr::fri::State::kMon;
   msr().krl.integer[lwr::fri::kToIntEcho] = lwr::fri::kHalt;
@@ -225,7 +225,7 @@ TEST_F(LwrDriverFault, ComesBackByItselfAfterTheControllerLeftCommandMode) {
   push();
 }
 
-TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
+TEST_F(LwrDriverFault, ReportsWhichDrivesWentOff) {
   msr().robot.power = 0x7B;
   msr().interface.state = lwr::fri::State::kMon;
   krc->program_runs = false;
@@ -235,7 +235,7 @@ TEST_F(LwrDriverFault, SaysThatTheDrivesWentOffAndWhichOnes) {
       << driver->status_text();
 }
 
-TEST_F(LwrDriverFault, EndsWithAFaultWhereADriveReportsAnError) {
+TEST_F(LwrDriverFault, DriveErrorIsAFault) {
   msr().robot.error = 0x41;
   const Cycle t = without_push();
   EXPECT_EQ(t.sample.error(), devices::DeviceError::kFault);
@@ -243,7 +243,7 @@ TEST_F(LwrDriverFault, EndsWithAFaultWhereADriveReportsAnError) {
       << driver->status_text();
 }
 
-TEST_F(LwrDriverFault, IsGoneWhenTheControllerClosesTheInterface) {
+TEST_F(LwrDriverFault, ClosedInterfaceIsADisconnection) {
   msr().interface.state = lwr::fri::State::kOff;
   krc->program_runs = false;
   EXPECT_EQ(without_push().sample.error(), devices::DeviceError::kDisconnected);
@@ -266,7 +266,7 @@ TEST_F(LwrDriverFault, DropsTheForceWhileAJointIsTooFast) {
   push();
 }
 
-TEST_F(LwrDriverFault, SendsNothingThatIsNoNumberWhateverComesIn) {
+TEST_F(LwrDriverFault, NeverSendsANonFiniteNumber) {
   std::uint32_t random = 1;
   const lwr::fri::MsrPacket good = msr();
   krc->program_runs = false;

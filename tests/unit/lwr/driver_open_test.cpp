@@ -24,7 +24,7 @@ std::string refusal(const lwr::LwrOptions& options) {
 }
 bool states(const std::string& sentence, std::string_view fact) { return sentence.contains(fact); }
 
-TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
+TEST(LwrOpen, ReportsThatNothingCameAndWhatToCheck) {
   lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.02;
   const std::string sentence = refusal(options);
@@ -34,7 +34,7 @@ TEST(LwrOpen, SaysThatNothingCameAndWhatToCheck) {
     EXPECT_TRUE(states(sentence, part)) << part << " is not in: " << sentence;
 }
 
-TEST(LwrOpen, IsCancelledBySomebodyElse) {
+TEST(LwrOpen, IsCancelledFromAnotherThread) {
   lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 3600.0;
   std::atomic<bool> cancelled{false};
@@ -43,7 +43,7 @@ TEST(LwrOpen, IsCancelledBySomebodyElse) {
   EXPECT_FALSE(states(refusal(options), "3600")) << "it did not wait so long";
 }
 
-TEST(LwrOpen, SaysThatThePortIsBusy) {
+TEST(LwrOpen, ReportsThatThePortIsBusy) {
   FakeController krc;
   const auto driver = krc.open();
   lwr::LwrOptions options = quick_options();
@@ -53,7 +53,7 @@ TEST(LwrOpen, SaysThatThePortIsBusy) {
   EXPECT_TRUE(cycle(krc, *driver).sample) << "the one that was first goes on";
 }
 
-TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
+TEST(LwrOpen, ReportsAnInvalidOrForeignAddress) {
   lwr::LwrOptions options = quick_options();
   options.address = "robot";
   EXPECT_TRUE(states(refusal(options), "'robot'"));
@@ -61,7 +61,7 @@ TEST(LwrOpen, SaysThatAnAddressIsNoneOrNotOurs) {
   EXPECT_TRUE(states(refusal(options), "203.0.113.7"));
 }
 
-TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
+TEST(LwrOpen, ReportsWhatCameInsteadOfAMeasurement) {
   FakeController krc;
   lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.05;
@@ -80,7 +80,7 @@ TEST(LwrOpen, SaysWhatCameInsteadOfAMeasurement) {
       << sentence;
 }
 
-TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
+TEST(LwrOpen, ReportsThatTheInterfaceIsClosed) {
   FakeController krc;
   krc.program_runs = false;
   lwr::LwrOptions options = quick_options();
@@ -92,7 +92,7 @@ TEST(LwrOpen, SaysThatTheInterfaceIsClosed) {
   EXPECT_TRUE(states(sentence, "friOpen") && !states(sentence, "friSetup")) << sentence;
 }
 
-TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
+TEST(LwrOpen, AcceptsADelayedFirstMeasurement) {
   FakeController krc;
   lwr::LwrOptions options = quick_options();
   options.max_age_s = 1e-6;  // every packet is older than that
@@ -111,7 +111,7 @@ TEST(LwrOpen, TakesAFirstMeasurementThatHadToWait) {
   sender.join();
 }
 
-TEST(LwrOpen, SaysThatOnlyOthersSend) {
+TEST(LwrOpen, ReportsThatOnlyOtherControllersSend) {
   FakeController krc;
   lwr::LwrOptions options = quick_options();
   options.connect_timeout_s = 0.05;
@@ -122,7 +122,7 @@ TEST(LwrOpen, SaysThatOnlyOthersSend) {
   EXPECT_TRUE(states(sentence, "127.0.0.9") && states(sentence, "'controller'")) << sentence;
 }
 
-TEST(LwrOpen, RefusesAPeriodThatTheInterfaceDoesNotKnow) {
+TEST(LwrOpen, RefusesAnUnsupportedPeriod) {
   FakeController krc;
   lwr::LwrOptions options = quick_options();
   krc.port = options.port;
@@ -153,7 +153,7 @@ TEST(LwrOpen, OpensWithDrivesOffAndWaitsForThem) {
   EXPECT_TRUE(run_to_command(krc, *driver));
 }
 
-TEST(LwrOpen, RefusesOptionsThatCannotBe) {
+TEST(LwrOpen, RefusesInvalidOptions) {
   const auto refused = [](auto change, const char* field) {
     lwr::LwrOptions options = quick_options();
     change(options);
@@ -164,7 +164,7 @@ TEST(LwrOpen, RefusesOptionsThatCannotBe) {
           "/nowhere/at/all.pcap");
 }
 
-TEST(LwrOpen, OpensAgainOnTheSamePortAfterItWent) {
+TEST(LwrOpen, ReopensOnTheSamePort) {
   FakeController krc;
   const lwr::LwrOptions options = quick_options();
   for (int n = 0; n < 3; ++n) {
@@ -177,7 +177,7 @@ TEST(LwrOpen, OpensAgainOnTheSamePortAfterItWent) {
   }
 }
 
-TEST(LwrOpen, WritesWhatItHeardAndSaid) {
+TEST(LwrOpen, WritesReceivedAndSentPackets) {
   const std::string file = testing::TempDir() + "voxtouch_lwr_capture.pcap";
   FakeController krc;
   lwr::LwrOptions options = quick_options();

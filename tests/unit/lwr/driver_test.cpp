@@ -97,7 +97,7 @@ TEST(LwrDriver, NeverChangesItsFlags) {
     EXPECT_EQ(answer.command.cmd_flags, krc.received.front().command.cmd_flags);
 }
 
-TEST(LwrDriver, EntersCommandModeWithoutAJumpOfTheCommandedPosition) {
+TEST(LwrDriver, EntersCommandModeWithoutAPositionJump) {
   FakeController krc;
   krc.msr.data.jnt_pos[1] += 0.1F;  // sagged away from what is commanded
   const auto driver = krc.open();
@@ -171,7 +171,7 @@ TEST(LwrDriver, GivesForceAndPoseThatDoTheSameWork) {
   EXPECT_NEAR(at_tool, lwr::fri::from_wire(first.command.command.add_jnt_trq).dot(step), 2e-5 * 8);
 }
 
-TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
+TEST(LwrDriver, PostureControlGivesNoForceAtTheTool) {
   FakeController krc;
   const auto driver = krc.open();
   const lwr::LwrArm arm;
@@ -192,7 +192,7 @@ TEST(LwrDriver, KeepsTheElbowInPostureWithoutTheToolFeelingIt) {
   EXPECT_LT(torque.dot(lwr::joint_torque(arm.jacobian(q), kPush)), 1e-4);
 }
 
-TEST(LwrDriver, MakesATorqueThatTheJointsCannotGiveSmallerInProportion) {
+TEST(LwrDriver, ScalesATorqueBeyondTheJointsDown) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
   options.max_add_torque_nm = lwr::LwrJoints::Constant(20.0);
@@ -228,7 +228,7 @@ TEST(LwrDriver, GivesItsWholeForceInEveryDirectionAtTheRestPosture) {
   EXPECT_EQ(scaled, 0);
 }
 
-TEST(LwrDriver, SaysWhatItIs) {
+TEST(LwrDriver, DescribesItself) {
   FakeController krc;
   krc.msr.interface.msr_period_s = krc.msr.interface.cmd_period_s = 0.002F;
   const auto driver = krc.open();
@@ -250,7 +250,7 @@ TEST(LwrDriver, StampsSamplesByTheControllersPeriods) {
   EXPECT_EQ(cycle(krc, *driver).sample->time_ns, start + 4'000'000);
 }
 
-TEST(LwrDriver, AnswersOnStopAndTakesAnAnswerBackThatHasGoneOut) {
+TEST(LwrDriver, StopAnswersAndRevokesASentAnswer) {
   FakeController krc;
   const auto driver = krc.open(plain_options());
   ASSERT_TRUE(run_to_command(krc, *driver));
@@ -272,7 +272,7 @@ TEST(LwrDriver, AnswersOnStopAndTakesAnAnswerBackThatHasGoneOut) {
       << "the measurement is answered";
 }
 
-TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
+TEST(LwrDriver, LeavesCommandModeBeforeClosing) {
   FakeController krc;
   lwr::LwrOptions options = plain_options();
   options.stop_timeout_s = 2.0;
@@ -291,7 +291,7 @@ TEST(LwrDriver, LeavesCommandModeBeforeItGoes) {
   }
 }
 
-TEST(LwrDriver, GoesWithinItsTimeWhereNobodyFollows) {
+TEST(LwrDriver, ClosesInTimeWithoutAController) {
   FakeController krc;
   auto driver = krc.open(plain_options());
   ASSERT_TRUE(run_to_command(krc, *driver));

@@ -11,7 +11,7 @@
 namespace voxtouch::test {
 namespace {
 
-TEST(LwrNoAllocation, NothingIsTakenFromTheHeapWhateverHappens) {
+TEST(LwrNoAllocation, NothingUsesTheHeap) {
   if (!heap_is_counted())
     GTEST_SKIP() << "the sanitiser owns malloc";
   FakeController krc;

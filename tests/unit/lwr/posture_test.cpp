@@ -21,7 +21,7 @@ LwrJoints random_posture(std::mt19937& random) {
   return q;
 }
 
-TEST(PostureTorque, MovesAlongTheDirectionThatLeavesTheToolWhereItIs) {
+TEST(PostureTorque, MovesInTheNullSpaceOfTheTool) {
   std::mt19937 random(1);
   const LwrArm arm(Pose{Vec3(0.03, 0.0, 0.1), Quat::Identity()});
   for (int n = 0; n < 100; ++n) {
@@ -47,7 +47,7 @@ TEST(PostureTorque, IsAtRightAnglesToEveryTorqueOfAWrench) {
   }
 }
 
-TEST(PostureTorque, DrawsTheElbowBackAndTakesItsSpeed) {
+TEST(PostureTorque, RestoresAndDampsTheElbow) {
   const PostureRules rules{.posture = lwr_rest_posture()};
   const LwrArm arm;
   LwrJoints q = rules.posture;
@@ -62,7 +62,7 @@ TEST(PostureTorque, DrawsTheElbowBackAndTakesItsSpeed) {
   EXPECT_NEAR(brake.dot(n), -0.2 * rules.damping_nms_per_rad, 1e-9);
 }
 
-TEST(PostureTorque, FadesAtASingularityAndForWhatIsNoNumber) {
+TEST(PostureTorque, FadesAtSingularitiesAndForNan) {
   const PostureRules rules{.posture = lwr_rest_posture()};
   const LwrArm arm;
   const LwrJoints away = LwrJoints::Constant(0.5);

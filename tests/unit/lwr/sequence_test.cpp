@@ -34,7 +34,7 @@ TEST(FriSequence, CountsWhatIsLostAndWhatComesLate) {
   EXPECT_EQ(tracker.steps(), 1U);
 }
 
-TEST(FriSequence, FollowsAControllerThatCountsAnew) {
+TEST(FriSequence, FollowsARestartedCount) {
   SequenceTracker tracker;
   tracker.see(20000);
   std::uint16_t n = 1;
@@ -52,7 +52,7 @@ TEST(FriSequence, DoesNotTakeScatteredOldPacketsForARestart) {
     EXPECT_EQ(tracker.see(static_cast<std::uint16_t>(19000 + 7 * n % 500)), Verdict::kOld);
 }
 
-TEST(FriSequence, TakesAnyCountAfterItForgot) {
+TEST(FriSequence, AcceptsAnyCountAfterReset) {
   SequenceTracker tracker;
   tracker.see(20000);
   tracker.forget();
@@ -60,7 +60,7 @@ TEST(FriSequence, TakesAnyCountAfterItForgot) {
   EXPECT_EQ(tracker.counts().lost, 0U);
 }
 
-TEST(FriClock, CountsPeriodsWhereTheStampIsTooCoarse) {
+TEST(FriClock, CountsPeriodsForCoarseStamps) {
   FriClock clock(1'000'000, false);
   std::int64_t sum = 0;
   for (int n = 0; n < 1000; ++n)
@@ -78,7 +78,7 @@ TEST(FriClock, KeepsTheCountAgainstAStampThatJumps) {
   EXPECT_EQ(clock.disagreements(), 2U);
 }
 
-TEST(FriClock, TakesVirtualTimeAtItsWord) {
+TEST(FriClock, AcceptsVirtualTime) {
   FriClock clock(1'000'000, true);
   clock.see(1.0F, 1);
   EXPECT_NEAR(static_cast<double>(clock.see(1.004F, 1)), 4e6, 200.0);
@@ -86,7 +86,7 @@ TEST(FriClock, TakesVirtualTimeAtItsWord) {
   EXPECT_EQ(clock.see(0.5F, 1), 1'000'000) << "never back";
 }
 
-TEST(JointRates, LagsARampBehindByItsStatedTime) {
+TEST(JointRates, TrailsARampByItsStatedDelay) {
   constexpr double kDt = 1e-3;
   arm::JointRates rates(50.0);
   const LwrJoints acceleration = LwrJoints::Constant(2.0);
@@ -97,7 +97,7 @@ TEST(JointRates, LagsARampBehindByItsStatedTime) {
   EXPECT_NEAR((true_rate - rates.rate()[3]) / 2.0, 3.68e-3, kDt);
 }
 
-TEST(JointRates, StartsAnewAtRestAfterAGap) {
+TEST(JointRates, RestartsAtRestAfterAGap) {
   arm::JointRates rates(50.0);
   rates.see(LwrJoints::Zero(), 1e-3);
   rates.see(LwrJoints::Constant(0.01), 1e-3);
@@ -106,7 +106,7 @@ TEST(JointRates, StartsAnewAtRestAfterAGap) {
   EXPECT_EQ(rates.see(LwrJoints::Constant(5.0), 1e-3), LwrJoints::Zero());
 }
 
-TEST(FriCapture, KeepsTheNewestAndSaysWhereItCannotWrite) {
+TEST(FriCapture, KeepsTheNewestAndReportsAWriteFailure) {
   FriCapture capture(3);
   const std::array<std::byte, 10> bytes{};
   for (int n = 0; n < 5; ++n)

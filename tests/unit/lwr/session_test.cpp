@@ -40,7 +40,7 @@ struct Scene {
   FriSession session;
 };
 
-TEST(FriSession, AsksForTheStrategyAndStartsAtPerfectQualityOnly) {
+TEST(FriSession, StartsAtPerfectQualityOnly) {
   Scene s;
   Krl krl{};
   s.session.fill(krl);
@@ -61,13 +61,13 @@ TEST(FriSession, AsksForTheStrategyAndStartsAtPerfectQualityOnly) {
   EXPECT_EQ(s.session.starts(), 1U);
 }
 
-TEST(FriSession, StartsAtTheQualityAskedFor) {
+TEST(FriSession, StartsAtTheRequestedQuality) {
   Scene s({.start_quality = Quality::kOk});
   s.msr.interface.quality = Quality::kOk;
   EXPECT_EQ(s.see(), Diagnostic::kStarting);
 }
 
-TEST(FriSession, HaltsAProgramThatStillRunsFromBefore) {
+TEST(FriSession, HaltsAProgramOfAnEarlierSession) {
   Scene s;
   s.command();
   EXPECT_EQ(s.see(0.1), Diagnostic::kProgramStillRuns);
@@ -79,7 +79,7 @@ TEST(FriSession, HaltsAProgramThatStillRunsFromBefore) {
   EXPECT_EQ(s.see(), Diagnostic::kStarting);
 }
 
-TEST(FriSession, GivesUpAStartThatDoesNotComeAndTriesAgain) {
+TEST(FriSession, RetriesAFailedStart) {
   Scene s({.start_timeout_s = 0.1, .pause_s = 0.05});
   EXPECT_EQ(s.see(0.09), Diagnostic::kStarting);
   EXPECT_EQ(s.see(0.02), Diagnostic::kStartTimedOut);
@@ -88,7 +88,7 @@ TEST(FriSession, GivesUpAStartThatDoesNotComeAndTriesAgain) {
   EXPECT_EQ(s.request(), kRun);
 }
 
-TEST(FriSession, ComesBackAfterTheControllerLeftCommandMode) {
+TEST(FriSession, RecoversAfterLeavingCommandMode) {
   Scene s({.pause_s = 0.05});
   s.run();
   s.monitor();
@@ -103,7 +103,7 @@ TEST(FriSession, ComesBackAfterTheControllerLeftCommandMode) {
   EXPECT_EQ(s.session.starts(), 2U);
 }
 
-TEST(FriSession, AsksAPersonAfterTooManyDrops) {
+TEST(FriSession, RequestsAnOperatorAfterTooManyDrops) {
   Scene s({.pause_s = 0.0, .max_drops = 3});
   for (int n = 0; n < 3; ++n) {
     ASSERT_NE(s.session.error(), devices::DeviceError::kFault);
@@ -116,7 +116,7 @@ TEST(FriSession, AsksAPersonAfterTooManyDrops) {
   EXPECT_EQ(s.request(), kHalt);
 }
 
-TEST(FriSession, TakesTheForceAwayWhileTheQualityIsDown) {
+TEST(FriSession, SuspendsTheForceForLowQuality) {
   Scene s;
   s.run();
   s.msr.interface.quality = Quality::kBad;
@@ -129,7 +129,7 @@ TEST(FriSession, TakesTheForceAwayWhileTheQualityIsDown) {
   EXPECT_EQ(s.see(), Diagnostic::kNone);
 }
 
-TEST(FriSession, TellsDrivesThatAreNotOnYetFromDrivesThatWentOff) {
+TEST(FriSession, DistinguishesDrivesNotOnFromDrivesOff) {
   Scene s({.pause_s = 0.0, .drives_off_grace_s = 0.5});
   s.msr.robot.power = 0x3F;
   EXPECT_EQ(s.see(10.0), Diagnostic::kDrivesNotOn);
@@ -146,7 +146,7 @@ TEST(FriSession, TellsDrivesThatAreNotOnYetFromDrivesThatWentOff) {
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
 }
 
-TEST(FriSession, TakesADriveErrorForAFaultAtOnce) {
+TEST(FriSession, DriveErrorIsAFaultAtOnce) {
   Scene s;
   s.run();
   s.msr.robot.error = 0x04;
@@ -154,7 +154,7 @@ TEST(FriSession, TakesADriveErrorForAFaultAtOnce) {
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
 }
 
-TEST(FriSession, TakesAClosedInterfaceForGone) {
+TEST(FriSession, ClosedInterfaceIsADisconnection) {
   for (const State state : {State::kOff, State::kInvalid}) {
     Scene s;
     s.run();
@@ -179,7 +179,7 @@ TEST(FriSession, RefusesAnotherControlMode) {
   EXPECT_FALSE(t.session.force_allowed());
 }
 
-TEST(FriSession, TakesTheForceAwayWhileAJointIsTooFast) {
+TEST(FriSession, SuspendsTheForceForATooFastJoint) {
   Scene s;
   s.run();
   EXPECT_EQ(s.see(kDt, Diagnostic::kTooFast), Diagnostic::kTooFast);
@@ -187,7 +187,7 @@ TEST(FriSession, TakesTheForceAwayWhileAJointIsTooFast) {
   EXPECT_EQ(s.see(), Diagnostic::kNone);
 }
 
-TEST(FriSession, StopsForGood) {
+TEST(FriSession, StopIsFinal) {
   Scene s;
   s.run();
   s.session.request_stop();
@@ -203,7 +203,7 @@ TEST(FriSession, StopsForGood) {
   EXPECT_EQ(s.request(), kHalt);
 }
 
-TEST(FriSession, HasASentenceForEveryTrouble) {
+TEST(FriSession, HasASentenceForEveryDiagnostic) {
   std::set<std::string_view> sentences;
   for (int n = 0; n <= static_cast<int>(Diagnostic::kStopping); ++n)
     sentences.insert(sentence_of(static_cast<Diagnostic>(n)));

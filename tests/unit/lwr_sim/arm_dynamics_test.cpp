@@ -44,7 +44,7 @@ TEST(ArmDynamics, ItsFlangeIsThatOfTheDenavitHartenbergRows) {
   }
 }
 
-TEST(ArmDynamics, TheMassMatrixIsTheSecondDerivativeOfTheKineticEnergy) {
+TEST(ArmDynamics, MassMatrixIsTheEnergysSecondDerivative) {
   std::mt19937_64 random(2);
   const ArmDynamics dynamics(lwr_bodies(), kTool);
   for (int n = 0; n < kPostures; ++n) {
@@ -63,7 +63,7 @@ TEST(ArmDynamics, TheMassMatrixIsTheSecondDerivativeOfTheKineticEnergy) {
   }
 }
 
-TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
+TEST(ArmDynamics, KineticEnergyEqualsThatOfLinkPoints) {
   // Each link as six point masses on its axes with the link's mass, centre and inertia; their
   // speeds by differences in time.
   std::mt19937_64 random(3);
@@ -92,7 +92,7 @@ TEST(ArmDynamics, TheKineticEnergyIsThatOfPointsThatMoveWithTheLinks) {
   }
 }
 
-TEST(ArmDynamics, GravityIsTheGradientOfThePotentialEnergyAndTheHandCarriesItself) {
+TEST(ArmDynamics, GravityIsTheGradientOfThePotentialEnergy) {
   std::mt19937_64 random(4);
   const ArmDynamics dynamics(lwr_bodies());
   for (int n = 0; n < kPostures; ++n) {
@@ -122,7 +122,7 @@ LwrMatrix coriolis_matrix(const ArmDynamics& dynamics, const lwr::LwrJoints& q,
   return matrix;
 }
 
-TEST(ArmDynamics, TheMassMatrixsRateLessTwiceTheCoriolisMatrixIsSkew) {
+TEST(ArmDynamics, MassRateMinusTwiceCoriolisIsSkew) {
   std::mt19937_64 random(5);
   const ArmDynamics dynamics(lwr_bodies(), kTool);
   for (int n = 0; n < kPostures; ++n) {

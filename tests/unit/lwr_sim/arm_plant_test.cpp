@@ -78,7 +78,7 @@ TEST(ArmPlant, AHandsPushDoesTheWorkThatTheArmGains) {
               1e-6 * work);
 }
 
-TEST(ArmPlant, UnderLessThanItsFrictionItStaysExactlyWhereItIs) {
+TEST(ArmPlant, StaysExactlyInPlaceBelowItsFriction) {
   ArmPlant plant(lwr_plant(), kBent);
   const hand::HandAction hand = push(Vec3(0.05, 0.05, 0.05));
   for (int i = 0; i < 4000; ++i)
@@ -87,7 +87,7 @@ TEST(ArmPlant, UnderLessThanItsFrictionItStaysExactlyWhereItIs) {
   EXPECT_EQ(plant.rate(), lwr::LwrJoints::Zero());
 }
 
-TEST(ArmPlant, AJointThatFrictionHoldsDoesNotChatterWhileOthersMove) {
+TEST(ArmPlant, JointHeldByFrictionDoesNotChatter) {
   PlantParameters p = lwr_plant();
   p.coulomb_nm[2] = 50.0;  // held, whatever the others do
   ArmPlant plant(p, kBent);

@@ -41,7 +41,7 @@ TEST(Control, InMonTheArmStandsStiffAgainstTheHand) {
   EXPECT_LT((tip_of(rig) - start).norm(), 1e-3);
 }
 
-TEST(Control, TheHandWaitsForCommandModeUnlessItIsToldNotTo) {
+TEST(Control, HandWaitsForCommandModeByDefault) {
   Rig rig(quick(), arm_at(Vec3(0.1, 0.0, 0.0)));
   rig.remote.run = 0;
   rig.periods(200);
@@ -52,7 +52,7 @@ TEST(Control, TheHandWaitsForCommandModeUnlessItIsToldNotTo) {
   EXPECT_FALSE(rig.controller.plant().hand_wrench().zero());
 }
 
-TEST(Control, WithoutStiffnessTheHandLeadsTheArmWhereItWants) {
+TEST(Control, WithoutStiffnessTheHandLeadsTheArm) {
   Rig rig(quick(), arm_at(Vec3(0.04, -0.03, 0.02)));
   const Vec3 start = tip_of(rig);
   ASSERT_TRUE(rig.start());
@@ -79,7 +79,7 @@ TEST(Control, ATorqueOnTopIsAForceAtTheToolThatTheHandHolds) {
             0.2);  // the elbow still swings a little
 }
 
-TEST(Control, ATorqueComesAfterItsPeriodAndItsDelayAndThroughItsLag) {
+TEST(Control, TorqueArrivesAfterItsDelay) {
   ControllerConfig config = quick();
   config.torque_delay_ticks = 2;
   Rig rig(config);
@@ -101,7 +101,7 @@ TEST(Control, ATorqueComesAfterItsPeriodAndItsDelayAndThroughItsLag) {
   EXPECT_NEAR(third / applied_force(), 1.0 - std::exp(-1.0), 0.08);
 }
 
-TEST(Control, JointStiffnessHoldsAgainstTheHandAsMuchAsItSays) {
+TEST(Control, JointStiffnessResistsTheHandAsConfigured) {
   ControllerConfig config = quick();
   config.plant.coulomb_nm.setZero();
   Rig rig(config, arm_at(Vec3(0.05, 0.0, 0.0)));
@@ -117,7 +117,7 @@ TEST(Control, JointStiffnessHoldsAgainstTheHandAsMuchAsItSays) {
   EXPECT_GT(off.norm(), 0.005);
 }
 
-TEST(Control, ImpedanceIsDampedAsAsked) {
+TEST(Control, ImpedanceIsDampedAsConfigured) {
   ControllerConfig config = quick();
   config.plant.coulomb_nm.setZero();
   Rig rig(config);
@@ -176,7 +176,7 @@ TEST(Control, ASingleMissIsExtrapolated) {
   EXPECT_NEAR(rig.controller.plant().rate()[0], 0.5, 0.02);
 }
 
-TEST(Control, TheSameSeedAndAnswersGiveTheSameBits) {
+TEST(Control, SameSeedAndAnswersAreBitIdentical) {
   const auto run = [](std::uint64_t seed) {
     ControllerConfig config;
     config.seed = seed;
@@ -198,7 +198,7 @@ TEST(Control, TheSameSeedAndAnswersGiveTheSameBits) {
   EXPECT_NE(first, run(4));
 }
 
-TEST(Control, AClosedControllerSaysOff) {
+TEST(Control, ClosedControllerReportsOff) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
   test::MsrBytes msr;
@@ -215,7 +215,7 @@ lwr::LwrJoints start(const lwr::LwrArm& arm, const Pose& expected) {
   return arm_sim::start_posture(reach, expected, lwr::lwr_rest_posture(), -limit, limit);
 }
 
-TEST(StartPosture, BringsTheToolWhereTheMotionStarts) {
+TEST(StartPosture, PlacesTheToolAtTheMotionsStart) {
   const lwr::LwrArm arm(Pose{Vec3(0.0, 0.0, 0.1), Quat::Identity()});
   const Pose rest = arm.tool(lwr::lwr_rest_posture());
   const Pose expected{rest.position + Vec3(0.05, 0.2, 0.1),

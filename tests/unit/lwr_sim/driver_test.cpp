@@ -60,7 +60,7 @@ lwr::LwrOptions options(std::uint16_t port) {
   return o;
 }
 
-TEST(DriverAtTheController, ItsForceIsFeltByTheHandAndNothingIsRefused) {
+TEST(DriverAtTheController, ForceReachesTheHandUnrefused) {
   const std::uint16_t port = free_port();
   RunningController krc(port, test::arm_at(Vec3::Zero(), 500.0, 60.0));
   {
@@ -87,7 +87,7 @@ TEST(DriverAtTheController, ItsForceIsFeltByTheHandAndNothingIsRefused) {
   EXPECT_EQ(krc.controller().counts().not_finite + krc.controller().counts().size_field, 0u);
 }
 
-TEST(DriverAtTheController, FindsItsModeWhereTheFirstStartKeepsPositionControl) {
+TEST(DriverAtTheController, FindsItsModeAfterPositionControl) {
   const std::uint16_t port = free_port();
   RunningController krc(port, test::released_hand(), {}, true);
   lwr::LwrDriver driver(options(port));
@@ -96,7 +96,7 @@ TEST(DriverAtTheController, FindsItsModeWhereTheFirstStartKeepsPositionControl) 
   EXPECT_TRUE(driver.write({Vec3(1.0, 0.0, 0.0), Vec3::Zero()}));
 }
 
-TEST(DriverAtTheController, BearsAnUncleanNetwork) {
+TEST(DriverAtTheController, ToleratesANoisyNetwork) {
   const std::uint16_t port = free_port();
   RunningController krc(port, test::arm_at(Vec3::Zero()),
                         {"loss@0:inf:0.02", "answer_loss@0:inf:0.01", "duplicate@0:inf:0.05",

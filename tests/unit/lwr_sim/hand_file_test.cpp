@@ -29,7 +29,7 @@ hand::HandFile sample() {
   return f;
 }
 
-TEST(HandFile, ReadsBackToTheSameBits) {
+TEST(HandFile, RoundTripIsBitIdentical) {
   const hand::HandFile f = sample(), back = hand::parse_hand(hand::to_text(f), "test");
   EXPECT_EQ(hand::to_text(back), hand::to_text(f));
   EXPECT_EQ(back.motion.path, f.motion.path);
@@ -84,7 +84,7 @@ TEST(HandFile, DoesNotDependOnTheLocale) {
   std::locale::global(before);
 }
 
-TEST(HandFile, WhatIsLeftOutKeepsItsDefaultAndCommentsAreNoKeys) {
+TEST(HandFile, OmittedKeysKeepTheirDefaults) {
   const hand::HandFile f = hand::parse_hand("# a hand\n\npath_m: [[1, 2,\t3]]  # here\r\n", "test");
   EXPECT_EQ(f.motion.path.front(), Vec3(1, 2, 3));
   EXPECT_EQ(f.motion.speed_m_per_s, Motion{}.speed_m_per_s);
@@ -95,7 +95,7 @@ TEST(HandFile, WhatIsLeftOutKeepsItsDefaultAndCommentsAreNoKeys) {
             std::numeric_limits<double>::infinity());
 }
 
-TEST(HandFile, RefusesWhatIsWrongAndSaysWhere) {
+TEST(HandFile, RefusesErrorsWithTheirPlace) {
   const std::string head = "path_m: [[0, 0, 0]]\n";
   const auto message = [](const std::string& text) -> std::string {
     try {

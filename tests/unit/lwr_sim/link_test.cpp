@@ -90,7 +90,7 @@ TEST(Faults, AreReadFromTheirText) {
   EXPECT_EQ(parse_fault("nan@1:0.001:3", kFaults).value, 3.0);
 }
 
-TEST(Faults, RefuseWhatIsNone) {
+TEST(Faults, RefuseInvalidTexts) {
   for (const char* text : {"",
                            "late",
                            "late@",
@@ -150,7 +150,7 @@ TEST(Line, WithoutFaultsEverythingLeavesAtOnce) {
     EXPECT_EQ(out[static_cast<std::size_t>(i)], std::make_pair(i, i));
 }
 
-TEST(Line, LosesItsShareAndTheSameWithTheSameSeed) {
+TEST(Line, LosesItsRatioReproducibly) {
   const auto out = leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000);
   EXPECT_NEAR(static_cast<double>(out.size()), 4000.0, 120.0);
   EXPECT_EQ(out, leaves({parse_fault("loss@0:inf:0.2", kFaults)}, 5000));

@@ -131,7 +131,7 @@ TEST(MsrBytes, TheHandShowsInTheJointsAndAtTheTool) {
   }
 }
 
-TEST(MsrBytes, SensorsAreAsNoisyAsTheyAreSaidToBe) {
+TEST(MsrBytes, SensorsHaveTheirStatedNoise) {
   ControllerConfig config = exact();
   config.torque_noise_nm = 0.2;
   Rig rig(config);
@@ -146,7 +146,7 @@ TEST(MsrBytes, SensorsAreAsNoisyAsTheyAreSaidToBe) {
   EXPECT_NEAR(std::sqrt(squares / kCount), 0.2, 0.02);
 }
 
-TEST(MsrBytes, InCommandModeTheOffsetIsWhatTheRemoteSideAddsToTheProgram) {
+TEST(MsrBytes, OffsetIsTheRemoteSidesAdditionInCommandMode) {
   ControllerConfig config = exact();
   Rig rig(config);
   rig.remote.strategy = 10;

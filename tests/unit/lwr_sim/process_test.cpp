@@ -48,7 +48,7 @@ lwr_sim::test::MsrBytes serve(arm::UdpSocket& socket, std::chrono::nanoseconds p
   return msr;
 }
 
-TEST(ControllerProgram, EndsCleanlyBySigtermAndSaysOff) {
+TEST(ControllerProgram, EndsCleanlyBySigtermAndReportsOff) {
   arm::UdpSocket socket("127.0.0.1", 0);
   Process program({kProgram, "--remote", remote_of(socket), "--period-ms", "10"});
   serve(socket, 5s, 20);
@@ -59,7 +59,7 @@ TEST(ControllerProgram, EndsCleanlyBySigtermAndSaysOff) {
   EXPECT_NE(end.err.find("answers"), std::string::npos) << end.err;
 }
 
-TEST(ControllerProgram, EndsCleanlyBySigtermWhileItWaitsInVirtualTime) {
+TEST(ControllerProgram, EndsCleanlyBySigtermInVirtualTime) {
   arm::UdpSocket socket("127.0.0.1", 0);
   Process program({kProgram, "--remote", remote_of(socket), "--virtual-time", "--patience", "60"});
   ASSERT_TRUE(socket.wait(5s));
@@ -67,7 +67,7 @@ TEST(ControllerProgram, EndsCleanlyBySigtermWhileItWaitsInVirtualTime) {
   EXPECT_EQ(program.wait(5s).status, 0);
 }
 
-TEST(ControllerProgram, SaysInASentenceThatThePortIsTakenAndThatNobodyAnswers) {
+TEST(ControllerProgram, ReportsATakenPortAndAMissingAnswer) {
   arm::UdpSocket socket("127.0.0.1", 0);
   const std::string port = std::to_string(socket.local().port);
   Process second({kProgram, "--port", port});
@@ -80,7 +80,7 @@ TEST(ControllerProgram, SaysInASentenceThatThePortIsTakenAndThatNobodyAnswers) {
   EXPECT_NE(end.err.find("no answer"), std::string::npos) << end.err;
 }
 
-TEST(ControllerProgram, RefusesOptionsThatMakeNoSense) {
+TEST(ControllerProgram, RefusesInvalidOptions) {
   for (const std::vector<std::string>& options :
        {std::vector<std::string>{"--fault", "lat@1"},
         {"--remote", "here"},
@@ -99,7 +99,7 @@ TEST(ControllerProgram, RefusesOptionsThatMakeNoSense) {
   }
 }
 
-TEST(ControllerProgram, LeadsTheArmAlongAHandFilesMotionAndTracesWhatItFeltAfterAFault) {
+TEST(ControllerProgram, FollowsAHandFileAndTracesAFault) {
   TemporaryFolder folder;
   const Pose rest = lwr::LwrArm().tool(lwr::lwr_rest_posture());
   hand::HandFile file;

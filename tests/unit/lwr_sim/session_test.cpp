@@ -120,7 +120,7 @@ bool dropped_after(const Outcome& out, double time_s) {
   return false;
 }
 
-TEST(Session, InVirtualTimeEveryMeasurementIsAnsweredAndTheLastSaysOff) {
+TEST(Session, VirtualTimeAnswersAllAndEndsOff) {
   const Outcome out = virtual_run({}, 0.3);
   EXPECT_EQ(out.ending, Ending::kDuration);
   EXPECT_EQ(out.answers.accepted, 300u);
@@ -132,7 +132,7 @@ TEST(Session, InVirtualTimeEveryMeasurementIsAnsweredAndTheLastSaysOff) {
   EXPECT_EQ(test::get<std::int32_t>(out.seen.front(), 132), 0x56545854);
 }
 
-TEST(Session, InVirtualTimeTheSameSeedAndAnswersGiveTheSameBits) {
+TEST(Session, VirtualTimeIsBitIdentical) {
   const std::vector<std::string> faults = {"loss@0.1:0.1:0.05", "duplicate@0.2:0.02",
                                            "reorder@0.25:0.02:0.2", "jitter@0.1:0.1"};
   const auto tidy = [](const Outcome& out) {
@@ -165,7 +165,7 @@ TEST(Session, LostAnswersShowAsMissesOnly) {
   EXPECT_EQ(sequences(out, 0.199, 0.204), (std::vector<int>{200, 201, 202, 203, 204}));
 }
 
-TEST(Session, LateMeasurementsArriveInABunchAndTheirAnswersAreStale) {
+TEST(Session, LateMeasurementsBunchAndAnswersAreStale) {
   const Outcome out =
       virtual_run({"late@0.2:0.001:0.0025"}, 0.3);  // one of them, two periods and a half
   EXPECT_EQ(out.line.delayed, 1u);
@@ -286,7 +286,7 @@ TEST(Session, InRealTimeItGoesOnWithoutAnyAnswer) {
   EXPECT_EQ(controller.starts(), 0u);
 }
 
-TEST(Session, StrangersAreNotListenedTo) {
+TEST(Session, UnauthorisedPeersAreIgnored) {
   Client client;
   ControllerConfig config;
   config.period_s = 0.01;
@@ -304,7 +304,7 @@ TEST(Session, StrangersAreNotListenedTo) {
   EXPECT_EQ(controller.counts().id, 0u);
 }
 
-TEST(Session, ASilentControllerHearsNothing) {
+TEST(Session, SilentControllerReceivesNothing) {
   for (const bool silent : {false, true}) {
     arm::UdpSocket remote("127.0.0.1", 0);
     std::vector<Fault> faults;
@@ -324,7 +324,7 @@ TEST(Session, ASilentControllerHearsNothing) {
   }
 }
 
-TEST(Session, APortThatIsTakenGivesASentence) {
+TEST(Session, TakenPortIsReported) {
   arm::UdpSocket bound("127.0.0.1", 0);
   FriController controller({}, test::released_hand());
   SessionConfig network;

@@ -96,7 +96,7 @@ TEST(StateMachine, AnUnknownStrategyIsNotStarted) {
   EXPECT_FALSE(rig.start(100));
 }
 
-TEST(StateMachine, OneLostAnswerIsBridgedAndFiveInARowEndCommandMode) {
+TEST(StateMachine, OneLostAnswerIsBridgedAndFiveEndCommandMode) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
   rig.period(false);
@@ -127,7 +127,7 @@ TEST(StateMachine, MoreThanTenOfAHundredMissesEndCommandMode) {
   EXPECT_EQ(misses, 11);
 }
 
-TEST(StateMachine, CommandModeThatEndedByItselfNeedsAStopBeforeItBeginsAgain) {
+TEST(StateMachine, EndedCommandModeNeedsAStopFirst) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
   rig.periods(5, false);
@@ -162,7 +162,7 @@ TEST(StateMachine, AChangeOfFlagsEndsCommandMode) {
   expect_drop(rig, Reason::kFlagsChanged, 0x7F);
 }
 
-TEST(StateMachine, ANumberThatIsNoneEndsCommandMode) {
+TEST(StateMachine, NonFiniteNumberEndsCommandMode) {
   for (const std::size_t offset : {8u, 144u, 172u, 220u, 248u, 272u, 300u, 328u, 372u}) {
     for (const float bad :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity()}) {
@@ -185,7 +185,7 @@ TEST(StateMachine, ATorqueOverItsLimitEndsCommandMode) {
   expect_drop(rig, Reason::kTorque, 1 << 4);
 }
 
-TEST(StateMachine, ACommandedPositionThatIsTooFastEndsCommandMode) {
+TEST(StateMachine, TooFastCommandedPositionEndsCommandMode) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
   rig.remote.step = 0.9F * static_cast<float>(lwr::lwr_limits().velocity_rad_s[0]) * 1e-3F;
@@ -207,7 +207,7 @@ TEST(StateMachine, AStiffnessOutOfRangeEndsCommandMode) {
   }
 }
 
-TEST(StateMachine, AJointThatIsTooFastEndsCommandMode) {
+TEST(StateMachine, TooFastJointEndsCommandMode) {
   ControllerConfig config = quick();
   config.safety_limits = 0.1;
   Rig rig(config);
@@ -221,7 +221,7 @@ TEST(StateMachine, AJointThatIsTooFastEndsCommandMode) {
             0.2 * lwr::lwr_limits().velocity_rad_s[6]);
 }
 
-TEST(StateMachine, WithoutMirroringCommandModeIsRefusedAndAsksForAcknowledgement) {
+TEST(StateMachine, CommandModeWithoutMirroringIsRefused) {
   Rig rig(quick());
   rig.remote.mirror_error = 0.02F;
   EXPECT_FALSE(rig.start(100));
@@ -265,7 +265,7 @@ TEST(StateMachine, ParsesOnlyAnswersToItsLastMeasurement) {
   EXPECT_EQ(c.accepted + c.id + c.size_field + c.stale + c.length + c.doubled, 9u);
 }
 
-TEST(StateMachine, ASecondAnswerWithANewerCountTakesTheFirstOnesPlace) {
+TEST(StateMachine, NewerSecondAnswerReplacesTheFirst) {
   Rig rig(quick());
   ASSERT_TRUE(rig.start());
   rig.periods(20);
@@ -283,7 +283,7 @@ TEST(StateMachine, ASecondAnswerWithANewerCountTakesTheFirstOnesPlace) {
   EXPECT_LT(rig.controller.row().applied.force.norm(), 1e-3);
 }
 
-TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart) {
+TEST(StateMachine, EmergencyStopBrakesUntilTheNextStart) {
   Rig rig(quick(), test::arm_at(Vec3(0.1, 0.0, 0.0)), {parse_fault("estop@0.5:0.2", kFaults)});
   ASSERT_TRUE(rig.start());
   while (rig.controller.time_s() < 0.4995)
@@ -306,7 +306,7 @@ TEST(StateMachine, AnEmergencyStopTakesThePowerAndTheBrakesStayUntilTheNextStart
   EXPECT_TRUE(rig.start());
 }
 
-TEST(StateMachine, DrivesThatGoOffShowWhichAndADriveErrorShowsAsOne) {
+TEST(StateMachine, ReportsWhichDrivesAreOffAndADriveError) {
   Rig off(quick(), test::released_hand(), {parse_fault("drives_off@0.2:0.1:4", kFaults)});
   ASSERT_TRUE(off.start());
   while (off.controller.time_s() < 0.2005)
@@ -338,7 +338,7 @@ TEST(StateMachine, AForcedQualityShowsAndEndsCommandMode) {
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
 }
 
-TEST(StateMachine, AMeasurementWithoutNumbersIsSentAsTheScheduleSays) {
+TEST(StateMachine, SendsNanMeasurementsOnSchedule) {
   Rig rig(quick(), test::released_hand(),
           {parse_fault("nan@0.1:0.002:3", kFaults), parse_fault("nan@0.2:0.001:8", kFaults)});
   rig.remote.run = 0;
@@ -353,7 +353,7 @@ TEST(StateMachine, AMeasurementWithoutNumbersIsSentAsTheScheduleSays) {
   EXPECT_EQ(bad_time, 1);
 }
 
-TEST(StateMachine, ConfigurationsThatCannotBeAreRefused) {
+TEST(StateMachine, InvalidConfigurationsAreRefused) {
   ControllerConfig config;
   config.period_s = 0.0015;
   EXPECT_THROW(config.validate(), std::runtime_error);

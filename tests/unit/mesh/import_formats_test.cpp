@@ -128,7 +128,7 @@ TEST(ImportFormats, ColladaUnitsBecomeMetres) {
   expect_tetrahedron(mesh::import_mesh(folder.write("mm.dae", file.xml())), 0.001);
 }
 
-TEST(ImportFormats, ColladaAxesStayAsTheyAreWhateverIsUp) {
+TEST(ImportFormats, ColladaAxesIgnoreTheUpAxis) {
   const Folder folder;
   for (const char* up : {"X_UP", "Y_UP", "Z_UP"}) {
     Collada file;
@@ -146,7 +146,7 @@ TEST(ImportFormats, ColladaNodesAndTheirInstancesAreApplied) {
   expect_tetrahedron(mesh::import_mesh(folder.write("t.dae", file.xml())), 2.0, {1, 2, 3});
 }
 
-TEST(ImportFormats, ColladaMaterialsAnimationsAndExtrasAreNotLookedAt) {
+TEST(ImportFormats, IgnoresColladaMaterialsAndAnimations) {
   const Folder folder;
   Collada file;
   file.library =

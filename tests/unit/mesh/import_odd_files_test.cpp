@@ -87,7 +87,7 @@ TEST_F(OddFile, WithAByteOrderMarkKeepsItsFirstStatement) {
   expect_tetrahedron("header.stl", header.replace(0, 3, kMark), "");  // any header is right there
 }
 
-TEST_F(OddFile, OfStlTextIsReadWhateverItsKeywordsLookLike) {
+TEST_F(OddFile, OfStlTextIsReadWithAnyKeywords) {
   const std::string text = samples::text_stl(tetrahedron());
   expect_tetrahedron("plain.stl", text, "");
   expect_tetrahedron("upper.stl", upper(text), "capitals");
@@ -131,7 +131,7 @@ TEST_F(OddFile, OfObjMayHaveCapitalsAndAnyLineEnds) {
   expect_tetrahedron("padded.obj", text + std::string(7, '\0'), "7 bytes");
 }
 
-TEST_F(OddFile, WithSurfacesThatAreNoPolygonsIsRefused) {
+TEST_F(OddFile, WithNonPolygonalSurfacesIsRefused) {
   const std::string text = samples::obj_text(tetrahedron());
   expect_refused("surface.obj", text + "cstype bezier\ndeg 1 1\nsurf 0 1 0 1 1 2 3 4\n", "'surf'");
   expect_refused("call.obj", text + "call other.obj\n", "'call'");
@@ -170,7 +170,7 @@ TEST_F(OddFile, WithSurfacesThatAreNoPolygonsIsRefused) {
   }
 }
 
-TEST_F(OddFile, WhoseShapeAnotherPartChangesIsRefused) {
+TEST_F(OddFile, ShapedByAnotherPartIsRefused) {
   const auto gltf = [](const std::string& from, const std::string& to) {
     std::string json = replaced(Gltf().json(), from, to);
     json.resize((json.size() + 3) / 4 * 4, ' ');
@@ -211,7 +211,7 @@ TEST_F(OddFile, WhoseShapeAnotherPartChangesIsRefused) {
   expect_refused("skew.dae", skin.xml(), "shears|'n'");
 }
 
-TEST_F(OddFile, OfGltfWithoutAScenePutsEachMeshWhereItsNodesSay) {
+TEST_F(OddFile, OfGltfWithoutASceneUsesItsNodes) {
   const std::string scene = R"("scene":0,"scenes":[{"nodes":[0]}],)";
   folder_.write("t.bin", samples::gltf_buffer());
   Gltf two;
@@ -277,7 +277,7 @@ TEST_F(OddFile, OfObjWithWeightsOtherThanOneIsRefused) {
   expect_refused("half.obj", "v 0 0 0\nV 1 0 0 0.5\nv 0 1 0\nv 0 0 1\n" + faces, "weight|'0.5'");
 }
 
-TEST_F(OddFile, ThatIsNoMeshIsCalledWhatItIs) {
+TEST_F(OddFile, WithoutAMeshIsNamedByItsType) {
   const std::string pointer =
       "version https://git-lfs.github.com/spec/v1\noid sha256:" + std::string(64, '0') +
       "\nsize 1\n";

@@ -55,7 +55,7 @@ std::string ply(const std::string& vertices, const std::string& faces, const std
          "\nproperty list uchar int vertex_indices\nend_header\n" + rows;
 }
 
-TEST_F(Refusal, NamesAFileThatIsNotThere) {
+TEST_F(Refusal, NamesAMissingFile) {
   EXPECT_NE(refusal(folder_.path() / "none.obj").find("such file"), std::string::npos);
 }
 
@@ -64,7 +64,7 @@ TEST_F(Refusal, NamesADirectory) {
   EXPECT_NE(refusal(folder_.path() / "dir.obj").find("directory"), std::string::npos);
 }
 
-TEST_F(Refusal, NamesAFileThatIsNoRegularFile) {
+TEST_F(Refusal, NamesAnIrregularFile) {
   std::filesystem::create_symlink("/dev/zero", folder_.path() / "zero.obj");
   EXPECT_NE(refusal(folder_.path() / "zero.obj").find("regular file"), std::string::npos);
 }
@@ -82,7 +82,7 @@ TEST_F(Refusal, NamesAFileThatMayNotBeRead) {
   EXPECT_NE(text.find("opened"), std::string::npos) << text;
 }
 
-TEST_F(Refusal, NamesTheFormatsItKnows) {
+TEST_F(Refusal, NamesTheSupportedFormats) {
   expect_refused("t.xyz", "1 2 3", "'xyz'|.obj|.stl|.ply|.gltf|.glb|.dae");
   expect_refused("t", "1 2 3", "''");
   expect_refused("t.blend", "BLENDER", "'blend'");
@@ -100,7 +100,7 @@ TEST_F(Refusal, OfFilesWithoutTriangles) {
                  "no triangles");
 }
 
-TEST_F(Refusal, OfVerticesThatAreNotFinite) {
+TEST_F(Refusal, OfNonFiniteVertices) {
   const std::string faces = "f 1 3 2\nf 1 2 4\n";
   for (const char* bad : {"nan", "inf", "-inf", "1e39"}) {
     expect_refused("t.obj", std::string("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 ") + bad + "\n" + faces,
@@ -137,7 +137,7 @@ TEST_F(Refusal, OfAnAbsurdCountBeforeMemoryIsSpent) {
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 64 * 1024) << "kilobytes";
 }
 
-TEST_F(Refusal, OfPlyWhoseColumnsAssimpWouldMoveOrMakeUp) {
+TEST_F(Refusal, OfPlyColumnsThatAssimpMisreads) {
   const std::string whole = ply("4", "1", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n");
   const auto with = [&](const std::string& from, const std::string& to) {
     std::string text = whole;
@@ -258,13 +258,13 @@ TEST_F(Refusal, OfColladaThatWouldOverrunTheReader) {
   expect_refused("missing.dae", missing.xml(), "'gone'");
 }
 
-TEST_F(Refusal, OfWhatOneOfAssimpsAssertionsWouldEndTheProcessFor) {
+TEST_F(Refusal, OfFilesThatTripAssimpsAssertions) {
   Collada contradiction;
   contradiction.kind = "polygons", contradiction.faces = "5";  // and one <p>, which is one polygon
   expect_refused("t.dae", contradiction.xml(), "Aborted");
 }
 
-TEST_F(Refusal, OfNumbersInTheFileThatAreTooLargeForTheirVoxels) {
+TEST_F(Refusal, OfCoordinatesTooLargeForTheirVoxels) {
   mesh::TriangleMesh far = tetrahedron();
   for (Vec3& v : far.vertices)
     v.x() += 1e6;
@@ -282,7 +282,7 @@ TEST_F(Refusal, OfNumbersInTheFileThatAreTooLargeForTheirVoxels) {
   expect_refused("node.glb", node.glb(), "0.0625 m", {.voxel_size_m = 0.001});
 }
 
-TEST_F(Refusal, OfOptionsThatMakeNoSense) {
+TEST_F(Refusal, OfInvalidOptions) {
   const std::string text = samples::obj_text(tetrahedron());
   for (const double scale : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     expect_refused("t.obj", text, "scale", {.scale = scale});
@@ -295,7 +295,7 @@ TEST_F(Refusal, OfOptionsThatMakeNoSense) {
 }
 
 /// Fixed seed: the same few thousand damaged files on every run. Read or refused, and nothing else.
-TEST_F(Refusal, OrATriangleMeshComesOfEveryDamagedFile) {
+TEST_F(Refusal, OrAMeshResultsFromEveryDamagedFile) {
   const std::string rows = "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
   const std::vector<std::pair<std::string, std::string>> seeds = {
       {"f.obj", samples::obj_text(tetrahedron()) + "l 1 2\ng a\nf 1 2 3 4\n"},

@@ -47,7 +47,7 @@ void expect_same_triangles(const mesh::TriangleMesh& a, const mesh::TriangleMesh
 
 class EveryVector : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(EveryVector, ComesThroughToTheBitAndInOrder) {
+TEST_P(EveryVector, ImportsExactlyAndInOrder) {
   const auto path = kVectors / (std::string(GetParam()) + ".obj");
   const mesh::TriangleMesh expected = plain_obj(path);
   ASSERT_FALSE(expected.empty());
@@ -129,7 +129,7 @@ TEST(Import, CutsAPolygonOfManyCorners) {
   EXPECT_NEAR(area, std::numbers::pi, 1e-4);
 }
 
-TEST(Import, LeavesLinesAndPointsOutAndSaysSo) {
+TEST(Import, LeavesLinesAndPointsOutWithAWarning) {
   const Folder folder;
   const auto path =
       folder.write("lines.obj", samples::obj_text(samples::tetrahedron()) + "l 1 2\nl 2 3\np 4\n");
@@ -150,7 +150,7 @@ TEST(Import, ScalesAndPosesInDouble) {
   EXPECT_LT((got.mesh.corner(0, 2) - Vec3(1e6, 1e-3, 0)).norm(), 1e-9);
 }
 
-TEST(Import, GuessesMillimetresWhereTheMeshIsThousandsOfVoxelsLong) {
+TEST(Import, GuessesMillimetresForHugeMeshes) {
   const Folder folder;
   const auto path =
       folder.write("t.stl", samples::binary_stl(samples::box({0, 0, 0}, {80, 80, 90})));
@@ -163,7 +163,7 @@ TEST(Import, GuessesMillimetresWhereTheMeshIsThousandsOfVoxelsLong) {
   EXPECT_TRUE(mesh::import_mesh(path, {.scale = 0.001, .voxel_size_m = 0.002}).warnings.empty());
 }
 
-TEST(Import, WarnsWhereTheMeshIsLostInItsVoxels) {
+TEST(Import, WarnsIfTheMeshIsSmallerThanItsVoxels) {
   const Folder folder;
   const auto path =
       folder.write("t.stl", samples::binary_stl(samples::box({0, 0, 0}, {0.08, 0.08, 0.09})));
@@ -176,7 +176,7 @@ TEST(Import, WarnsWhereTheMeshIsLostInItsVoxels) {
   EXPECT_TRUE(mesh::import_mesh(path).warnings.empty());
 }
 
-TEST(Import, GivesTheSameBitsTwice) {
+TEST(Import, RepeatsBitIdentically) {
   const auto path = kVectors / "lshape.obj";
   const mesh::ImportedMesh a = mesh::import_mesh(path, {.scale = 0.37}),
                            b = mesh::import_mesh(path, {.scale = 0.37});

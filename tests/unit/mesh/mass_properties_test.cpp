@@ -22,7 +22,7 @@ TEST(MassProperties, AreThoseOfABlock) {
   EXPECT_NEAR(m.inertia_m2(0, 1), 0.0, 1e-12);
 }
 
-TEST(MassProperties, AreThoseOfABallUpToItsFacetsAlsoFarFromTheOriginAndInsideOut) {
+TEST(MassProperties, MatchABallAnywhereAndInsideOut) {
   TriangleMesh ball = shipped("sphere.obj");
   const MassProperties here = mass_properties(ball);
   EXPECT_NEAR(here.volume_m3 / (4.0 / 3.0 * std::numbers::pi), 1.0, 0.02);
@@ -37,7 +37,7 @@ TEST(MassProperties, AreThoseOfABallUpToItsFacetsAlsoFarFromTheOriginAndInsideOu
   EXPECT_LT((there.inertia_m2 - here.inertia_m2).norm(), 1e-6);
 }
 
-TEST(MassProperties, RefuseWhatEnclosesNothing) {
+TEST(MassProperties, RefuseOpenMeshes) {
   TriangleMesh flat;
   flat.vertices = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   flat.triangles = {{0, 1, 2}, {0, 2, 1}};

@@ -42,7 +42,7 @@ std::string sentence(const std::filesystem::path& path, const mesh_import::ReadL
   return "read";
 }
 
-TEST(MeshProcess, GivesWhatReadingHereGives) {
+TEST(MeshProcess, EqualsReadingInProcess) {
   const Folder folder;
   for (const std::filesystem::path& path :
        {std::filesystem::path(VOXTOUCH_DEPLOY "/meshes/cup.obj"),
@@ -69,7 +69,7 @@ TEST(MeshProcess, ReadsInManyThreadsAtOnce) {
   }
 }
 
-TEST(MeshProcess, RefusesWhatTakesTooLongOrTooMuch) {
+TEST(MeshProcess, RefusesTooMuchTimeOrMemory) {
   const Folder folder;
   const auto bomb = folder.write("bomb.dae", endless());
   const std::string slow = sentence(bomb, {.cpu_s = 1});
@@ -96,7 +96,7 @@ bool soon(const Condition& condition) {
   return condition();
 }
 
-TEST(MeshProcess, EndsWithWhoAskedAndHasNoneOfItsFiles) {
+TEST(MeshProcess, EndsWithItsCallerAndInheritsNoFiles) {
   const Folder folder;
   const auto bomb = folder.write("bomb.dae", endless());
   const int inherited_file = ::open("/dev/null", O_RDONLY);  // not closed on exec
@@ -125,7 +125,7 @@ TEST(MeshProcess, EndsWithWhoAskedAndHasNoneOfItsFiles) {
   ::close(inherited_file);
 }
 
-TEST(MeshProcess, RehearsesWhatIsReadWithoutChecks) {
+TEST(MeshProcess, DryRunsUncheckedReaders) {
   const Folder folder;
   samples::Collada self;
   self.nodes = R"(<node id="n"><instance_geometry url="#g"/><instance_node url="#n"/></node>)";
@@ -139,7 +139,7 @@ TEST(MeshProcess, RehearsesWhatIsReadWithoutChecks) {
   EXPECT_NO_THROW(mesh_import::dry_run_reading(scene));
 }
 
-TEST(MeshProcess, RefusesAnswersThatDoNotFit) {
+TEST(MeshProcess, RefusesInconsistentReplies) {
   const mesh::FileTriangles read{.mesh = samples::tetrahedron(),
                                  .points = 1,
                                  .lines = 2,

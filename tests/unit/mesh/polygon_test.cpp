@@ -293,7 +293,7 @@ TEST(Polygon, ThatCrossesItselfIsRefused) {
   expect_crossing(with_hole(with_hole(square, 1, 1), 1.5, 1.5));
 }
 
-TEST(Polygon, OfAFileIsNamedWhereItCrossesItself) {
+TEST(Polygon, OfAFileIsNamedIfItCrossesItself) {
   const samples::Folder folder;
   const auto path = folder.write(
       "t.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nf 1 2 3 4\nf 1 2 5\nf 1 3 2 4\n");

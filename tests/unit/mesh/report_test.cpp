@@ -26,7 +26,7 @@ void expect_reports(const mesh::MeshReport& report, const std::string& count,
 
 using Indices = std::vector<std::uint32_t>;
 
-TEST(MeshReport, HasNothingToSayOfACleanMesh) {
+TEST(MeshReport, IsEmptyForACleanMesh) {
   const mesh::MeshReport r = mesh::inspect(box({0, 0, 0}, {1, 2, 3}));
   EXPECT_TRUE(r.clean());
   EXPECT_TRUE(r.closed);
@@ -40,14 +40,14 @@ TEST(MeshReport, HasNothingToSayOfACleanMesh) {
   EXPECT_EQ(r.max, Vec3(1, 2, 3));
 }
 
-TEST(MeshReport, SeesThroughVerticesThatEachTriangleHasForItself) {
+TEST(MeshReport, MergesPerTriangleVertices) {
   const mesh::MeshReport r = mesh::inspect(samples::soup(tetrahedron()));
   EXPECT_TRUE(r.closed);
   EXPECT_EQ(r.vertices, 12u);
   EXPECT_EQ(r.points, 4u);
 }
 
-TEST(MeshReport, CountsOpenEdgesAndSaysThatThereIsNoInterior) {
+TEST(MeshReport, CountsOpenEdgesAndReportsNoInterior) {
   mesh::TriangleMesh mesh = tetrahedron();
   mesh.triangles.pop_back();
   const mesh::MeshReport r = mesh::inspect(mesh);
@@ -84,7 +84,7 @@ TEST(MeshReport, NamesTheFlippedTriangleAndNotItsNeighbours) {
   }
 }
 
-TEST(MeshReport, TellsDuplicatesFromFlippedTriangles) {
+TEST(MeshReport, DistinguishesDuplicatesFromFlippedTriangles) {
   mesh::TriangleMesh mesh = tetrahedron();
   mesh.triangles.push_back({2, 1, 0});  // triangle 0, other first corner
   mesh.triangles.push_back({3, 2, 1});  // triangle 3, turned round
@@ -96,7 +96,7 @@ TEST(MeshReport, TellsDuplicatesFromFlippedTriangles) {
   EXPECT_EQ(r.edges, 6u) << "of the sound triangles alone";
 }
 
-TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
+TEST(MeshReport, IgnoresZeroAreaTrianglesForClosedness) {
   mesh::TriangleMesh mesh = tetrahedron();
   mesh.vertices.emplace_back(0, 0, 0);    // same place as vertex 0
   mesh.vertices.emplace_back(0.5, 0, 0);  // on the edge 0-1
@@ -110,7 +110,7 @@ TEST(MeshReport, JudgesClosednessWithoutZeroAreaTriangles) {
   EXPECT_EQ(r.edges, 6u) << "of the sound triangles alone";
 }
 
-TEST(MeshReport, LetsAZeroAreaTriangleFillTheGapAlongALongEdge) {
+TEST(MeshReport, ZeroAreaTriangleClosesALongEdge) {
   // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle
   // stands between them.
   const mesh::TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
@@ -137,7 +137,7 @@ TEST(MeshReport, FindsCollinearCornersAtAnyScaleAndPlace) {
   }
 }
 
-TEST(MeshReport, FindsEdgesWhereSheetsMeet) {
+TEST(MeshReport, FindsEdgesBetweenSheets) {
   // Two boxes that share one edge: four triangles there.
   const mesh::TriangleMesh mesh =
       mesh::weld(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})));
@@ -158,7 +158,7 @@ TEST(MeshReport, NamesPartsThatFaceInwardAmongOthers) {
   EXPECT_NEAR(r.signed_volume_m3, 26.0, 1e-12);
 }
 
-TEST(MeshReport, NamesAShellInAShellThatFacesTheSameWay) {
+TEST(MeshReport, NamesANestedShellOfEqualOrientation) {
   const mesh::TriangleMesh mesh = joined(box({0, 0, 0}, {3, 3, 3}), box({1, 1, 1}, {2, 2, 2}));
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.nested_parts.examples, Indices{12});
@@ -169,7 +169,7 @@ TEST(MeshReport, NamesAShellInAShellThatFacesTheSameWay) {
   EXPECT_EQ(first.nested_parts.examples, Indices{0});
 }
 
-TEST(MeshReport, CallsNothingNestedThatLiesInACavityOrBesideOrAcross) {
+TEST(MeshReport, CavitiesAndNeighboursAreNotNested) {
   const mesh::TriangleMesh hollow =
       joined(box({0, 0, 0}, {9, 9, 9}), flipped(box({1, 1, 1}, {8, 8, 8})));
   const auto nested = [](const mesh::TriangleMesh& mesh) {
@@ -186,7 +186,7 @@ TEST(MeshReport, CallsNothingNestedThatLiesInACavityOrBesideOrAcross) {
   EXPECT_EQ(nested(joined(u, box({2, 0.2, 2}, {3, 0.8, 3}))), 0u);
 }
 
-TEST(MeshReport, SaysThatAMoebiusStripHasOneSide) {
+TEST(MeshReport, ReportsThatAMoebiusStripHasOneSide) {
   mesh::TriangleMesh strip{{}, {{0, 1, 2}, {1, 3, 2}, {2, 3, 4}, {3, 5, 4}, {4, 5, 1}, {5, 0, 1}}};
   for (int k = 0; k < 3; ++k) {
     const double a = 2 * M_PI * k / 3;
@@ -196,7 +196,7 @@ TEST(MeshReport, SaysThatAMoebiusStripHasOneSide) {
   EXPECT_FALSE(mesh::inspect(strip).orientable);
 }
 
-TEST(MeshReport, CountsVerticesThatAreNotFiniteOrNotUsed) {
+TEST(MeshReport, CountsNonFiniteAndUnusedVertices) {
   mesh::TriangleMesh mesh = tetrahedron();
   mesh.vertices.emplace_back(9, 9, 9);
   mesh.vertices[3].z() = std::numeric_limits<double>::quiet_NaN();

@@ -59,7 +59,7 @@ TEST(ShippedMeshes, AreWhatTheirScriptWrites) {
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
-TEST(ShippedMeshes, StandWhereTheirScenesExpectThem) {
+TEST(ShippedMeshes, LieAtTheirScenesPositions) {
   const mesh::MeshReport plane = mesh::import_mesh(kMeshes / "plane.obj").report;
   EXPECT_EQ(plane.max.z(), 0.0);
   EXPECT_NEAR(plane.min.z(), -0.02, 1e-8);
@@ -154,7 +154,7 @@ std::size_t self_intersections(const mesh::TriangleMesh& mesh) {
   return count;
 }
 
-TEST(ShippedMeshes, CupRunsThroughItselfNowhere) {
+TEST(ShippedMeshes, CupHasNoSelfIntersection) {
   EXPECT_EQ(self_intersections(mesh::import_mesh(kMeshes / "cup.obj").mesh), 0u);
 }
 

@@ -83,7 +83,7 @@ TEST(Weld, PrefersTheLowestNumberedOfSeveralNeighbours) {
   EXPECT_EQ(stands, (std::vector<std::uint32_t>{0, 1, 0, 3}));
 }
 
-TEST(Weld, LeavesVerticesThatAreNotFiniteAlone) {
+TEST(Weld, LeavesNonFiniteVerticesAlone) {
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                inf = std::numeric_limits<double>::infinity();
   const mesh::TriangleMesh mesh{{{nan, 0, 0}, {nan, 0, 0}, {inf, 0, 0}, {1, 0, 0}, {1, 0, 0}},
@@ -121,7 +121,7 @@ TEST(Transform, ScalesFirstThenPoses) {
   EXPECT_LT((moved.vertices[2] - Vec3(8, 0, 0)).norm(), 1e-15);
 }
 
-TEST(Transform, WithoutScaleAndPoseKeepsEveryBit) {
+TEST(Transform, WithoutScaleAndPoseIsExact) {
   mesh::TriangleMesh mesh = samples::tetrahedron();
   mesh.vertices[1] = {0.1, 1.0 / 3.0, -7e-300};
   EXPECT_EQ(mesh::transform(mesh, 1.0, Pose{}).vertices, mesh.vertices);

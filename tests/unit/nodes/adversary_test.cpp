@@ -193,7 +193,7 @@ msg::ScenePlan false_plan(std::uint64_t session) {
   return plan;
 }
 
-TEST_F(Attacked, ByForeignSamplesTheRingFeelsNoneOfThemAndNamesWhoSendsThem) {
+TEST_F(Attacked, ForeignSamplesAreIgnoredAndTheirSenderNamed) {
   start_device();
   until_it_presses();
   const auto contact = [&](double stiffness) {
@@ -262,7 +262,7 @@ TEST_F(Attacked, ByForeignSamplesTheRingFeelsNoneOfThemAndNamesWhoSendsThem) {
   expect_silence();
 }
 
-TEST_F(Attacked, ByABagOfAnotherSessionTheRunGoesOn) {
+TEST_F(Attacked, BagOfAnotherSessionDoesNotStopTheRun) {
   start_device();
   until_it_presses();
   const std::uint64_t old = 12345;
@@ -285,7 +285,7 @@ TEST_F(Attacked, ByABagOfAnotherSessionTheRunGoesOn) {
   expect_silence();
 }
 
-TEST_F(Attacked, FromTheStartTheRingStillFindsItself) {
+TEST_F(Attacked, RingStartsUnderAttack) {
   Adversary adversary(kDomain, rig);
   NodeThread flood([&](const std::atomic<bool>& stop) {
     for (std::uint64_t i = 0; !stop.load(); ++i) {
@@ -305,7 +305,7 @@ TEST_F(Attacked, FromTheStartTheRingStillFindsItself) {
 }
 
 /// The same ring in lockstep, which waits for its own nodes alone.
-TEST(LockstepAttacked, ByOneWhoCallsHimselfAsItsNodesAndFallsSilentTheRunGoesOn) {
+TEST(LockstepAttacked, SilentNamesakeDoesNotStopTheRun) {
   const std::string rig = own_rig("l"), scene = pressing_scene();
   const auto in_lockstep = [&](auto options) {
     options.rig = rig, options.domain = kDomain, options.network_interface = "lo",

@@ -193,7 +193,7 @@ TEST_F(RenderingLive, SwitchesAndSetsAnEffectWithoutAStep) {
   EXPECT_EQ(demanded_ns_per_m, 1.0);
 }
 
-TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
+TEST_F(RenderingLive, RefusesGarbageWithAMessageAndContinues) {
   begin(5);
   samples(50);
   const auto refused = [&](const msg::EffectChange& m, const std::string& effect,
@@ -235,7 +235,7 @@ TEST_F(RenderingLive, RefusesGarbageWithASentenceAndGoesOnAsBefore) {
   EXPECT_LT(largest_step, 1e-9) << "nothing of it was displayed";
 }
 
-TEST_F(RenderingLive, WaitsForTheSampleThatWasNamed) {
+TEST_F(RenderingLive, WaitsForTheNamedSample) {
   begin(5);
   samples(20);
   const std::uint64_t at = sequence + 100;
@@ -253,7 +253,7 @@ TEST_F(RenderingLive, WaitsForTheSampleThatWasNamed) {
       EXPECT_GT(c.effects_wrench.force.x, -1.995 * kSpeed) << c.sequence_number;
 }
 
-TEST_F(RenderingLive, AnswersWhatIsAskedAgainButDoesItOnce) {
+TEST_F(RenderingLive, AnswersARepeatedRequestButActsOnce) {
   begin(5);
   samples(20);
   const std::uint64_t request = asker.send(change(kActionGain, 0.5), "viscosity");
@@ -268,7 +268,7 @@ TEST_F(RenderingLive, AnswersWhatIsAskedAgainButDoesItOnce) {
   EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12) << "the gain of the later change stays";
 }
 
-TEST_F(RenderingLive, DropsWhatWaitsForASampleOfASessionThatHasEnded) {
+TEST_F(RenderingLive, NewSessionDropsPendingChanges) {
   begin(5);
   samples(20);
   const std::uint64_t request = asker.send(change(kActionSwitch, 0.0, sequence + 500), "viscosity");
@@ -283,7 +283,7 @@ TEST_F(RenderingLive, DropsWhatWaitsForASampleOfASessionThatHasEnded) {
       << "and nothing stays stuck";
 }
 
-TEST_F(RenderingLive, BuildsTheSceneAnewBesideTheLoopAndFadesOverToIt) {
+TEST_F(RenderingLive, RebuildsTheSceneOutsideTheLoopAndFades) {
   begin(5);
   EXPECT_EQ(ask(change(kActionValue, 1.0), "viscosity", "damping_ns_per_m").result,
             result::kResultDone);
@@ -323,7 +323,7 @@ TEST_F(RenderingLive, BuildsTheSceneAnewBesideTheLoopAndFadesOverToIt) {
   EXPECT_EQ(voxel_size_m, 0.002) << "as the file says";
 }
 
-TEST_F(RenderingLive, GoesOnWithTheOldSceneWhereTheNewOneCannotBeHad) {
+TEST_F(RenderingLive, KeepsTheOldSceneIfTheNewOneFails) {
   begin(5);
   samples(100);
   const double before = push();
@@ -350,7 +350,7 @@ TEST_F(RenderingLive, GoesOnWithTheOldSceneWhereTheNewOneCannotBeHad) {
 
 constexpr char kStands[] = "margin of 2";
 
-TEST_F(RenderingLive, RefusesEveryChangeThatTheDeviceDoesNotStand) {
+TEST_F(RenderingLive, RefusesChangesTheDeviceCannotBear) {
   begin(5);
   samples(50);
   const double before = drag();
@@ -372,7 +372,7 @@ TEST_F(RenderingLive, RefusesEveryChangeThatTheDeviceDoesNotStand) {
   EXPECT_EQ(plan_count, 1);
 }
 
-TEST_F(RenderingLive, JudgesWhatWasChangedBeforeADeviceCameWhenItComes) {
+TEST_F(RenderingLive, ChecksEarlierChangesWhenADeviceComes) {
   EXPECT_EQ(ask(change(kActionValue, 50.0), "viscosity", "damping_ns_per_m").result,
             result::kResultDone);
   const std::uint64_t waits =
@@ -388,7 +388,7 @@ TEST_F(RenderingLive, JudgesWhatWasChangedBeforeADeviceCameWhenItComes) {
   EXPECT_EQ(demanded_ns_per_m, 1.0);
 }
 
-TEST_F(RenderingLive, DropsWhatWaitsForASampleWhereTheDeviceThatComesDoesNotStandIt) {
+TEST_F(RenderingLive, DropsPendingChangesTheDeviceCannotBear) {
   const std::uint64_t waits =
       asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
   EXPECT_EQ(asker.first_word(waits).result, result::kResultWaiting);
@@ -399,7 +399,7 @@ TEST_F(RenderingLive, DropsWhatWaitsForASampleWhereTheDeviceThatComesDoesNotStan
   EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12);
 }
 
-TEST_F(RenderingLive, JudgesTheRunningEffectsAnewWhenTheDeviceDescribesItselfAnew) {
+TEST_F(RenderingLive, ChecksEffectsAgainForANewDescription) {
   begin(5);
   samples(50);
   EXPECT_TRUE(says("is built"));
@@ -411,7 +411,7 @@ TEST_F(RenderingLive, JudgesTheRunningEffectsAnewWhenTheDeviceDescribesItselfAne
             result::kResultDone);
 }
 
-TEST_F(RenderingLive, JudgesAnewWhenASessionOfAnotherDeviceBegins) {
+TEST_F(RenderingLive, ChecksAgainForASessionOfAnotherDevice) {
   begin(5);
   samples(50);
   describe(6, 0.005);
@@ -420,7 +420,7 @@ TEST_F(RenderingLive, JudgesAnewWhenASessionOfAnotherDeviceBegins) {
 }
 
 /// What fades out counts until it is gone, what goes down until it has come there.
-TEST_F(RenderingLive, TellsTheCouplingTheMostThatIsRenderedUntilItIsOver) {
+TEST_F(RenderingLive, ReportsTheLargestDemandDuringATransition) {
   begin(5);
   samples(20);
   EXPECT_EQ(demanded_ns_per_m, 2.0);
@@ -437,7 +437,7 @@ TEST_F(RenderingLive, TellsTheCouplingTheMostThatIsRenderedUntilItIsOver) {
   EXPECT_EQ(demanded_ns_per_m, 0.5);
 }
 
-TEST_F(RenderingLive, SaysAtOnceWhatWaitsAndForHowLong) {
+TEST_F(RenderingLive, ReportsPendingChangesAtOnceWithTheirDelay) {
   begin(5);
   samples(20);
   refused(ask(change(kActionSwitch, 0.0, sequence + 20'000)), "more than 10000 samples away, 10 s");
@@ -450,7 +450,7 @@ TEST_F(RenderingLive, SaysAtOnceWhatWaitsAndForHowLong) {
   EXPECT_EQ(waits.result, result::kResultWaiting);
 }
 
-TEST_F(RenderingLive, GoesOnWhereItsDeviceSaysWhatCannotBe) {
+TEST_F(RenderingLive, ContinuesAfterAnInvalidDescription) {
   begin(5);
   samples(20);
   msg::DeviceDescription none = stylus(5);

@@ -34,7 +34,7 @@ TEST(SpscQueue, GivesAnotherThreadEverythingOnceAndInOrder) {
   pusher.join();
 }
 
-TEST(SpscQueue, RefusesWhatDoesNotFit) {
+TEST(SpscQueue, RefusesItemsWhenFull) {
   runtime::SpscQueue<int, 2> queue;
   EXPECT_EQ(queue.room(), 2U);
   EXPECT_TRUE(queue.push(1));
@@ -45,9 +45,9 @@ TEST(SpscQueue, RefusesWhatDoesNotFit) {
   EXPECT_EQ(*queue.front(), 2);
 }
 
-class ChangeLineTest : public testing::Test {
+class ChangeQueueTest : public testing::Test {
  protected:
-  ChangeLineTest() {
+  ChangeQueueTest() {
     scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
     const effects::EffectKind* kind = effects::find_effect_kind("viscosity");
     scene.effects = {effects::EffectSpec{.name = "viscosity",
@@ -84,7 +84,7 @@ class ChangeLineTest : public testing::Test {
   std::uint64_t epoch_ = 0;
 };
 
-TEST_F(ChangeLineTest, MakesAChangeThatWaitsForNothingAtTheNextSample) {
+TEST_F(ChangeQueueTest, AppliesAnImmediateChangeAtTheNextSample) {
   ask(1);
   line_.apply_due(*live_, 7, true);
   EXPECT_EQ(gain(), 0.5);
@@ -96,7 +96,7 @@ TEST_F(ChangeLineTest, MakesAChangeThatWaitsForNothingAtTheNextSample) {
   EXPECT_EQ(line_.applied(), 1U);
 }
 
-TEST_F(ChangeLineTest, WaitsForTheSampleThatWasNamedAndKeepsTheOrder) {
+TEST_F(ChangeQueueTest, WaitsForTheNamedSampleAndKeepsTheOrder) {
   ask(1, 9, 0.25), ask(2, 0, 0.75);
   for (std::uint64_t sample = 5; sample < 9; ++sample)
     line_.apply_due(*live_, sample, true);
@@ -108,7 +108,7 @@ TEST_F(ChangeLineTest, WaitsForTheSampleThatWasNamedAndKeepsTheOrder) {
   EXPECT_EQ(reports().size(), 2U);
 }
 
-TEST_F(ChangeLineTest, RefusesASampleThatHasPassedAndWhatWasJudgedByIt) {
+TEST_F(ChangeQueueTest, RefusesAPastSampleAndDependentChanges) {
   ask(1, 3, 0.25), ask(2, 20, 0.75);
   line_.apply_due(*live_, 4, true);
   EXPECT_EQ(gain(), 1.0);
@@ -121,7 +121,7 @@ TEST_F(ChangeLineTest, RefusesASampleThatHasPassedAndWhatWasJudgedByIt) {
   EXPECT_EQ(gain(), 0.5) << "judged anew, it runs";
 }
 
-TEST_F(ChangeLineTest, MakesWhatBelongsTogetherInOneSampleOrNotAtAll) {
+TEST_F(ChangeQueueTest, MakesRelatedChangesInOneSampleOrNotAtAll) {
   const auto pair = [&](std::uint64_t ticket, std::uint64_t from_sample, double gain) {
     std::array<Change, 2> both{
         Change{.ticket = ticket,
@@ -165,7 +165,7 @@ TEST_F(ChangeLineTest, MakesWhatBelongsTogetherInOneSampleOrNotAtAll) {
   EXPECT_FALSE(pair(ticket + 100, 0, 0.0)) << "the queue has room for one";
 }
 
-TEST_F(ChangeLineTest, AnotherSessionDropsWhatWaitsForTheLastOnesSamples) {
+TEST_F(ChangeQueueTest, NewSessionDropsPendingChanges) {
   ask(1, 9, 0.25);
   line_.begin_session(77);
   line_.apply_due(*live_, 0, true);
@@ -179,7 +179,7 @@ TEST_F(ChangeLineTest, AnotherSessionDropsWhatWaitsForTheLastOnesSamples) {
   EXPECT_EQ(said[0].what, What::kDropped);
 }
 
-TEST_F(ChangeLineTest, NeverMakesAChangeOfAnotherSession) {
+TEST_F(ChangeQueueTest, NeverAppliesAChangeOfAnotherSession) {
   line_.begin_session(77);
   line_.approve(77);
   ask(1, 0, 0.25, 76);
@@ -191,7 +191,7 @@ TEST_F(ChangeLineTest, NeverMakesAChangeOfAnotherSession) {
   EXPECT_EQ(gain(), 0.25);
 }
 
-TEST_F(ChangeLineTest, MakesNothingInASessionBeforeItWasHeldAgainstItsDevice) {
+TEST_F(ChangeQueueTest, AppliesNothingUntilTheDeviceIsChecked) {
   ask(1, 0, 0.25);
   line_.begin_session(77);
   line_.apply_due(*live_, 1, true);
@@ -209,7 +209,7 @@ TEST_F(ChangeLineTest, MakesNothingInASessionBeforeItWasHeldAgainstItsDevice) {
   EXPECT_EQ(said[2].what, What::kDropped) << "it was judged as if the one before had been made";
 }
 
-TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
+TEST_F(ChangeQueueTest, ReportsWhenAllValuesHaveArrived) {
   Change change{.ticket = 1,
                 .effect = {.action = effects::EffectAction::kValue, .value = {0.5, 0.0, 0.0}}};
   ASSERT_TRUE(line_.ask(change));
@@ -226,7 +226,7 @@ TEST_F(ChangeLineTest, SaysWhenAllNumbersHaveCome) {
   EXPECT_NEAR(static_cast<double>(came), 101.0, 2.0);
 }
 
-TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {
+TEST_F(ChangeQueueTest, ReturnsTheOldSceneAfterItsFade) {
   Change swap{.ticket = 1, .effect = {}, .scene = next_.get()};
   ASSERT_TRUE(line_.ask(swap));
   line_.apply_due(*live_, 1, true);
@@ -247,7 +247,7 @@ TEST_F(ChangeLineTest, SwapsASceneAndGivesTheOldOneBackOnlyWhenItHasFadedOut) {
   EXPECT_EQ(said[0].scene, built_.get());
 }
 
-TEST_F(ChangeLineTest, TakesNoMoreThanItCanReport) {
+TEST_F(ChangeQueueTest, AcceptsNoMoreThanItCanReport) {
   for (std::uint64_t ticket = 1; ticket <= 1000; ++ticket) {
     Change change{.ticket = ticket,
                   .effect = {.action = effects::EffectAction::kGain, .value = {0.5, 0.0, 0.0}}};
@@ -267,7 +267,7 @@ TEST_F(ChangeLineTest, TakesNoMoreThanItCanReport) {
   EXPECT_EQ(expected - 1, line_.applied());
 }
 
-TEST_F(ChangeLineTest, HoldsTheLoopBeforeTheSampleOfASceneThatIsNotBuilt) {
+TEST_F(ChangeQueueTest, HoldsTheLoopUntilTheSceneIsBuilt) {
   line_.pause_before(100);
   EXPECT_FALSE(line_.pauses_before(99));
   EXPECT_TRUE(line_.pauses_before(100));

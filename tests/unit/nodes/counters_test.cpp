@@ -22,7 +22,7 @@ constexpr auto kShapes = std::to_array<runtime::CounterRow<Shape>>(
      {Shape::kFirst, "first", "sample number", Counting::kFirst}});
 using Shapes = runtime::Counters<kShapes>;
 
-TEST(Counters, AddRaiseOrSetAsTheirRowsSay) {
+TEST(Counters, AddRaiseOrSetByTheirTable) {
   Shapes counters;
   for (const double value : {2.0, 5.0, 3.0})
     for (const Shape shape :
@@ -37,7 +37,7 @@ TEST(Counters, AddRaiseOrSetAsTheirRowsSay) {
   EXPECT_EQ(counters[Shape::kHidden], 0.0) << "it starts again";
 }
 
-TEST(Counters, PublishNamesAndUnitsAndNoFirstBeforeThereIsOne) {
+TEST(Counters, PublishNamesAndUnitsAndFirstValuesIfAny) {
   Shapes counters;
   EXPECT_TRUE(std::isnan(counters[Shape::kFirst]));
   runtime::Figures figures;

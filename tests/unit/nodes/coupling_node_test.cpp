@@ -41,7 +41,7 @@ TEST(CouplingNode, WaitsForDeviceAndPlanThenDesignsOnce) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, DesignsAnewWithoutAForceStepWhenTheDeviceOrTheContactChange) {
+TEST(CouplingNode, RedesignsWithoutAForceStep) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
   around.plan();
@@ -74,7 +74,7 @@ TEST(CouplingNode, DesignsAnewWithoutAForceStepWhenTheDeviceOrTheContactChange) 
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, CommandsNothingWhereNoCouplingHolds) {
+TEST(CouplingNode, IsSilentWithoutAFeasibleCoupling) {
   Around around("{design: auto, hand: any_passive}");
   around.describe(0.005);
   around.plan();
@@ -93,7 +93,7 @@ TEST(CouplingNode, CommandsNothingWhereNoCouplingHolds) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, RunsAnInfeasibleDesignWhereTheSceneSaysSo) {
+TEST(CouplingNode, RunsAnInfeasibleDesignIfTheSceneAllows) {
   Around around("{design: auto, hand: any_passive, run_infeasible: true}");
   around.describe(0.005);
   around.plan();
@@ -108,7 +108,7 @@ TEST(CouplingNode, RunsAnInfeasibleDesignWhereTheSceneSaysSo) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, StopsCommandingWhenAChangedDeviceLeavesNothingThatHolds) {
+TEST(CouplingNode, StopsIfAChangedDeviceLeavesNoDesign) {
   Around around("{design: auto, hand: any_passive}");
   around.describe(20.0);
   around.plan();
@@ -134,7 +134,7 @@ TEST(CouplingNode, StopsCommandingWhenAChangedDeviceLeavesNothingThatHolds) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
+TEST(CouplingNode, EvaluatesAndRunsAManualCoupling) {
   Around around(
       "{kind: shaping_filter, cutoff_hz: 5, damping_ratio: 1, gain: 1}");  // the paper's recipe
   around.describe(0.005);
@@ -154,7 +154,7 @@ TEST(CouplingNode, JudgesACouplingThatIsSetByHandAndRunsIt) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, RefusesNumbersThatCannotBeADevicesAndGoesOnAsDesigned) {
+TEST(CouplingNode, RefusesInvalidDevicesAndKeepsItsDesign) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
   around.plan();

@@ -17,7 +17,7 @@ namespace {
 
 /// The second line: whatever the rendering has taken, it is judged for the device once more where
 /// the force is made.
-TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
+TEST(CouplingNode, IsSilentIfEffectsExceedTheDevice) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
   around.plan();
@@ -33,7 +33,7 @@ TEST(CouplingNode, CommandsNothingWhileTheEffectsAskMoreThanTheDeviceStands) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, CommandsNothingWhileTheEffectsDampTurningMoreThanTheDeviceStands) {
+TEST(CouplingNode, IsSilentIfRotationDampingExceedsTheDevice) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe_one_that_gives_torque();
   around.plan(30.0, 7, {0.0, 0.0, "oil", 0.01});
@@ -45,7 +45,7 @@ TEST(CouplingNode, CommandsNothingWhileTheEffectsDampTurningMoreThanTheDeviceSta
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDeviceGives) {
+TEST(CouplingNode, IsSilentIfAnExternalWrenchExceedsTheDevice) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
   around.plan(30.0, 7, {0.0, 0.0, "", 0.0, 2.0});
@@ -64,7 +64,7 @@ TEST(CouplingNode, CommandsNothingWhileAnOutsideWrenchMayAskForMoreThanTheDevice
 
 /// Another rendering may run another scene: nothing of it is displayed before its plan has come and
 /// has been fitted to.
-TEST(CouplingNode, CommandsNothingForARestartedRenderingBeforeItsPlan) {
+TEST(CouplingNode, IsSilentForARestartedRenderingWithoutPlan) {
   Around around("{design: auto, kind: shaping_filter}", false, true);
   const std::pair device{std::string("device"), around.device.participant.guid()};
   around.up.name({device, {"rendering", around.rendering->participant.guid()}});
@@ -102,7 +102,7 @@ TEST(CouplingNode, CommandsNothingForARestartedRenderingBeforeItsPlan) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, CommandsNothingWhereTheDeviceHasBecomeOneThatDoesNotStandTheEffects) {
+TEST(CouplingNode, IsSilentIfANewDeviceCannotBearTheEffects) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
   around.plan(30.0, 7, {1.0, 0.0, ""});
@@ -114,7 +114,7 @@ TEST(CouplingNode, CommandsNothingWhereTheDeviceHasBecomeOneThatDoesNotStandTheE
   EXPECT_EQ(around.node.end(), 0);
 }
 
-TEST(CouplingNode, CommandsNothingWhereACouplingSetByHandMeetsEffectsTooStiffForTheDevice) {
+TEST(CouplingNode, IsSilentIfEffectsAreTooStiffForIt) {
   Around around("{kind: shaping_filter, cutoff_hz: 100, damping_ratio: 1, gain: 1}");
   around.describe(2.0);
   around.plan(30.0, 7, {0.0, 100.0, ""});
@@ -125,7 +125,7 @@ TEST(CouplingNode, CommandsNothingWhereACouplingSetByHandMeetsEffectsTooStiffFor
 }
 
 /// A fit takes some tenths of a second; what comes meanwhile is not in it.
-TEST(Fitting, IsJudgedOnceMoreForWhatHasComeMeanwhile) {
+TEST(Fitting, ChecksItsResultAgainstNewerInputs) {
   const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
   const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};
   coupling_node::Fitting fitting(scene);

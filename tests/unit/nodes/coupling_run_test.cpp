@@ -14,7 +14,7 @@ namespace {
 
 /// Such a number may be forged with the rendering's own GUID, which DDS without security cannot
 /// tell from the rightful one.
-TEST(CouplingNode, FeelsTheContactsThatFollowOneWithANumberFarAhead) {
+TEST(CouplingNode, AcceptsContactsAfterAForgedNumber) {
   Around a("{design: auto}");
   a.describe(20.0), a.plan();
   ASSERT_TRUE(a.force_comes()) << a.message();
@@ -43,7 +43,7 @@ TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
 }
 
 /// A contact that pushes only on the way out, harder each time.
-TEST(CouplingNode, LocksItselfAtZeroWhereForceGrowsByItselfAndWaitsForAPersonsWord) {
+TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
   Around a("{kind: shaping_filter, cutoff_hz: 20}");
   bus::Writer<msg::Recover> person(a.participant, qos::kRecover, a.rig,
                                    qos::profile(qos::ProfileId::kEvent));
@@ -82,7 +82,7 @@ TEST(CouplingNode, LocksItselfAtZeroWhereForceGrowsByItselfAndWaitsForAPersonsWo
 
 /// Strokes that each give energy: the port as a whole gives more than five times what a sound
 /// contact may show.
-TEST(CouplingNode, LocksWhereThePortGivesEnergy) {
+TEST(CouplingNode, LatchesIfThePortGivesEnergy) {
   Around a("{kind: shaping_filter, cutoff_hz: 20}");
   a.describe(20.0), a.plan();
   ASSERT_TRUE(a.force_comes()) << a.message();

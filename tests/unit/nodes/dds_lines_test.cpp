@@ -40,7 +40,7 @@ Said said_while(F&& reported) {
 /// Four in each second, and what was left out.
 long most_lines(const Said& said) { return 5 * static_cast<long>(said.seconds + 2.0); }
 
-TEST(LinesOfDds, AreAFewASecondUnderAFloodOfMalformedDatagrams) {
+TEST(DdsLogLines, AreRateLimitedUnderMalformedDatagrams) {
   const bus::Participant participant({kDomain, "lo", "flooded"});
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in to{};
@@ -65,7 +65,7 @@ TEST(LinesOfDds, AreAFewASecondUnderAFloodOfMalformedDatagrams) {
   EXPECT_NE(said.text.find(" more lines"), std::string::npos) << said.text.substr(0, 2000);
 }
 
-TEST(LinesOfDds, AreAFewASecondWhateverThreadSaysThem) {
+TEST(DdsLogLines, AreRateLimitedAcrossThreads) {
   const bus::Participant participant({kDomain, "lo", "talkative"});
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // another test's second is over
   const Said said = said_while([] {

@@ -33,7 +33,7 @@ TakenUp through_the_message(const TakenUp& use) {
   return taken_up(message);
 }
 
-TEST(DesignMessage, CarriesAllThatACouplingIsBuiltOf) {
+TEST(DesignMessage, CarriesAllCouplingParameters) {
   const TakenUp use = distinct(), back = through_the_message(use);
   EXPECT_EQ(back.session, use.session);
   EXPECT_EQ(back.from_sample, use.from_sample);

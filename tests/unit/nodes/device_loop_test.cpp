@@ -174,7 +174,7 @@ TEST_F(DeviceLoopRun, PushesAsCommandedAndEndsAtZero) {
   EXPECT_EQ(progress.counters[DeviceCounter::kInterruptions], 0);
 }
 
-TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
+TEST_F(DeviceLoopRun, MissedSampleInterruptsButDoesNotEnd) {
   device.read_faults = {{900, devices::DeviceError::kTimeout},
                         {901, devices::DeviceError::kProtocol},
                         {902, devices::DeviceError::kRecoverable}};
@@ -192,7 +192,7 @@ TEST_F(DeviceLoopRun, TakesAMissedSampleForAnInterruptionNotForTheEnd) {
   EXPECT_FALSE(progress.has_error.load());
 }
 
-TEST_F(DeviceLoopRun, KeepsWhatItSawBeforeTheDeviceDroppedItsForce) {
+TEST_F(DeviceLoopRun, KeepsItsRecordOfADroppedForce) {
   const test::TemporaryFolder folder;
   faults = make_faults(folder.path(), "r", 1000.0);
   device.write_faults = {{900, devices::DeviceError::kRecoverable}};
@@ -210,7 +210,7 @@ TEST_F(DeviceLoopRun, KeepsWhatItSawBeforeTheDeviceDroppedItsForce) {
   EXPECT_NE(faults::fault_records_in(folder.path()).at(0).find("force"), std::string::npos);
 }
 
-TEST_F(DeviceLoopRun, LocksItselfWhereItsCommandsAreAboveTheLimitUntilAPersonHasSaidSo) {
+TEST_F(DeviceLoopRun, LatchesForTooLargeCommandsUntilReset) {
   commanded_n = 20.0;
   std::uint64_t number = 0;
   device.at_read = [&](std::uint64_t n) {
@@ -233,7 +233,7 @@ TEST_F(DeviceLoopRun, LocksItselfWhereItsCommandsAreAboveTheLimitUntilAPersonHas
 }
 
 /// One command in twenty is above the limit, then one in four.
-TEST_F(DeviceLoopRun, LocksItselfNotBeforeATenthOfItsCommandsAreAboveTheLimit) {
+TEST_F(DeviceLoopRun, LatchesOnlyIfATenthExceedsTheLimit) {
   bool locked_early = true;
   device.at_read = [&](std::uint64_t n) {
     if (n == 2000)
@@ -245,7 +245,7 @@ TEST_F(DeviceLoopRun, LocksItselfNotBeforeATenthOfItsCommandsAreAboveTheLimit) {
   EXPECT_TRUE(progress.lock.engaged());
 }
 
-TEST_F(DeviceLoopRun, LocksItselfWhereItsDriverRefusesWhatTheGuardHasLetThrough) {
+TEST_F(DeviceLoopRun, LatchesIfTheDriverRefusesAGuardedForce) {
   device.write_faults = {{800, devices::DeviceError::kLimit}};
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_GT(largest(700, 800), 1.5);
@@ -253,7 +253,7 @@ TEST_F(DeviceLoopRun, LocksItselfWhereItsDriverRefusesWhatTheGuardHasLetThrough)
   EXPECT_TRUE(progress.lock.engaged());
 }
 
-TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
+TEST_F(DeviceLoopRun, RampsInAgainAfterADroppedForce) {
   for (std::uint64_t i = 800; i < 810; ++i)
     device.write_faults[i] = devices::DeviceError::kRecoverable;
   EXPECT_EQ(run(), End::kFinished);
@@ -264,7 +264,7 @@ TEST_F(DeviceLoopRun, RampsInAnewAfterTheDeviceHasDroppedItsForce) {
   EXPECT_GT(largest(1000, 1200), 0.5);
 }
 
-TEST_F(DeviceLoopRun, LetsGoOfTheForceThatItHeldWhenItsProcessWasStopped) {
+TEST_F(DeviceLoopRun, ReleasesTheHeldForceAfterAProcessStop) {
   device.stops_ms = {{800, 40}};
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_GT(largest(700, 800), 1.5) << "the force before the stop";
@@ -276,13 +276,13 @@ TEST_F(DeviceLoopRun, LetsGoOfTheForceThatItHeldWhenItsProcessWasStopped) {
   EXPECT_EQ(progress.counters[DeviceCounter::kSamples], 1200);
 }
 
-TEST_F(DeviceLoopRun, GoesOnAfterAStopThatACommandOutlives) {
+TEST_F(DeviceLoopRun, ContinuesAfterAShortStop) {
   device.stops_ms = {{800, 2}};
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_GT(largest(801, 803), 0.5);
 }
 
-TEST_F(DeviceLoopRun, KeepsTheLargestForceForWhoeverLooksSeldom) {
+TEST_F(DeviceLoopRun, KeepsTheLargestForceForSlowReaders) {
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_EQ(progress.counters[DeviceCounter::kForce], 0.0) << "it has ended";
   EXPECT_EQ(progress.counters.take(DeviceCounter::kRecentForce),
@@ -290,7 +290,7 @@ TEST_F(DeviceLoopRun, KeepsTheLargestForceForWhoeverLooksSeldom) {
   EXPECT_GT(progress.counters[DeviceCounter::kMaxForce], 1.5);
 }
 
-TEST_F(DeviceLoopRun, TellsWhichSampleWasAnsweredFirstAndThatItRuns) {
+TEST_F(DeviceLoopRun, ReportsTheFirstAnsweredSampleAndItsRun) {
   EXPECT_TRUE(std::isnan(progress.counters[DeviceCounter::kFirstAnswered]));
   const std::uint64_t before = progress.heartbeat.sign();
   EXPECT_EQ(run(), End::kFinished);
@@ -307,7 +307,7 @@ TEST_F(DeviceLoopRun, CountsNoInterruptionWhileADeviceGetsReady) {
   EXPECT_EQ(progress.counters[DeviceCounter::kZeroForce], 301);
 }
 
-TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {
+TEST_F(DeviceLoopRun, DoesNotSpinOnAFailingDevice) {
   for (std::uint64_t i = 100; i < 400; ++i)
     device.read_faults[i] = devices::DeviceError::kRecoverable;
   device.read_faults[400] = devices::DeviceError::kDisconnected;
@@ -315,7 +315,7 @@ TEST_F(DeviceLoopRun, DoesNotSpinOnADeviceThatFailsAtOnce) {
   EXPECT_GT(took_s, 0.35) << "100 good and 300 failed samples at 1 kHz";
 }
 
-TEST_F(DeviceLoopRun, EndsAtZeroForceWhenTheDeviceHasGoneOrNeedsAPerson) {
+TEST_F(DeviceLoopRun, EndsAtZeroForceIfTheDeviceIsGone) {
   device.read_faults = {{900, devices::DeviceError::kDisconnected}};
   EXPECT_EQ(run(), End::kDeviceGone);
   EXPECT_EQ(device.force, 0.0);
@@ -329,7 +329,7 @@ TEST_F(DeviceLoopRun, EndsAtZeroForceWhenAWriteFindsAFault) {
   EXPECT_GE(device.stops, 1);
 }
 
-TEST_F(DeviceLoopRun, MarksAPoseThatIsNotToBeTrustedAndSendsTheLastGoodOne) {
+TEST_F(DeviceLoopRun, FlagsAnInvalidPoseAndSendsTheLastGood) {
   devices::DeviceSample marked, not_a_number;
   marked.pose.position = {9.0, 9.0, 9.0};
   marked.pose_valid = false;
@@ -359,7 +359,7 @@ TEST_F(DeviceLoopRun, AnswersARealDeviceAtItsOwnPaceAndAtOnce) {
   EXPECT_LT(device.skipped_ticks, 30) << "ticks went by while the loop slept";
 }
 
-TEST_F(DeviceLoopRun, CountsTheSamplesOfARealDeviceThatNobodyFetched) {
+TEST_F(DeviceLoopRun, CountsSamplesOfARealDeviceThatItMissed) {
   device.paces = true;
   device.set_rate(250.0);
   device.busy_at = 50;

@@ -47,7 +47,7 @@ class EffectParameters : public ::testing::Test {
   const std::vector<RosParameter> all_ = parameters_of(scene_, effects_);
 };
 
-TEST_F(EffectParameters, AreAllThatTheTableOfKindsHasWithMeaningsAndRanges) {
+TEST_F(EffectParameters, CoverTheTableWithMeaningsAndRanges) {
   std::size_t count = 3;  // of the scene
   for (const effects::EffectSpec& effect : effects_) {
     count += effect.kind->parameters.size() + (effect.kind->everywhere ? 0 : 2);
@@ -91,7 +91,7 @@ TEST_F(EffectParameters, AreListedByPrefixAndDepthAsRclcppDoes) {
   EXPECT_TRUE(list_parameters(all_, unknown, 0).names.empty());
 }
 
-TEST_F(EffectParameters, AskForTheChangeThatTheirNameSays) {
+TEST_F(EffectParameters, RequestTheChangeTheyName) {
   using namespace msg::effect_change;
   const auto on = set("friction.on", 1, [](auto& v) { v.bool_value = true; });
   ASSERT_TRUE(on);
@@ -130,7 +130,7 @@ TEST_F(EffectParameters, RefuseTypesThatTheyDoNotTake) {
   EXPECT_FALSE(set("", 255, nothing));
 }
 
-TEST(RequestsFit, WhereNoTextAndNoListIsLongerThanAnyThatCanBeMeant) {
+TEST(RequestsFit, WithinTheLongestMeaningfulTextsAndLists) {
   const std::string longest(1024, 'x'), longer(1025, 'x');
   EXPECT_TRUE(runtime::fits(longest.c_str()));
   EXPECT_FALSE(runtime::fits(longer.c_str()));

@@ -184,7 +184,7 @@ class ExternalLive : public testing::Test {
   std::vector<msg::ExternalSample> reported;
 };
 
-TEST_F(ExternalLive, IsFeltBoundedAndFadesByTheSamplesTimeWhenItsWriterFallsSilent) {
+TEST_F(ExternalLive, IsBoundedAndFadesWhenItsWriterFallsSilent) {
   begin(5);
   EXPECT_EQ(may_ask_n, kMaxN) << "the plan reports the coupling what may be asked for";
   EXPECT_EQ(asks, "external");
@@ -244,7 +244,7 @@ TEST_F(ExternalLive, FollowsOneWriterAndNamesEveryOther) {
       << report().message;
 }
 
-TEST_F(ExternalLive, FollowsNobodyWhereSeveralAreThereAtTheStart) {
+TEST_F(ExternalLive, FollowsNoneOfSeveralInitialWriters) {
   Outsider one(topic, rig);
   auto two = std::make_unique<Outsider>(topic, rig);
   ASSERT_TRUE(wait_until([&] { return one.matched() && two->matched(); }));
@@ -260,7 +260,7 @@ TEST_F(ExternalLive, FollowsNobodyWhereSeveralAreThereAtTheStart) {
   EXPECT_TRUE(is_followed(one, 1.0)) << "one is left";
 }
 
-TEST_F(ExternalLive, RefusesNumbersThatAreNoneAndFramesThatNobodyKnows) {
+TEST_F(ExternalLive, RefusesNonFiniteNumbersAndUnknownFrames) {
   begin(5);
   Outsider robot(topic, rig);
   ASSERT_TRUE(is_followed(robot, 1.0));
@@ -292,7 +292,7 @@ TEST_F(ExternalLive, TakesTheFramesOfTheRigAndNoOther) {
   EXPECT_NEAR(last.effects_wrench.force.x, 0.0, 1e-12);
 }
 
-TEST_F(ExternalLive, AnotherSessionBeginsWithNothingAndFollowsAnew) {
+TEST_F(ExternalLive, NewSessionStartsAtZeroAndFollowsAgain) {
   begin(5);
   Outsider robot(topic, rig);
   ASSERT_TRUE(is_followed(robot, 1.0));
@@ -336,7 +336,7 @@ TEST_F(ExternalLive, ChangesWhileItRunsAsFarAsTheDeviceGives) {
   EXPECT_LE(most_step, 0.1 + 1e-9);
 }
 
-TEST(ExternalScenes, AreRefusedWhereTheyNameATopicOfTheRing) {
+TEST(ExternalScenes, AreRefusedForATopicOfTheRing) {
   const std::string rig = own_rig("o");
   const ExternalScene scene("/" + rig + "/wrench");
   auto options = node_options<rendering_node::Options>(rig);

@@ -49,7 +49,7 @@ TEST(FrameCounters, CountOneKindOfFrameEach) {
           << static_cast<int>(set) << " " << static_cast<int>(other);
 }
 
-TEST(FrameCounters, CountNoPushingContactAsBuried) {
+TEST(FrameCounters, CountsNoPushingContactAsFullyInside) {
   EXPECT_EQ(counted(kFullyInside,
                     [](auto& f, auto&) {
                       f.touch.contact.interior_hits = f.touch.contact.surface_hits = 2;

@@ -14,7 +14,7 @@ namespace {
 
 /// Counts by stamps: of loops at 1 kHz and at 700 Hz, and of one that is often late and stands
 /// still for up to 90 ms.
-TEST(HundredASecond, ShowsAHundredASecondOfALoopThatIsLateAndNoneTwice) {
+TEST(HundredASecond, SamplesALateLoopAtAHundredHertz) {
   for (const double rate_hz : {1000.0, 700.0, 120.0}) {
     HundredASecond regular;
     std::mt19937_64 random(voxtouch::testing::seed(19));
@@ -44,7 +44,7 @@ TEST(HundredASecond, ShowsAHundredASecondOfALoopThatIsLateAndNoneTwice) {
   EXPECT_EQ(made_up, 1) << "ten seconds of nothing are not made up for";
 }
 
-TEST(HundredASecond, BeginsAnewWithSimulatedTimeOfANewSession) {
+TEST(HundredASecond, RestartsWithANewSessionsTime) {
   HundredASecond regular;
   for (int session = 0; session < 2; ++session) {
     int shown = 0;

@@ -6,7 +6,7 @@
 namespace voxtouch::device_node {
 namespace {
 
-TEST(LastSecond, HoldsTheLargestForceForASecondAndNoLonger) {
+TEST(LastSecond, HoldsTheLargestForceForExactlyASecond) {
   LastSecond last;
   for (int ms = 0; ms <= 3000; ms += 20) {
     const bool touches = ms == 1000;
@@ -16,7 +16,7 @@ TEST(LastSecond, HoldsTheLargestForceForASecondAndNoLonger) {
   }
 }
 
-TEST(LastSecond, CountsTheShareAnsweredInIt) {
+TEST(LastSecond, CountsTheRatioAnsweredInIt) {
   LastSecond last;
   EXPECT_EQ(last.answered_ratio(), 1.0);
   std::uint64_t samples = 0, answered = 0;

@@ -122,7 +122,7 @@ class LedHand : public testing::Test {
 
 constexpr double kFrictionM = 0.002;  ///< of the device, over the hand's stiffness
 
-TEST_F(LedHand, FollowsItsPageAndNoStranger) {
+TEST_F(LedHand, FollowsItsPageOnly) {
   const Vec3 start = tip();
   Page stranger(rig), page(rig);
   page.stand_in.say(state.session_id), stranger.stand_in.say(state.session_id);
@@ -186,7 +186,7 @@ struct LedHandAtARigidWall : LedHand {
 };
 
 /// A message that no page would send: the device itself limits how hard its hand presses.
-TEST_F(LedHandAtARigidWall, PressesNoHarderThanItsLimitHoweverFarTheTarget) {
+TEST_F(LedHandAtARigidWall, ForceStaysBelowItsLimit) {
   constexpr double kMaxForceN = 8.5, kFrictionN = 0.04;  // of the simulated Phantom
   const scene::Scene wall =
       scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/press_virtual_tool.yaml");

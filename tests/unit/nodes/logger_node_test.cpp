@@ -45,7 +45,7 @@ TEST(LoggerNode, StopsWhileTheOthersGoOnWriting) {
   std::filesystem::remove_all(options.bag);
 }
 
-TEST(Bus, KnowsEveryOneOfManyPeers) {
+TEST(Bus, FindsEachOfManyPeers) {
   const std::string rig = own_rig();
   const bus::Participant participant({kDomain, "lo", "crowd"});
   const auto& stream = qos::profile(qos::ProfileId::kStream);

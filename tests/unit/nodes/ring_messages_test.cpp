@@ -15,7 +15,7 @@ TEST(RingMessages, ACommandsTimeLimitIsNeverBeforeItsSample) {
   }
 }
 
-TEST(RingMessages, ACommandTellsWhatInjectedDampingAddsAndThatItWasCut) {
+TEST(RingMessages, CommandReportsInjectedAndBoundedDamping) {
   coupling::CouplingOutput out;
   EXPECT_EQ(force_command({}, out, {}, 0.005).status, 0U);
   out.bounded = true, out.injected_n = 0.25;

@@ -58,7 +58,7 @@ class RoleTest : public testing::Test {
 };
 
 /// In a ring that was started by hand.
-TEST_F(RoleTest, IsOfTheFirstClaimantAndLostForTheSessionWhenItGoes) {
+TEST_F(RoleTest, IsBoundToTheFirstClaimantForTheSession) {
   auto first = std::make_unique<Coupling>(rig);
   first->say(8), settle();
   EXPECT_FALSE(role.bound()) << "he answers for another session";
@@ -138,7 +138,7 @@ TEST(RigRoles, WritesAGuidAsTextAndReadsItBack) {
     EXPECT_EQ(runtime::to_guid(text), bus::Guid{});
 }
 
-TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
+TEST_F(RoleTest, IsUnboundAndNamesBothConflictingClaimants) {
   auto first = std::make_unique<Coupling>(rig);
   Coupling second(rig);
   registry.update();  // none looks while they come
@@ -157,7 +157,7 @@ TEST_F(RoleTest, IsNobodysWhileTwoClaimItAndBothAreNamed) {
   EXPECT_EQ(role.diagnostic(registry), "");
 }
 
-TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
+TEST_F(RoleTest, IsNotClaimedByAnotherParticipantsStatus) {
   Coupling real(rig);
   real.say(7, NodeState::kFailed);
   Adversary bag(kDomain, rig);
@@ -176,7 +176,7 @@ TEST_F(RoleTest, IsNotClaimedByAStatusOfAnotherParticipantThanItNames) {
   EXPECT_EQ(registry.reports().size(), 1U);
 }
 
-TEST_F(RoleTest, IsNotClaimedWithoutASessionNorByOneWhoWritesNoneOfItsTopics) {
+TEST_F(RoleTest, ClaimNeedsASessionAndOneOfItsTopics) {
   runtime::RoleBinding any("coupling", {&commands.following()});
   StandIn talker(kDomain, "coupling", rig);
   Coupling real(rig);
@@ -206,7 +206,7 @@ TEST_F(RoleTest, FollowsAnotherWriterOfTheSameParticipant) {
   EXPECT_EQ(role.participant(), real.participant.guid());
 }
 
-TEST_F(RoleTest, GivesHisSamplesAloneAndNamesTheOthersUntilTheyGo) {
+TEST_F(RoleTest, AcceptsOnlyItsHolderAndNamesOthers) {
   Coupling real(rig);
   real.say(7);
   ASSERT_TRUE(comes([&] { return role.bound(); }));
@@ -264,7 +264,7 @@ TEST_F(RoleTest, GivesTheNewestSampleAfterAPause) {
   EXPECT_EQ(taken.sequence_number, 20U) << "a loop that stood still would answer what is over";
 }
 
-TEST_F(RoleTest, HasItsLatchedValueEvenIfItCameLongBeforeItWasKnownWhoseIsNeeded) {
+TEST_F(RoleTest, HasItsLatchedValueFromBeforeTheBinding) {
   bus::LatchedReader<msg::DeviceDescription> descriptions(own, qos::kDeviceDescription, rig);
   StandIn real(kDomain, "device", rig);
   bus::Writer<msg::DeviceDescription> writer(real.participant, qos::kDeviceDescription, rig,
@@ -298,7 +298,7 @@ TEST_F(RoleTest, HasItsLatchedValueEvenIfItCameLongBeforeItWasKnownWhoseIsNeeded
   EXPECT_EQ(seen, 8U);
 }
 
-TEST_F(RoleTest, RosterHearsTheNodesThroughAFloodOfStatuses) {
+TEST_F(RoleTest, RosterReceivesTheNodesDuringAFlood) {
   Adversary flood(kDomain, rig);
   StandIn node(kDomain, "rendering", rig);
   ASSERT_TRUE(wait_until([&] { return flood.writer<msg::NodeStatus>().matched_count() >= 1; }));
@@ -328,7 +328,7 @@ TEST_F(RoleTest, RosterHearsTheNodesThroughAFloodOfStatuses) {
   }
 }
 
-TEST_F(RoleTest, RosterRefusesWhatIsLongerThanAnyNodesOwnAndForgetsWhoHasGone) {
+TEST_F(RoleTest, RosterRefusesOversizedTextsAndForgetsGoneNodes) {
   auto other = std::make_unique<Adversary>(kDomain, rig);
   ASSERT_TRUE(wait_until([&] { return other->writer<msg::NodeStatus>().matched_count() >= 1; }));
   other->claim("tool", 1);
@@ -379,7 +379,7 @@ void write(Adversary& writer, const Unlikely& u, std::uint64_t session) {
   writer.write(status);
 }
 
-TEST_F(RoleTest, RosterRefusesWhatNoNodeSaysAndHearsItsWriterNoMore) {
+TEST_F(RoleTest, RosterRefusesImpossibleReportsAndTheirWriter) {
   std::uint64_t refused = 0;
   for (const Unlikely& unlikely : kUnlikely) {
     SCOPED_TRACE(unlikely.what);
@@ -396,7 +396,7 @@ TEST_F(RoleTest, RosterRefusesWhatNoNodeSaysAndHearsItsWriterNoMore) {
   }
 }
 
-TEST_F(RoleTest, RosterHasRoomForSoManyAndForThoseWhoAreKnown) {
+TEST_F(RoleTest, RosterIsLimitedButKeepsKnownNodes) {
   StandIn known(kDomain, "rendering", rig);
   known.say(1);
   Coupling real(rig);
@@ -438,7 +438,7 @@ TEST_F(RoleTest, StatusesOfOurOwnAreCutToWhatARegistryAccepts) {
   EXPECT_EQ(registry.refused(), 0U);
 }
 
-TEST_F(RoleTest, RosterForgetsThoseWhoVanishedAfterAWhileAndRemembersAFew) {
+TEST_F(RoleTest, RosterForgetsVanishedNodesAfterAWhile) {
   for (int n = 0; n < 20; ++n) {
     StandIn passing(kDomain, "passing" + std::to_string(n), rig);
     passing.say(1);
@@ -494,7 +494,7 @@ class LockstepPeers : public testing::Test {
   std::optional<runtime::NodeMonitor> coupling;
 };
 
-TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {
+TEST_F(LockstepPeers, ExcludeUnauthorisedNamesakes) {
   ASSERT_TRUE(starts());
   StandIn silent(kDomain, "rendering", rig), of_own_name(kDomain, "coupling", rig);
   std::optional<StandIn> passing(std::in_place, kDomain, "device", rig);
@@ -514,7 +514,7 @@ TEST_F(LockstepPeers, AreNotTheStrangersThatCallThemselvesLikeThem) {
   EXPECT_TRUE(loses_a_peer({&*device, &silent})) << "the stranger has covered for the real one";
 }
 
-TEST_F(LockstepPeers, AreNotThoseOfAnotherSessionNorThoseWhoAreNotLinkedNorOneOfOurOwnName) {
+TEST_F(LockstepPeers, ExcludeOtherSessionsUnlinkedAndNamesakes) {
   StandIn of_another(kDomain, "device", rig), unlinked(kDomain, "rendering", rig),
       namesake(kDomain, "coupling", rig);
   of_another.say(8), unlinked.say(7), namesake.say(7);
@@ -524,7 +524,7 @@ TEST_F(LockstepPeers, AreNotThoseOfAnotherSessionNorThoseWhoAreNotLinkedNorOneOf
   EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "these fell silent before the start";
 }
 
-TEST_F(LockstepPeers, AreMissedWhereAStrangerHasTheirNameWhenTheyGo) {
+TEST_F(LockstepPeers, AreMissedDespiteANamesake) {
   ASSERT_TRUE(starts());
   StandIn stranger(kDomain, "device", rig);
   stranger.say(7);
@@ -532,7 +532,7 @@ TEST_F(LockstepPeers, AreMissedWhereAStrangerHasTheirNameWhenTheyGo) {
   EXPECT_TRUE(loses_a_peer({&*rendering, &stranger}));
 }
 
-TEST_F(LockstepPeers, AreNotMissedAfterTheirLastWord) {
+TEST_F(LockstepPeers, AreNotMissedAfterTheirFinalReport) {
   ASSERT_TRUE(starts());
   device->say(7, NodeState::kStopped);
   device.reset();

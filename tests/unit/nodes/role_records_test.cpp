@@ -37,7 +37,7 @@ std::vector<std::int64_t> settled(RoleRecords& records) {
   return times;
 }
 
-TEST(RoleRecordsRule, KeepsWhatComesBeforeSomebodyPlaysTheRole) {
+TEST(RoleRecordsRule, KeepsRecordsFromBeforeTheBinding) {
   RoleRecords records;
   records.take(guid(1), record(1));
   records.take(guid(2), record(2));
@@ -52,7 +52,7 @@ TEST(RoleRecordsRule, KeepsWhatComesBeforeSomebodyPlaysTheRole) {
   EXPECT_EQ(records.refused_writers(), (std::map<bus::Guid, std::uint64_t>{{guid(2), 1}}));
 }
 
-TEST(RoleRecordsRule, WaitsForTwoLooksBeforeItRefuses) {
+TEST(RoleRecordsRule, WaitsForTwoUpdatesBeforeItRefuses) {
   RoleRecords records;
   records.entitle(guid(1)), records.looked(true);
   records.take(guid(2), record(1));
@@ -68,7 +68,7 @@ TEST(RoleRecordsRule, WaitsForTwoLooksBeforeItRefuses) {
   EXPECT_TRUE(settled(records).empty()) << "what was refused stays so";
 }
 
-TEST(RoleRecordsRule, RefusesAtTheEndWhatNobodyHasVouchedFor) {
+TEST(RoleRecordsRule, RefusesUnconfirmedRecordsAtTheEnd) {
   RoleRecords records;
   records.take(bus::Guid{}, record(1));
   EXPECT_TRUE(settled(records).empty());
@@ -108,7 +108,7 @@ TEST(RoleRecordsRule, StreamsAreNotLostBeforeTheRoleIsKnown) {
   EXPECT_EQ(records.refused(), 1U);
 }
 
-TEST(RoleRecordsRule, WhoFloodsItTakesNoRoomOfOthers) {
+TEST(RoleRecordsRule, FloodTakesNoRoomOfOthers) {
   RoleRecords records;
   for (int n = 0; n < 100; ++n)
     records.take(guid(2), record(n, RoleRecords::kMaxOfOne / 10));
@@ -188,7 +188,7 @@ class RecordsOfTheLogger : public testing::Test {
   NodeThread node;
 };
 
-TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName) {
+TEST_F(RecordsOfTheLogger, AreTheRenderingsOnlyAndNameIntruders) {
   Rendering rendering(rig);
   Adversary stranger(kDomain, rig);
   ASSERT_TRUE(wait_until([&] { return rendering.made.matched_count() == 1 && report(); }))
@@ -212,7 +212,7 @@ TEST_F(RecordsOfTheLogger, AreTheRenderingsAloneAndAStrangersAreToldWithHisName)
   EXPECT_EQ(recorded(), (std::vector<std::uint64_t>{11, 12}));
 }
 
-TEST_F(RecordsOfTheLogger, SamplesOfAnotherDeviceAreLeftOutAndItIsNamed) {
+TEST_F(RecordsOfTheLogger, LeaveOutAndNameAnotherDevice) {
   Adversary stranger(kDomain, rig);
   const auto& profile = qos::profile(qos::kDeviceState.profile);
   bus::Writer<msg::DeviceState> own(device.participant, qos::kDeviceState, rig, profile);

@@ -59,14 +59,14 @@ class RosOutputsTest : public testing::Test {
   std::int64_t step_ns_ = 1;  ///< of simulated time, from one sample to the next
 };
 
-TEST_F(RosOutputsTest, AreNotMadeWhileNobodyReads) {
+TEST_F(RosOutputsTest, AreNotMadeWithoutAReader) {
   run_for(std::chrono::milliseconds(400));  // forty turns of its thread
   // /tf has one name for all rigs: a test that runs next to this one may read it.
   for (const RosOutput kind : {RosOutput::kPose, RosOutput::kWrench, RosOutput::kMarkers})
     EXPECT_EQ(outputs_->made(kind), 0U);
 }
 
-TEST_F(RosOutputsTest, AreMadeForWhoReadsAndForNothingElseAndNoLongerOnceHeHasGone) {
+TEST_F(RosOutputsTest, AreMadeForTheTopicsWithReadersOnly) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
   ASSERT_TRUE(shows_until([&] {
     return outputs_->made(RosOutput::kPose) >= 5 && poses->take_each([](const auto&) {}) > 0;
@@ -84,7 +84,7 @@ TEST_F(RosOutputsTest, AreMadeForWhoReadsAndForNothingElseAndNoLongerOnceHeHasGo
   EXPECT_EQ(outputs_->made(RosOutput::kPose), last);
 }
 
-TEST_F(RosOutputsTest, AreEachMadeOnceSomebodyReadsIt) {
+TEST_F(RosOutputsTest, AreMadeFromTheFirstReaderOn) {
   auto wrenches = reader<msg::geometry_msgs_WrenchStamped>(qos::kWrench);
   ASSERT_TRUE(shows_until([&] { return outputs_->made(RosOutput::kWrench) > 0; }));
   EXPECT_EQ(outputs_->made(RosOutput::kMarkers), 0U);
@@ -99,7 +99,7 @@ std::int64_t ns_of(const msg::builtin_interfaces_Time& t) {
   return 1'000'000'000LL * t.sec + t.nanosec;
 }
 
-TEST_F(RosOutputsTest, AreWrittenAHundredTimesASecondWithTheTimeOfTheWall) {
+TEST_F(RosOutputsTest, AreWrittenAt100HertzInWallTime) {
   auto poses = reader<msg::geometry_msgs_PoseStamped>(qos::kPose);
   std::vector<std::int64_t> written, off;
   ASSERT_TRUE(wait_until([&] {
@@ -158,7 +158,7 @@ TEST_F(RosOutputsTest, HaveNoClockInRealTime) {
   EXPECT_EQ(outputs_->made(RosOutput::kClock), 0U);
 }
 
-TEST_F(RosOutputsTest, TellWhatDoesNotMoveOnceAndAlsoToWhoComesLate) {
+TEST_F(RosOutputsTest, PublishStaticFramesOnceAlsoForLateReaders) {
   for (int reader_number = 0; reader_number < 2; ++reader_number) {
     auto frames = reader<msg::tf2_msgs_TFMessage>(qos::kTfStatic);
     std::set<std::string> names;
@@ -190,7 +190,7 @@ std::vector<std::string> all_due(rendering_node::MarkerRounds& rounds, std::int6
   return said;
 }
 
-TEST(MarkerRounds, SendMeshesToWhoComesAndDeleteWhatAReloadTookAway) {
+TEST(MarkerRounds, SendMeshesToLateReadersAndDeleteRemovedOnes) {
   using Said = std::vector<std::string>;
   constexpr std::int64_t kSecond = 1'000'000'000;
   rendering_node::MarkerRounds rounds;
@@ -212,7 +212,7 @@ TEST(MarkerRounds, SendMeshesToWhoComesAndDeleteWhatAReloadTookAway) {
             (Said{"DELETE object/lid 0", "ADD scene 0", "ADD scene 1"}));
 }
 
-TEST(MomentMarkers, DrawNoForceThatIsNoNumber) {
+TEST(MomentMarkers, DrawNoNonFiniteForce) {
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), 1e300}) {
     const rendering_node::MomentMarkers markers({.stamp_ns = 0,
                                                  .hand = Vec3::Zero(),
@@ -226,7 +226,7 @@ TEST(MomentMarkers, DrawNoForceThatIsNoNumber) {
   }
 }
 
-TEST(DisplayMesh, SharesLeaveSmallMeshesWholeAndGiveTheRestToLargeOnes) {
+TEST(DisplayMesh, KeepsSmallMeshesAndThinsLargeOnes) {
   using Counts = std::vector<std::size_t>;
   EXPECT_EQ(mesh_import::counts_of({12, 1'000'000, 1280}, 20'000), (Counts{12, 18'708, 1280}));
   EXPECT_EQ(mesh_import::counts_of({1'000'000, 500'000}, 20'000), (Counts{10'000, 10'000}));
@@ -265,7 +265,7 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
   EXPECT_EQ(names.size(), topics + 5);
 }
 
-TEST(PlanRing, HasTheTopicOfAnOutsideWrenchWhereTheSceneNamesIt) {
+TEST(PlanRing, ListsTheTopicOfAnExternalWrench) {
   scene::Scene scene = plane();
   effects::EffectSpec external{.name = "external",
                                .kind = effects::find_effect_kind("external"),

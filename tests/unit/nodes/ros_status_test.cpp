@@ -41,7 +41,7 @@ class RosLines : public testing::Test {
   std::vector<Line> lines;
 };
 
-TEST_F(RosLines, AreAtMostTenASecondHoweverMuchIsSaidAndTheNextTellsHowManyWereLeftOut) {
+TEST_F(RosLines, AreLimitedToTenASecondAndCountTheRest) {
   log.say(NodeState::kRunning, "none reads this");
   EXPECT_EQ(log.written(), 0U);
   listen();
@@ -63,7 +63,7 @@ TEST_F(RosLines, AreAtMostTenASecondHoweverMuchIsSaidAndTheNextTellsHowManyWereL
   EXPECT_NE(lines.back().text.find(" more lines"), std::string::npos) << lines.back().text;
 }
 
-TEST_F(RosLines, SayHowBadItIs) {
+TEST_F(RosLines, CarryTheirSeverity) {
   listen();
   log.say(NodeState::kRunning, "all runs"),
       log.say(NodeState::kRunning, "warning: the scenes differ"),

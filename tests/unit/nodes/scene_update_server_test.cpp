@@ -73,7 +73,7 @@ coupling::design::DeviceModel stylus() {
 }
 
 /// The update server's thread may be held up by whatever it does; a session begins without it.
-TEST(SceneUpdateServer, IsNotWaitedForWhereASessionBegins) {
+TEST(SceneUpdateServer, DoesNotDelayANewSession) {
   const scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   const std::string rig = own_rig("w");
   const auto options = node_options<rendering_node::Options>(rig);
@@ -211,7 +211,7 @@ class UpdateServer {
   std::uint64_t sample_ = 0;
 };
 
-TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
+TEST(SceneUpdateServer, RepublishesThePlanForANewStiffnessBound) {
   UpdateServer on({.name = "spring",
                    .kind = &kSpring,
                    .values = effects::EffectValues(kSpringParameters),
@@ -234,7 +234,7 @@ TEST(SceneUpdateServer, PublishesThePlanAnewWhereTheStiffnessBoundChanges) {
 
 /// A bag that has these replays every change, whoever asked for it and whether its question was
 /// received by the recorder.
-TEST(SceneUpdateServer, RecordsWhatWasMadeOnceWithSessionAndSampleAlsoForARecorderThatComesLater) {
+TEST(SceneUpdateServer, RecordsAppliedChangesAlsoForLateRecorders) {
   UpdateServer on({.name = "spring",
                    .kind = &kSpring,
                    .values = effects::EffectValues(kSpringParameters),
@@ -267,7 +267,7 @@ effects::EffectSpec paste(double lever_m = 0.0) {
   return spec;
 }
 
-TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
+TEST(SceneUpdateServer, ChecksTheTransitionOfTwoChanges) {
   UpdateServer on(paste(), stylus());
   EXPECT_EQ(on.ask(change(kActionValue, 0.2), "share").result, result::kResultDone);
   const Said thicker = on.ask(change(kActionValue, 9.0), "thickness_ns_per_m");
@@ -278,7 +278,7 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesMayComeToOnTheirWay) {
       << "it has settled";
 }
 
-TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
+TEST(SceneUpdateServer, ChecksTheTransitionOfTwoPendingChanges) {
   UpdateServer on(paste(), stylus());
   EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result,
             result::kResultWaiting);
@@ -287,7 +287,7 @@ TEST(SceneUpdateServer, JudgesWhatTwoChangesThatWaitMayComeToOnTheirWay) {
       << "2 * 9 Ns/m may be displayed before the fraction is down";
 }
 
-TEST(SceneUpdateServer, TellsWhatTheEffectsDampOfTurning) {
+TEST(SceneUpdateServer, ReportsTheEffectsRotationDamping) {
   coupling::design::DeviceModel arm = stylus();
   arm.gives_torque = true;
   arm.rotation = {.inertia_min = 0.01,
@@ -336,7 +336,7 @@ class ValidatorOfChanges : public testing::Test {
   rendering_node::ChangeQueue line_;
 };
 
-TEST_F(ValidatorOfChanges, JudgesAfterPendingChanges) {
+TEST_F(ValidatorOfChanges, ChecksAfterPendingChanges) {
   auto less = judge(0.2, "share");
   ASSERT_TRUE(less) << less.error();
   EXPECT_TRUE(judge(4.0, "thickness_ns_per_m")) << "8 Ns/m alone";
@@ -352,7 +352,7 @@ TEST_F(ValidatorOfChanges, JudgesAfterPendingChanges) {
   EXPECT_TRUE(judge(9.0, "thickness_ns_per_m")) << "1.8 Ns/m";
 }
 
-TEST_F(ValidatorOfChanges, RefusesWhatNoChangeMayAskFor) {
+TEST_F(ValidatorOfChanges, RefusesInvalidRequests) {
   EXPECT_EQ(check(change(kActionSwitch, 1.0, 10'000)), "");
   EXPECT_NE(check(change(kActionSwitch, 1.0, 10'001)), "") << "more than 10 s of 1 kHz away";
   EXPECT_EQ(check(change(kActionSwitch, 1.0, 10'001), 1), "");

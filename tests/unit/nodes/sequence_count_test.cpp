@@ -6,7 +6,7 @@
 namespace voxtouch::logger {
 namespace {
 
-TEST(SequenceCount, FindsWhatWasLeftOut) {
+TEST(SequenceCount, FindsGaps) {
   SequenceCount count;
   for (std::uint64_t n = 5; n < 1000; ++n)
     if (n % 10 != 0)
@@ -25,7 +25,7 @@ TEST(SequenceCount, CountsNothingTwice) {
   EXPECT_EQ(count.of(1).gaps(), 0U);
 }
 
-TEST(SequenceCount, KeepsSessionsApartAndIsFilledByNobody) {
+TEST(SequenceCount, KeepsSessionsApartAndStaysBounded) {
   SequenceCount count;
   for (std::uint64_t n = 0; n < 10; ++n)
     count.add(1, n);

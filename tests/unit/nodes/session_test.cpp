@@ -192,7 +192,7 @@ TEST(Readiness, ForADeviceIsReportedOnceThePeersHaveMatched) {
   EXPECT_EQ(report.session_id, 7U);
 }
 
-TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
+TEST(Session, OfARestartedDeviceIsNewAndResetsTheNodes) {
   const std::string rig = own_rig();
   Bystander bystander(rig);
   Node rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run);
@@ -251,7 +251,7 @@ TEST(Session, OfARestartedDeviceIsNewAndTheNodesThatKeptRunningResetOnIt) {
   EXPECT_EQ(rendering.thread.end(), 0);
 }
 
-TEST(Session, IsNewInLockstepTooWhenTheNodesHaveSeenTheSameRunBefore) {
+TEST(Session, IsNewInLockstepToo) {
   const std::string rig = own_rig();
   Bystander bystander(rig);
   const auto lockstep = [](auto options) {
@@ -354,7 +354,7 @@ class RenderingAlone : public testing::Test {
 
 constexpr double kInContact = 0.009, kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
-TEST_F(RenderingAlone, HoldsAContactForThreeRefusedSamplesAndThenLetsGo) {
+TEST_F(RenderingAlone, HoldsAContactForThreeRefusedSamples) {
   begin(1);
   const double good = force(contact_of(1, 0, kInContact));
   ASSERT_GT(good, 0.01);
@@ -369,7 +369,7 @@ TEST_F(RenderingAlone, HoldsAContactForThreeRefusedSamplesAndThenLetsGo) {
   EXPECT_EQ(force(contact_of(1, 7, kInContact)), good);
 }
 
-TEST_F(RenderingAlone, SaysHowStiffItsContactIsAndWhatTheSceneCanShowAtMost) {
+TEST_F(RenderingAlone, ReportsItsStiffnessAndItsMaximum) {
   begin(1);
   EXPECT_EQ(one_n_per_m, 30.0);
   EXPECT_EQ(most_n_per_m, 30.0 * static_cast<double>(points));
@@ -401,7 +401,7 @@ TEST_F(RenderingAlone, HoldsNoContactOfAnotherSession) {
   EXPECT_EQ(force(contact_of(2, 0, kNotANumber)), 0.0);
 }
 
-TEST(Rigs, OnOneDomainDoNotMix) {
+TEST(Rigs, OnOneDomainAreIsolated) {
   const std::string left = own_rig("left"), right = own_rig("right");
   Bystander at_left(left), at_right(right);
   Node left_rendering(node_options<rendering_node::Options>(left, "plane"), rendering_node::run);
@@ -437,7 +437,7 @@ TEST(Rigs, KeepOneOfTwoDevicesThatStartAtTheSameTime) {
   EXPECT_EQ(std::max(a, b), 1);
 }
 
-TEST(Rigs, AfterASplitTheDeviceStaysThatHadMoreSamplesAnsweredWhateverAnyClockSays) {
+TEST(Rigs, AfterASplitTheBusierDeviceStays) {
   const std::string rig = own_rig();
   Bystander bystander(rig);
   Node rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run);

@@ -13,7 +13,7 @@
 namespace voxtouch::test {
 namespace {
 
-TEST(Diagnostics, AreMadeWhileSomebodyReadsThemAndAtNoOtherTime) {
+TEST(Diagnostics, AreMadeOnlyWhileRead) {
   constexpr std::uint32_t kOwnDomain =
       57;  // /diagnostics has one name for all rigs: another test might read it
   const bus::Participant node({kOwnDomain, "lo", "device"}), tool({kOwnDomain, "lo", "tool"});
@@ -56,7 +56,7 @@ TEST(Diagnostics, AreMadeWhileSomebodyReadsThemAndAtNoOtherTime) {
   EXPECT_EQ(status.diagnostics_made(), last);
 }
 
-TEST(Status, CarriesFiguresAsNumbersToTheLastBit) {
+TEST(Status, CarriesFiguresExactly) {
   const bus::Participant node({kDomain, "lo", "device"}), other({kDomain, "lo", "other"});
   runtime::StatusWriter status(node, "device", own_rig());
   runtime::NodeRegistry registry(other, own_rig());
@@ -78,7 +78,7 @@ TEST(Status, CarriesFiguresAsNumbersToTheLastBit) {
   EXPECT_EQ(runtime::value_of(seen->figures, "nothing"), 0.0);
 }
 
-TEST(Status, TakesNoFigureForACountThatIsNone) {
+TEST(Status, ConvertsInvalidCountsToAValidCount) {
   EXPECT_EQ(runtime::as_count(std::numeric_limits<double>::quiet_NaN()), 0U);
   EXPECT_EQ(runtime::as_count(-3.0), 0U);
   EXPECT_EQ(runtime::as_count(std::numeric_limits<double>::infinity()), 9'007'199'254'740'992ULL);
@@ -117,7 +117,7 @@ class TwoNodes : public testing::Test {
   std::optional<runtime::NodeRegistry> registry;
 };
 
-TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
+TEST_F(TwoNodes, BothReportAStalledLoop) {
   const auto is_well = [](const runtime::NodeReport& report) { return report.message == "well"; };
   ASSERT_TRUE(comes_to("rendering", is_well) && comes_to("device", is_well));
   stuck = true;
@@ -137,7 +137,7 @@ TEST_F(TwoNodes, SayThatALoopStandsStillTheOneOfItselfTheOtherOfIt) {
       "rendering", [](const auto& r) { return r.figures.at(runtime::kLongestStall).value > 0.4; }));
 }
 
-TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
+TEST_F(TwoNodes, ReportTenTimesASecondAndAreNotHung) {
   ASSERT_TRUE(comes_to("device", [](const auto&) { return true; }));
   int received = 0;
   std::int64_t last = 0;
@@ -151,7 +151,7 @@ TEST_F(TwoNodes, ComeTenTimesASecondAndAreNotCalledHung) {
   EXPECT_TRUE(registry->hung().empty());
 }
 
-TEST_F(TwoNodes, HangToOthersWhenTheyVanishWithoutALastWord) {
+TEST_F(TwoNodes, VanishedWithoutAFinalReportCountAsHung) {
   ASSERT_TRUE(comes_to("rendering", [](const auto&) { return true; }));
   rendering.reset();  // its last word was that it runs
   EXPECT_TRUE(comes_to("device", [](const auto& r) {
@@ -166,7 +166,7 @@ TEST_F(TwoNodes, HangToOthersWhenTheyVanishWithoutALastWord) {
   }));
 }
 
-TEST_F(TwoNodes, DoNotHangOnceTheyHaveSaidThatTheyEnd) {
+TEST_F(TwoNodes, DoNotHangAfterReportingTheirEnd) {
   runtime::NodeReport last;
   last.state = runtime::NodeState::kStopped;
   {

@@ -24,7 +24,7 @@ std::vector<std::string> node(const std::string& name, const std::vector<std::st
 
 class EverySignal : public testing::TestWithParam<int> {};
 
-TEST_P(EverySignal, ThatEndsAProgramFromATerminalStopsTheDeviceInOrder) {
+TEST_P(EverySignal, StopsTheDeviceInOrder) {
   Process device(node("device", {"--motion", "free"}));
   std::this_thread::sleep_for(milliseconds(1500));
   device.signal(GetParam());
@@ -37,13 +37,13 @@ INSTANTIATE_TEST_SUITE_P(Signals, EverySignal, testing::Values(SIGINT, SIGTERM, 
                            return "Signal" + std::to_string(number.param);
                          });
 
-TEST(Node, DoesNotOutliveAParentThatDiedBeforeItCouldAsk) {
+TEST(Node, DoesNotOutliveAParentThatDiedEarly) {
   Process device(node("device", {"--with-parent", "1999999999"}));
   EXPECT_NE(device.wait(seconds(10)).status, 128 + SIGKILL)
       << "it went on without any participant to stop it";
 }
 
-TEST(Node, RefusesADurationThatNoCountCanHold) {
+TEST(Node, RefusesATooLongDuration) {
   for (const char* duration : {"inf", "nan", "1e300", "-1"})
     EXPECT_NE(
         Process(node("device", {"--duration", duration})).wait(seconds(10)).err.find("--duration"),
@@ -51,13 +51,13 @@ TEST(Node, RefusesADurationThatNoCountCanHold) {
         << duration;
 }
 
-TEST(Node, EndsAfterADurationThatIsShorterThanASample) {
+TEST(Node, EndsAfterADurationShorterThanASample) {
   EXPECT_EQ(Process(node("device", {"--duration", "0.0001"})).wait(seconds(10)).status, 0);
 }
 
 class StoppedAfter : public testing::TestWithParam<int> {};
 
-TEST_P(StoppedAfter, UpLeavesNothingBehindAndNamesNoNodeThatDidNothingWrong) {
+TEST_P(StoppedAfter, UpLeavesNothingBehindAndNamesNoNode) {
   Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--no-record"}));
   std::this_thread::sleep_for(milliseconds(GetParam()));
   const auto nodes = children_of(up.pid());
@@ -89,7 +89,7 @@ pid_t child_called(const Process& up, const std::string& program) {
   return 0;
 }
 
-TEST(Up, DoesNotClaimThatAKilledDeviceWentToZero) {
+TEST(Up, DoesNotReportZeroForceOfAKilledDevice) {
   Process up(up_arguments(shipped_scene("plane"),
                           {"--motion", "free", "--no-record", "--duration", "30"}));
   for (int i = 0; i < 500 && !runs(up); ++i)

@@ -79,14 +79,14 @@ class ValidatorNodeTest : public testing::Test {
   std::unique_ptr<NodeThread> node_;
 };
 
-TEST_F(ValidatorNodeTest, IsIdleWhileNobodyReadsItsVerdictsAndSaysSo) {
+TEST_F(ValidatorNodeTest, IsIdleWithoutAReaderAndReportsIt) {
   ASSERT_TRUE(shows_until([&] { return message().starts_with("idle: "); }))
       << message() << node_->error();
   show_for(std::chrono::milliseconds(300));
   EXPECT_EQ(checked(), 0U);
 }
 
-TEST_F(ValidatorNodeTest, JudgesForWhoReadsAndNoLongerOnceHeHasGone) {
+TEST_F(ValidatorNodeTest, EvaluatesOnlyWhileRead) {
   auto verdicts = std::make_unique<bus::Reader<msg::ValidationReport>>(
       reader_, qos::kValidation, rig_, qos::profile(qos::ProfileId::kTap));
   std::uint64_t received = 0;

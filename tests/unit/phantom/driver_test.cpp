@@ -69,7 +69,7 @@ TEST_F(Driver, ButtonsAreBits) {
   EXPECT_EQ(driver->read(10ms)->buttons, 5u);
 }
 
-TEST_F(Driver, TwistFollowsTheTipWithTheLagThatItStates) {
+TEST_F(Driver, TwistFollowsTheTipWithItsStatedDelay) {
   set_motion({0.0, 0.0, 0.0, 0.1, 0.0, 0.0}, 0.2);
   open_driver();
   std::vector<double> truth, seen;
@@ -115,7 +115,7 @@ TEST_F(Driver, ForceRisesAlongTheDevicesRamp) {
   EXPECT_LT(applied().x(), 0.6);  // 20 N/s
 }
 
-TEST_F(Driver, CommandsThatAreNotFiniteAreZeroAndNeverReachTheLibrary) {
+TEST_F(Driver, NonFiniteCommandsNeverReachTheLibrary) {
   open_driver();
   push_until_steady({2.0, 0.0, 0.0});
   for (const double bad : {std::nan(""), double(INFINITY)}) {
@@ -151,7 +151,7 @@ TEST_F(Driver, ACommandBeforeTheFirstSampleIsRefused) {
   EXPECT_EQ(applied().norm(), 0.0);
 }
 
-TEST_F(Driver, StopDropsWhatIsUnderWayAndTheNextWritePushesAgain) {
+TEST_F(Driver, StopDropsPendingForcesUntilTheNextWrite) {
   open_driver();
   push_until_steady({2.0, 0.0, 0.0});
   ASSERT_TRUE(driver->write(push(2.0)));
@@ -164,7 +164,7 @@ TEST_F(Driver, StopDropsWhatIsUnderWayAndTheNextWritePushesAgain) {
   EXPECT_NEAR(applied().x(), 2.0, 0.05);
 }
 
-TEST_F(Driver, TorqueGoesOutInMilliNewtonMetresWhereThereAreMotorsForIt) {
+TEST_F(Driver, TorqueIsSentInMilliNewtonMetres) {
   ASSERT_EQ(sim.set_model("premium-6dof"), 0);
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* values) {
     if (name == phantom::hd::kNominalMaxTorqueForce)
@@ -192,7 +192,7 @@ TEST_F(Driver, DestructionLeavesNothingOpenAndNoForce) {
   EXPECT_EQ(s.errors_waiting, 0u);
 }
 
-TEST_F(Driver, ALibraryInVirtualTimeIsTakenForThat) {
+TEST_F(Driver, DetectsALibraryInVirtualTime) {
   open_driver();
   EXPECT_TRUE(driver->simulated());
   EXPECT_TRUE(driver->read(0ms));
@@ -227,7 +227,7 @@ class Lockstep : public Driver {
   }
 };
 
-TEST_F(Lockstep, SameCallsGiveTheSameBits) {
+TEST_F(Lockstep, SameCallsAreBitIdentical) {
   const std::vector<double> first = run(3), second = run(3), other = run(4);
   EXPECT_EQ(first, second);
   EXPECT_NE(first, other);
@@ -284,7 +284,7 @@ TEST_F(RealTime, OfSeveralSamplesTheNewestComesAndEachOnce) {
   EXPECT_LE(at_once, 5);
 }
 
-TEST_F(RealTime, AReaderThatStaysAwayGivesNoForce) {
+TEST_F(RealTime, AbsentReaderGivesNoForce) {
   open_driver();
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(driver->read(500ms));
@@ -294,7 +294,7 @@ TEST_F(RealTime, AReaderThatStaysAwayGivesNoForce) {
   EXPECT_EQ(applied().norm(), 0.0);
 }
 
-TEST_F(RealTime, ADeadServoLoopIsToldByItsErrorAndForceGoes) {
+TEST_F(RealTime, DeadServoLoopIsReportedAndForceEnds) {
   open_driver();
   for (int i = 0; i < 200; ++i) {
     ASSERT_TRUE(driver->read(500ms));
@@ -312,7 +312,7 @@ TEST_F(RealTime, ADeadServoLoopIsToldByItsErrorAndForceGoes) {
   EXPECT_EQ(applied().norm(), 0.0);
 }
 
-TEST_F(RealTime, UnpluggedInTheMiddleIsToldAtOnceAndCloses) {
+TEST_F(RealTime, UnpluggingIsReportedAtOnceAndCloses) {
   open_driver();
   for (int i = 0; i < 200; ++i) {
     ASSERT_TRUE(driver->read(500ms));
@@ -334,7 +334,7 @@ TEST_F(RealTime, UnpluggedInTheMiddleIsToldAtOnceAndCloses) {
   EXPECT_FALSE(state().device_open);
 }
 
-TEST_F(RealTime, AServoLoopThatOnlyFallsSilentIsATimeoutThenDisconnected) {
+TEST_F(RealTime, SilentServoLoopTimesOutThenDisconnects) {
   options.silence_s = 0.2;
   open_driver();
   for (int i = 0; i < 100; ++i) {

@@ -54,7 +54,7 @@ class Fault : public DriverTest {
 };
 using Errors = std::vector<devices::DeviceError>;
 
-TEST_F(Fault, LostCommunicationIsDisconnectedAndNothingIsSetAnyMore) {
+TEST_F(Fault, LostCommunicationDisconnectsAndSetsNothing) {
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 50), 0);
   const After after = next_100_ms();
   EXPECT_EQ(after.read, Errors{devices::DeviceError::kDisconnected});
@@ -78,7 +78,7 @@ TEST_F(Fault, UnpluggedForGoodItCanStillBeClosed) {
   EXPECT_EQ(state().callbacks, 0u);
 }
 
-TEST_F(Fault, FailedDeviceIsAFaultAndZeroAtOnceAndForGood) {
+TEST_F(Fault, FailedDeviceIsAFaultWithZeroForce) {
   ASSERT_EQ(sim.inject(HDSIM_DEVICE_FAULT, 30), 0);
   const After after = next_100_ms();
   EXPECT_EQ(after.read, Errors{devices::DeviceError::kFault});
@@ -86,7 +86,7 @@ TEST_F(Fault, FailedDeviceIsAFaultAndZeroAtOnceAndForGood) {
   EXPECT_EQ(Spy::instance().calls({"set"}), std::vector<std::string>{});
 }
 
-TEST_F(Fault, DeadServoLoopIsAFaultAndForceGoesWithinThePeriod) {
+TEST_F(Fault, DeadServoLoopIsAFaultWithZeroForce) {
   ASSERT_EQ(sim.inject(HDSIM_TIMER_ERROR, 0), 0);
   const After after = next_100_ms();
   EXPECT_EQ(after.read, Errors{devices::DeviceError::kFault});
@@ -94,7 +94,7 @@ TEST_F(Fault, DeadServoLoopIsAFaultAndForceGoesWithinThePeriod) {
   EXPECT_EQ(*std::max_element(after.force.begin() + 1, after.force.end()), 0.0);
 }
 
-TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
+TEST_F(Fault, WarmMotorsAreReportedOnceAndForceReturns) {
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 1.0), 0);
   const After after = next_100_ms();
   EXPECT_EQ(after.read, Errors{});  // samples keep coming
@@ -110,7 +110,7 @@ TEST_F(Fault, WarmMotorsAreToldOnceAndForceComesBackWhenTheyAreCool) {
   push_until_steady(kPush);
 }
 
-TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
+TEST_F(Fault, TooFastDropsTheForceAndIsReported) {
   driver.reset();
   options.max_speed_m_per_s = 0.1;
   set_motion({0.0, 0.0, 0.0, 0.12, 0.0, 0.0}, 0.5);
@@ -139,7 +139,7 @@ TEST_F(Fault, TooFastDropsTheForceAndIsTold) {
   EXPECT_GT(after_force, 100);
 }
 
-TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
+TEST_F(Fault, TooLargeForceStepIsReportedAndForceReturns) {
   double limit = 1.0;
   api.hdSetDoublev(phantom::hd::kSoftwareForceImpulseLimit, &limit);
   const After after = next_100_ms();  // steady: no change
@@ -152,7 +152,7 @@ TEST_F(Fault, ChangeOfForceOverTheDevicesLimitIsToldAndForceComesBack) {
   EXPECT_NEAR(applied().x(), 0.5, 0.05);
 }
 
-TEST_F(Fault, ErrorsThatTheDeviceSaysOutOfNowhereTakeTheForceOfTheirTick) {
+TEST_F(Fault, UnexpectedErrorsDropTheForceOfTheirTick) {
   for (const auto& [code, error] :
        {std::pair{phantom::hd::kForceError, devices::DeviceError::kRecoverable},
         std::pair{phantom::hd::kExceededMaxForce, devices::DeviceError::kRecoverable},
@@ -171,14 +171,14 @@ TEST_F(Fault, ErrorsThatTheDeviceSaysOutOfNowhereTakeTheForceOfTheirTick) {
   }
 }
 
-TEST_F(Fault, AnErrorThatNobodyKnowsEndsIt) {
+TEST_F(Fault, UnknownErrorEndsIt) {
   Spy::instance().plant_error(0x0777);
   const After after = next_100_ms();
   EXPECT_EQ(after.read, Errors{devices::DeviceError::kFault});
   EXPECT_EQ(after.pushing(), 0);
 }
 
-TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
+TEST_F(Fault, NonFinitePositionIsFlaggedWithoutForce) {
   const Pose before = driver->read(10ms)->pose;
   ASSERT_TRUE(driver->write(push(2.0)));
   ASSERT_EQ(sim.inject(HDSIM_NAN_POSITION, 3), 0);
@@ -202,7 +202,7 @@ TEST_F(Fault, PositionThatIsNoNumberIsMarkedAndTakesTheForceOfItsTick) {
   EXPECT_EQ(driver->servo().counts().invalid_poses.load(), 3u);
 }
 
-TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
+TEST_F(Fault, AnyNonFiniteCoordinateIsEnough) {
   for (const double bad : {std::nan(""), double(INFINITY), -double(INFINITY), 1e5})
     for (int axis = 0; axis < 3; ++axis) {
       Spy::instance().change_reading([=](phantom::hd::HDenum name, double* values) {
@@ -217,7 +217,7 @@ TEST_F(Fault, OneCoordinateThatIsNoNumberIsEnoughWhicheverItIs) {
     }
 }
 
-TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) {
+TEST_F(Fault, NonRotationIsFlaggedAndASkewedOneRepaired) {
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* m) {
     if (name == phantom::hd::kCurrentTransform)
       m[0] *= 1.01, m[5] *= 0.99;
@@ -237,7 +237,7 @@ TEST_F(Fault, ATransformThatIsNoRotationIsMarkedAndASlightlySkewedOneIsMadeOne) 
   EXPECT_EQ(t.written.error(), devices::DeviceError::kProtocol);
 }
 
-TEST_F(Fault, AFrameThatSomebodyElseLeftOpenSpoilsOneTickOnly) {
+TEST_F(Fault, ForeignOpenFrameSpoilsOneTickOnly) {
   api.hdDisable(phantom::hd::kOneFrameLimit);
   api.hdBeginFrame(api.hdGetCurrentDevice());
   Cycle t = cycle(push(2.0));
@@ -250,7 +250,7 @@ TEST_F(Fault, AFrameThatSomebodyElseLeftOpenSpoilsOneTickOnly) {
   EXPECT_NEAR(cycle(push(2.0)).force, 2.0, 0.1);
 }
 
-TEST_F(Fault, ALateTickIsCountedAndTheTwistStartsAnew) {
+TEST_F(Fault, LateTickIsCountedAndRestartsTheTwist) {
   const std::int64_t before = driver->read(10ms)->time_ns;
   ASSERT_EQ(sim.inject(HDSIM_LATE_TICK, 0.008), 0);
   const auto sample = driver->read(10ms);
@@ -271,7 +271,7 @@ TEST_F(Fault, AFewSkippedTicksAreWaitedFor) {
   EXPECT_EQ(driver->servo().counts().late.load(), 1u);
 }
 
-TEST_F(Fault, ALongSilenceIsATimeoutAndTakesTheForceUntilTheNextCommand) {
+TEST_F(Fault, LongSilenceDropsTheForceUntilTheNextCommand) {
   ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 25), 0);
   EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kTimeout);
   EXPECT_EQ(Spy::instance().calls({"disable"}), std::vector<std::string>{"disable 4000"});
@@ -285,7 +285,7 @@ TEST_F(Fault, ALongSilenceIsATimeoutAndTakesTheForceUntilTheNextCommand) {
   EXPECT_EQ(Spy::instance().calls({"enable"}), std::vector<std::string>{"enable 4000"});
 }
 
-TEST_F(Fault, SchedulerStoppedBehindItsBackIsAFault) {
+TEST_F(Fault, SchedulerStoppedExternallyIsAFault) {
   api.hdStopScheduler();
   EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kFault);
   api.hdStartScheduler();
@@ -293,7 +293,7 @@ TEST_F(Fault, SchedulerStoppedBehindItsBackIsAFault) {
   EXPECT_EQ(next_100_ms().pushing(), 0);
 }
 
-TEST_F(Fault, DeviceDisabledBehindItsBackIsDisconnected) {
+TEST_F(Fault, DeviceDisabledExternallyIsDisconnected) {
   api.hdDisableDevice(api.hdGetCurrentDevice());
   EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kDisconnected);
   EXPECT_EQ(next_100_ms().pushing(), 0);

@@ -23,13 +23,13 @@ bool says(const std::string& sentence, const std::string& part) {
   return sentence.find(part) != std::string::npos;
 }
 
-TEST(HdLibrary, APathThatIsGivenIsTheOnlyOneTried) {
+TEST(HdLibrary, GivenPathIsTheOnlyOneTried) {
   const std::string sentence = refusal("/nowhere/libHD_none.so");
   EXPECT_TRUE(says(sentence, "/nowhere/libHD_none.so")) << sentence;
   EXPECT_FALSE(says(sentence, "libHD.so.3")) << sentence;
 }
 
-TEST(HdLibrary, WithoutAnyTheSentenceSaysWhatWasTriedAndWhatToDo) {
+TEST(HdLibrary, MissingIsReportedWithTriedNamesAndRemedy) {
   const std::string sentence = refusal("");
   if (sentence.empty())
     GTEST_SKIP() << "this machine has the vendor's library";
@@ -40,7 +40,7 @@ TEST(HdLibrary, WithoutAnyTheSentenceSaysWhatWasTriedAndWhatToDo) {
   EXPECT_THROW(PhantomDriver{options}, devices::DeviceOpenError);
 }
 
-TEST(HdLibrary, ALibraryOfSomethingElseIsNamedWithWhatItLacks) {
+TEST(HdLibrary, ForeignLibraryIsNamedWithMissingSymbols) {
   const std::string sentence = refusal("libm.so.6");
   EXPECT_TRUE(says(sentence, "libm.so.6")) << sentence;
   EXPECT_TRUE(says(sentence, "hdInitDevice")) << sentence;

@@ -21,7 +21,7 @@ TEST(PhantomModels, TheLongestPrefixCountsAndCapitalsDoNot) {
   EXPECT_EQ(phantom_figures("").prefix, "");
 }
 
-TEST(PhantomModels, WhatTheDeviceSaysCountsButForAStiffnessThatIsItsStructures) {
+TEST(PhantomModels, DeviceFactsWinExceptStructuralStiffness) {
   PhantomFacts facts;
   facts.model = "PHANTOM Premium 1.5";
   facts.rate_hz = 1000;
@@ -37,7 +37,7 @@ TEST(PhantomModels, WhatTheDeviceSaysCountsButForAStiffnessThatIsItsStructures) 
   EXPECT_EQ(d.model, "PHANTOM Premium 1.5");
 }
 
-TEST(PhantomModels, FiguresThatNoDeviceReachesAreNotBelieved) {
+TEST(PhantomModels, ImplausibleFiguresAreIgnored) {
   PhantomFacts none, absurd;
   none.model = absurd.model = "Touch";
   none.rate_hz = absurd.rate_hz = 1000;
@@ -58,7 +58,7 @@ TEST(PhantomModels, FiguresThatNoDeviceReachesAreNotBelieved) {
   }
 }
 
-TEST(PhantomModels, APremiumIsTheOneThatTheSimulatedPhantomStandsFor) {
+TEST(PhantomModels, PremiumMatchesTheSimulatedPhantom) {
   PhantomFacts facts;
   facts.model = "PHANTOM Premium 1.5";
   facts.rate_hz = 1000;
@@ -91,7 +91,7 @@ TEST(PhantomModels, EveryDescriptionFitsTheGuard) {
     }
 }
 
-TEST(PhantomModels, NumbersThatAreNoneAreNotBelieved) {
+TEST(PhantomModels, InvalidNumbersAreIgnored) {
   PhantomFacts facts;
   facts.model = "PHANTOM Omni";
   facts.max_force_n = std::numeric_limits<double>::quiet_NaN();
@@ -103,7 +103,7 @@ TEST(PhantomModels, NumbersThatAreNoneAreNotBelieved) {
   EXPECT_EQ(continuous_force_n(facts), 0.88);
 }
 
-TEST(PhantomModels, RatesAreThoseThatAServoLoopCanHave) {
+TEST(PhantomModels, RatesAreLimitedToServoRates) {
   EXPECT_EQ(servo_rate_hz(997.0), 1000.0);
   EXPECT_EQ(servo_rate_hz(1603.0), 1600.0);
   EXPECT_EQ(servo_rate_hz(495.0), 500.0);

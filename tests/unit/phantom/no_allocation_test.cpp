@@ -29,7 +29,7 @@ class NoAllocation : public hd_sim_test::SimulatedLibrary {
   }
 };
 
-TEST_F(NoAllocation, AnOpenDriverAndItsCallbackTakeNothingFromTheHeap) {
+TEST_F(NoAllocation, OpenDriverAndCallbackUseNoHeap) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitiser owns malloc";
   PhantomDriver driver(options(true));
@@ -56,7 +56,7 @@ TEST_F(NoAllocation, AnOpenDriverAndItsCallbackTakeNothingFromTheHeap) {
   EXPECT_EQ(driver.read(10ms).error(), devices::DeviceError::kDisconnected);
 }
 
-TEST_F(NoAllocation, NorDoTheyInTheServoThread) {
+TEST_F(NoAllocation, ServoThreadUsesNoHeap) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitiser owns malloc";
   PhantomDriver driver(options(false));

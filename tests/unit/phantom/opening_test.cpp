@@ -21,7 +21,7 @@ class Opening : public DriverTest {
   }
 };
 
-TEST_F(Opening, GoesInTheOrderThatTheInterfaceWants) {
+TEST_F(Opening, FollowsTheOrderOfTheInterface) {
   open_driver();
   EXPECT_EQ(steps(), (Calls{"init Default Device", "calibrate 1", "enable 4002", "enable 4001",
                             "enable 4000", "schedule 65535", "start"}));
@@ -31,7 +31,7 @@ TEST_F(Opening, GoesInTheOrderThatTheInterfaceWants) {
   expect_nothing_open();
 }
 
-TEST_F(Opening, ACalibrationThatNeedsTheServoLoopComesBeforeForceOutput) {
+TEST_F(Opening, ServoCalibrationPrecedesForceOutput) {
   ASSERT_EQ(sim.set_model("desktop"), 0);
   open_driver();
   EXPECT_EQ(steps(), (Calls{"init Default Device", "schedule 65535", "start", "calibrate 2",
@@ -51,7 +51,7 @@ TEST_F(Opening, AStylusInItsInkwellIsCalibrated) {
   EXPECT_DOUBLE_EQ(driver->description().max_stiffness_n_per_m, 700.0);
 }
 
-TEST_F(Opening, AStylusOutOfItsInkwellIsAskedFor) {
+TEST_F(Opening, StylusOutOfItsInkwellIsRequested) {
   ASSERT_EQ(sim.set_model("omni"), 0);
   options.calibration_timeout_s = 0.05;
   const std::string sentence = refusal();
@@ -74,7 +74,7 @@ TEST_F(Opening, EncodersAreSetToZeroOnceUntilThePowerGoes) {
   EXPECT_EQ(Spy::instance().calls({"calibrate"}), Calls{"calibrate 1"});
 }
 
-TEST_F(Opening, NamesAreTriedInTurn) {
+TEST_F(Opening, NamesAreTriedInOrder) {
   options.name = "Left Phantom";
   Spy::instance().fail_init(phantom::hd::kCommConfigError, 3);
   open_driver();
@@ -82,7 +82,7 @@ TEST_F(Opening, NamesAreTriedInTurn) {
                                                     "init Default PHANToM", "init null"}));
 }
 
-TEST_F(Opening, WithoutADeviceTheSentenceSaysWhatWasTriedAndWhatToLookAt) {
+TEST_F(Opening, MissingDeviceIsReportedWithTriedNames) {
   options.name = "Left Phantom";
   Spy::instance().fail_init(phantom::hd::kCommConfigError, 4);
   const std::string sentence = refusal();
@@ -93,21 +93,21 @@ TEST_F(Opening, WithoutADeviceTheSentenceSaysWhatWasTriedAndWhatToLookAt) {
   EXPECT_EQ(refusal(), "");
 }
 
-TEST_F(Opening, AMissingLicenceIsSaidAtOnce) {
+TEST_F(Opening, MissingLicenceIsReportedAtOnce) {
   ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, phantom::hd::kInvalidLicense), 0);
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("licence"), std::string::npos) << sentence;
   EXPECT_EQ(Spy::instance().calls({"init"}).size(), 1u);
 }
 
-TEST_F(Opening, ADeviceThatIsInUseIsSaidAtOnce) {
+TEST_F(Opening, DeviceInUseIsReportedAtOnce) {
   ASSERT_NE(api.hdInitDevice(nullptr),
             phantom::hd::kInvalidHandle);  // another program in this process
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("in use"), std::string::npos) << sentence;
 }
 
-TEST_F(Opening, TwiceInAProcessIsASentenceAndTheFirstGoesOn) {
+TEST_F(Opening, SecondOneInAProcessIsRefused) {
   open_driver();
   push_until_steady({2.0, 0.0, 0.0});
   try {
@@ -121,7 +121,7 @@ TEST_F(Opening, TwiceInAProcessIsASentenceAndTheFirstGoesOn) {
   EXPECT_EQ(refusal(), "");
 }
 
-TEST_F(Opening, AServoLoopThatCannotStartIsASentenceAndNothingStaysOpen) {
+TEST_F(Opening, FailedServoLoopIsReportedAndClosed) {
   ASSERT_EQ(sim.inject(HDSIM_FAIL_START, 0), 0);
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("servo loop"), std::string::npos) << sentence;
@@ -132,7 +132,7 @@ TEST_F(Opening, AServoLoopThatCannotStartIsASentenceAndNothingStaysOpen) {
   EXPECT_EQ(refusal(), "");
 }
 
-TEST_F(Opening, AServoLoopThatStartsAndDoesNotTickIsASentence) {
+TEST_F(Opening, SilentServoLoopIsReported) {
   ASSERT_EQ(sim.use_virtual_time(0), 0);
   Spy::instance().swallow_start();
   const std::string sentence = refusal();
@@ -140,7 +140,7 @@ TEST_F(Opening, AServoLoopThatStartsAndDoesNotTickIsASentence) {
   expect_nothing_open();
 }
 
-TEST_F(Opening, ADeviceThatIsUnpluggedWhileItIsOpenedIsASentence) {
+TEST_F(Opening, DeviceUnpluggedDuringOpeningIsReported) {
   ASSERT_EQ(sim.use_virtual_time(0), 0);
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, -1), 0);
   const std::string sentence = refusal();
@@ -158,7 +158,7 @@ TEST_F(Opening, RateIsSetAndReadFromTheDevice) {
   EXPECT_EQ(driver->servo().counts().late.load(), 0u);
 }
 
-TEST_F(Opening, ARateThatTheDeviceHasNotIsASentence) {
+TEST_F(Opening, UnsupportedRateIsReported) {
   options.rate_hz = 700;
   const std::string sentence = refusal();
   EXPECT_NE(sentence.find("700 Hz"), std::string::npos) << sentence;

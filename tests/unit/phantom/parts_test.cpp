@@ -48,7 +48,7 @@ TEST(WakeUp, ComesForEachValueThatFoundTheOneBeforeTaken) {
   }
 }
 
-TEST(ThermalClamp, ShrinksWhileWarmDownToTheContinuousForceAndGrowsBackWhenCool) {
+TEST(ThermalClamp, ShrinksWhileWarmAndRecoversWhenCool) {
   ThermalClamp clamp(8.5, 1.4);
   const std::vector<double> warm{0.2, 0.71, 0.2}, between{0.6, 0.2, 0.7}, cool{0.49, 0.1, 0.0};
   EXPECT_EQ(clamp.see(cool, 0.0), 8.5);
@@ -63,13 +63,13 @@ TEST(ThermalClamp, ShrinksWhileWarmDownToTheContinuousForceAndGrowsBackWhenCool)
   EXPECT_EQ(clamp.limit_n(), 8.5);
 }
 
-TEST(ThermalClamp, SetsOutFromTheForceThatIsAskedFor) {
+TEST(ThermalClamp, StartsFromTheRequestedForce) {
   ThermalClamp clamp(8.5, 1.4);
   EXPECT_DOUBLE_EQ(clamp.see(std::array{0.8}, 4.0), 4.0 * 0.999);
   EXPECT_EQ(clamp.see(std::array{0.8}, 0.1), 1.4);  // never below what the motors can for ever
 }
 
-TEST(ThermalClamp, TakesANumberThatIsNoneForWarmAndNoTemperaturesForNoNews) {
+TEST(ThermalClamp, TreatsNanAsWarmAndKeepsItsStateWithoutData) {
   ThermalClamp clamp(8.5, 1.4);
   EXPECT_EQ(clamp.see({}, 8.5), 8.5);
   EXPECT_LT(clamp.see(std::array{0.1, kNan}, 8.5), 8.5);
@@ -105,7 +105,7 @@ TEST(HdOrientation, IsTheNearestRotationAndOfUnitLength) {
   EXPECT_LT(q.angularDistance(truth), 1e-7);
 }
 
-TEST(HdOrientation, RefusesWhatIsNoRotation) {
+TEST(HdOrientation, RefusesNonRotations) {
   Quat q(0.0, 1.0, 0.0, 0.0);
   const Quat before = q;
   Mat3 m = Mat3::Identity();
@@ -117,7 +117,7 @@ TEST(HdOrientation, RefusesWhatIsNoRotation) {
   EXPECT_EQ(q.coeffs(), before.coeffs());
 }
 
-TEST(TwistEstimate, LagsASteadyAccelerationByHalfAPeriodAndTheLowPass) {
+TEST(TwistEstimate, DelaysAccelerationByHalfAPeriodAndLowPass) {
   TwistEstimate estimate(50.0);
   constexpr double kDt = 1e-3, kAcceleration = 2.0, kTurn = 3.0;
   Twist twist;
@@ -133,7 +133,7 @@ TEST(TwistEstimate, LagsASteadyAccelerationByHalfAPeriodAndTheLowPass) {
   EXPECT_NEAR(twist.angular.z(), kTurn * (t - lag), 1e-6);
 }
 
-TEST(TwistEstimate, DoesNotMindTheSignOfAQuaternionNorUnequalPeriods) {
+TEST(TwistEstimate, IgnoresQuaternionSignAndUnequalPeriods) {
   TwistEstimate estimate(50.0);
   Twist twist;
   double t = 0.0;
@@ -151,7 +151,7 @@ TEST(TwistEstimate, DoesNotMindTheSignOfAQuaternionNorUnequalPeriods) {
   EXPECT_EQ(estimate.see({Vec3(9, 9, 9), Quat::Identity()}, 1e-3).linear, Vec3(Vec3::Zero()));
 }
 
-TEST(HdErrors, AreToldApartByWhatCanBeDone) {
+TEST(HdErrors, AreClassifiedByTheirRemedy) {
   for (const hd::HDerror code :
        {hd::kWarmMotors, hd::kExceededMaxForce, hd::kExceededMaxForceImpulse,
         hd::kExceededMaxVelocity, hd::kForceError}) {
@@ -185,7 +185,7 @@ TEST(HdErrorLog, KeepsTheFirstFatalErrorAndCountsTheOthers) {
   EXPECT_EQ(errors.fatal(), hd::kTimerError);
 }
 
-TEST(HdErrorLog, ALibraryThatNeverRunsOutOfErrorsDoesNotHoldTheServoThread) {
+TEST(HdErrorLog, EndlessErrorsDoNotBlockTheServoThread) {
   static int asked = 0;
   hd::Api api;
   api.hdGetError = []() -> hd::HDErrorInfo {

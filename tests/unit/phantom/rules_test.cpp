@@ -46,7 +46,7 @@ TEST_F(Rules, OfTwoCommandsTheNewerCounts) {
   EXPECT_EQ(Spy::instance().calls({"set"}), Calls{"set 2700 2.000000"});
 }
 
-TEST_F(Rules, ARefusedCommandTakesTheOneBeforeItBack) {
+TEST_F(Rules, RefusedCommandRevokesTheLast) {
   ASSERT_TRUE(driver->read(10ms));
   ASSERT_TRUE(driver->write(push(1.0)));
   EXPECT_FALSE(driver->write(push(std::nan(""))));
@@ -103,7 +103,7 @@ TEST_F(Rules, TheClampKeepsMotorsFromTheHeatThatDropsTheForce) {
   EXPECT_EQ(driver->servo().errors().dropped(), 0u);
 }
 
-TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
+TEST_F(Rules, DeviceWithoutTemperatureIsNotClamped) {
   EXPECT_EQ(driver->facts().temperatures, 3);
   driver.reset();
   Spy::instance().change_reading([](phantom::hd::HDenum name, double* values) {
@@ -118,7 +118,7 @@ TEST_F(Rules, ADeviceThatTellsNoTemperatureIsNotClampedAndThatCanBeSeen) {
 
 class Servo : public DriverTest {};
 
-TEST_F(Servo, ATickWakesWhoeverWaitsForIt) {
+TEST_F(Servo, TickWakesItsWaiter) {
   const phantom::HdLibrary& library = phantom::HdLibrary::load(options.library);
   phantom::HdSession session(library, options);
   phantom::PhantomServo servo(library, session.device(), session.facts(),

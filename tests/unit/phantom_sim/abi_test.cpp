@@ -41,7 +41,7 @@ std::set<std::string> dynamic_symbols(const char* path) {
 
 class Abi : public SimulatedLibrary {};
 
-TEST_F(Abi, ExportsTheFunctionsThatTheDriverCallsAndItsHooksAndNothingElse) {
+TEST_F(Abi, ExportsTheDriversFunctionsAndHooksOnly) {
   std::set<std::string> expected;
 #define VOXTOUCH_HD_NAME(name, result, arguments) expected.insert(#name);
   VOXTOUCH_HD_FUNCTIONS(VOXTOUCH_HD_NAME)

@@ -35,7 +35,7 @@ class Faults : public SimulatedLibrary {
   const Vec3 kPush{2.0, 0.0, 0.0};
 };
 
-TEST_F(Faults, LostCommunicationFreezesSamplesAndTheWatchdogEndsTheForce) {
+TEST_F(Faults, LostCommunicationEndsTheForceByWatchdog) {
   ASSERT_EQ(sim.inject(HDSIM_COMM_ERROR, 100), 0);
   set_motion({0.0, 0.0, 0.0, 0.05, 0.0, 0.0}, 0.3);
   const Vec3 before = read_vector(phantom::hd::kCurrentPosition);
@@ -99,7 +99,7 @@ TEST_F(Faults, WarmMotorsDropTheForceUntilTheyAreCool) {
   EXPECT_GT(applied().x(), 1.5);
 }
 
-TEST_F(Faults, SkippedTicksHoldTheForceNoLongerThanTheWatchdog) {
+TEST_F(Faults, SkippedTicksHoldTheForceUntilTheWatchdog) {
   ASSERT_EQ(sim.inject(HDSIM_SKIPPED_TICKS, 50), 0);
   std::vector<double> force;
   for (int i = 0; i < 50; ++i) {
@@ -127,7 +127,7 @@ TEST_F(Faults, LateTickIsTimeUnderTheLastForce) {
   EXPECT_EQ(rate, 992) << "the mean, in which this tick counts for a hundredth";
 }
 
-TEST_F(Faults, PositionThatIsNoNumberIsReadAsThat) {
+TEST_F(Faults, NonFinitePositionIsReadAsSuch) {
   ASSERT_EQ(sim.inject(HDSIM_NAN_POSITION, 2), 0);
   double m[16];
   for (int i = 0; i < 3; ++i) {
@@ -156,7 +156,7 @@ TEST_F(Faults, FrameLeftOpenGivesNoForceAndSpoilsTheNext) {
   EXPECT_EQ(errors(), Errors{phantom::hd::kIllegalBegin});
 }
 
-TEST_F(Faults, TicksWithoutFramesHoldTheForceNoLongerThanTheWatchdog) {
+TEST_F(Faults, TicksWithoutFramesHoldTheForceUntilTheWatchdog) {
   std::vector<double> force;
   for (int i = 0; i < 50; ++i) {
     tick();
@@ -166,7 +166,7 @@ TEST_F(Faults, TicksWithoutFramesHoldTheForceNoLongerThanTheWatchdog) {
   EXPECT_LE(nonzero(force), 10);
 }
 
-TEST_F(Faults, HandThatLetsGoLeavesTheArmToTheMotors) {
+TEST_F(Faults, ReleasedArmIsMovedByTheMotors) {
   sim::OperatorConfig hand;
   hand.mass_kg = 0.1;
   hand.damping_ns_per_m = 4.0;
@@ -190,7 +190,7 @@ TEST_F(Openings, FailedInitGivesNoHandleAndItsError) {
   EXPECT_NE(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);  // the next one works
 }
 
-TEST_F(Openings, MissingLicenceIsToldAtTheInit) {
+TEST_F(Openings, MissingLicenceIsReportedAtInit) {
   ASSERT_EQ(sim.inject(HDSIM_FAIL_INIT, phantom::hd::kInvalidLicense), 0);
   EXPECT_EQ(api.hdInitDevice(nullptr), phantom::hd::kInvalidHandle);
   EXPECT_EQ(errors(), Errors{phantom::hd::kInvalidLicense});
@@ -206,7 +206,7 @@ TEST_F(Openings, FailedStartIsATimerError) {
   EXPECT_TRUE(state().scheduler_running);
 }
 
-TEST_F(Openings, HooksSayWhyTheyCannot) {
+TEST_F(Openings, HooksReportWhyTheyFail) {
   EXPECT_EQ(sim.set_model("falcon"), -1);
   EXPECT_NE(std::string(sim.last_message()).find("omni"), std::string::npos);
   EXPECT_EQ(sim.set_number("couloumb", 1.0), -1);
@@ -260,7 +260,7 @@ class Determinism : public SimulatedLibrary {
   }
 };
 
-TEST_F(Determinism, SameCallsInVirtualTimeGiveTheSameBits) {
+TEST_F(Determinism, SameCallsInVirtualTimeAreBitIdentical) {
   const Outcome first = run(3);
   EXPECT_EQ(run(3), first);
   EXPECT_FALSE(run(4) == first);

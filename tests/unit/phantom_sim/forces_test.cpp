@@ -203,7 +203,7 @@ TEST_F(Forces, SafetySwitchTakesTheForce) {
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
 }
 
-TEST_F(Forces, HandGivesWayByItsStiffness) {
+TEST_F(Forces, HandYieldsByItsStiffness) {
   ASSERT_EQ(sim.set_number("coulomb_nm", 0.0), 0);
   ASSERT_EQ(sim.set_number("gravity_m_per_s2", 0.0), 0);
   open_and_start();
@@ -215,7 +215,7 @@ TEST_F(Forces, HandGivesWayByItsStiffness) {
 
 class Calibration : public SimulatedLibrary {};
 
-TEST_F(Calibration, EncodersKnowNothingUntilTheyAreReset) {
+TEST_F(Calibration, EncodersAreInvalidUntilReset) {
   device = api.hdInitDevice(nullptr);
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationNeedsManualInput);
   int style = 0;
@@ -271,7 +271,7 @@ TEST_F(Calibration, InkwellNeedsTheStylusInItAndTheScheduler) {
   EXPECT_EQ(api.hdCheckCalibration(), phantom::hd::kCalibrationOk);
 }
 
-TEST_F(Calibration, AutomaticOneAsksForAnUpdateOnceItHasSeenTheArm) {
+TEST_F(Calibration, AutomaticOneRequestsAnUpdateAfterMotion) {
   ASSERT_EQ(sim.set_model("desktop"), 0);
   device = api.hdInitDevice(nullptr);
   api.hdStartScheduler();

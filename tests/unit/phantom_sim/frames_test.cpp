@@ -18,7 +18,7 @@ TEST_F(Frames, HandleOfTheFirstDeviceIsZeroAndCurrent) {
   EXPECT_EQ(api.hdGetCurrentDevice(), phantom::hd::kInvalidHandle);
 }
 
-TEST_F(Frames, KnowsTheUsualNamesOnly) {
+TEST_F(Frames, AcceptsTheUsualNamesOnly) {
   for (const char* name : {"Default PHANToM", "Default Device"}) {
     const phantom::hd::HHD handle = api.hdInitDevice(name);
     EXPECT_NE(handle, phantom::hd::kInvalidHandle) << name;
@@ -138,7 +138,7 @@ TEST_F(Frames, WrongTypesAreRefusedAndWriteNothing) {
   EXPECT_EQ(errors(), Errors(3, phantom::hd::kInvalidInputType));
 }
 
-TEST_F(Frames, NumbersThatAreNoneAreRefused) {
+TEST_F(Frames, NonFiniteNumbersAreRefused) {
   open();
   double x[16] = {};
   for (const phantom::hd::HDenum name : {0x1u, 0x2599u})
@@ -161,7 +161,7 @@ TEST_F(Frames, ValuesOutOfRangeAreRefused) {
   EXPECT_EQ(errors(), Errors(5, phantom::hd::kInvalidValue));
 }
 
-TEST_F(Frames, ForceThatIsNoNumberIsRefusedAndCounted) {
+TEST_F(Frames, NonFiniteForceIsRefusedAndCounted) {
   open_and_start();
   tick_force({std::nan(""), 0.0, 0.0});
   tick_force({0.0, std::numeric_limits<double>::infinity(), 0.0});
@@ -190,7 +190,7 @@ TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
   EXPECT_GT(std::abs(state().joints[0]), 0.05);    // so the gimbal has to make up for the arm
 }
 
-TEST_F(Frames, TellsWhatItIs) {
+TEST_F(Frames, DescribesItself) {
   open();
   EXPECT_STREQ(api.hdGetString(phantom::hd::kDeviceModelType), "PHANTOM Premium 1.5");
   double force = 0.0, stiffness = 0.0, temperature[3] = {9.0, 9.0, 9.0};

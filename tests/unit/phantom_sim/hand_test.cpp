@@ -41,7 +41,7 @@ TEST(Hand, PullsTowardsItsTargetAndBrakes) {
   EXPECT_DOUBLE_EQ(action.mass_kg, 0.1);
 }
 
-TEST(Hand, LetsGoForGood) {
+TEST(Hand, ReleaseIsPermanent) {
   sim::OperatorConfig config = plain(0.1, 4.0, 300.0);
   config.release_time_s = 0.5;
   hand::Hand hand(config, still({0.01, 0.0, 0.0}), kStep);
@@ -66,7 +66,7 @@ TEST(Hand, GripsHarderFromItsTimeOn) {
   EXPECT_DOUBLE_EQ(firm.mass_kg, 0.1);
 }
 
-TEST(Hand, TheOtherSimulatedDevicesKnowTheHarderGrip) {
+TEST(Hand, FirmerGripActsOnOtherSimulatedDevices) {
   sim::SimParameters p = sim::sim_phantom();
   p.description.coulomb_friction_n = 0.0;
   sim::OperatorConfig config = plain(0.1, 4.0, 300.0);
@@ -88,7 +88,7 @@ double response(double hz, double bandwidth_hz) {
   return hand.target().norm() / radius;
 }
 
-TEST(Hand, FollowsNoFasterThanPeopleMove) {
+TEST(Hand, FollowsAtHumanSpeedAtMost) {
   EXPECT_NEAR(response(5.0, hand::Hand::kBandwidthHz), std::numbers::sqrt2 / 2.0, 1e-3);
   EXPECT_GT(response(0.5, hand::Hand::kBandwidthHz), 0.99);
   EXPECT_LT(response(50.0, hand::Hand::kBandwidthHz), 0.03);
@@ -108,7 +108,7 @@ TEST(Hand, TargetVelocityIsTheDifferenceOfTargets) {
   EXPECT_LT((hand.target() - motion.path.back()).norm(), 1e-4);
 }
 
-TEST(Hand, CarriesItsToolOnlyWhereItMoves) {
+TEST(Hand, CarriesItsToolOnlyWhileItMoves) {
   sim::OperatorConfig config = plain(0.1, 0.0, 0.0);
   config.carries_tool = true;
   Motion motion = still(Vec3::Zero());
@@ -136,7 +136,7 @@ TEST(Hand, SameSeedSameTremor) {
   EXPECT_NEAR(std::sqrt(power), 0.1, 0.02);
 }
 
-TEST(Hand, NewMotionIsLedOverToWithoutAJump) {
+TEST(Hand, BlendsIntoANewMotion) {
   hand::Hand hand(plain(0.1, 4.0, 300.0), still(Vec3::Zero()), kStep);
   run_until(hand, 0.1);
   hand.follow(still({0.05, 0.0, 0.0}));
@@ -146,7 +146,7 @@ TEST(Hand, NewMotionIsLedOverToWithoutAJump) {
   EXPECT_NEAR(hand.target().x(), 0.05, 1e-6);
 }
 
-TEST(Hand, TorqueTurnsBackToItsOrientation) {
+TEST(Hand, TorqueRestoresItsOrientation) {
   sim::OperatorConfig config = plain(0.1, 4.0, 300.0);
   config.stiffness_nm_per_rad = 0.5;
   hand::Hand hand(config, still(Vec3::Zero()), kStep);
@@ -169,7 +169,7 @@ TEST(Hand, EveryNamedGripIsValid) {
   EXPECT_FALSE(hand::grip("tentacle"));
 }
 
-TEST(Hand, RefusesWhatIsNoMotion) {
+TEST(Hand, RefusesInvalidMotions) {
   const sim::OperatorConfig config = plain(0.1, 4.0, 300.0);
   Motion motion = still(Vec3::Zero());
   motion.path.clear();

@@ -210,7 +210,7 @@ TEST(Plant, RefusesWhatItCannotSimulate) {
   EXPECT_THROW(plant_of({}, vice), std::runtime_error);
 }
 
-TEST(Plant, SameCallsGiveTheSameBits) {
+TEST(Plant, SameCallsAreBitIdentical) {
   sim::OperatorConfig hand = *hand::grip("pen");
   hand.tremor_n = 0.2;
   PhantomPlant a(PlantConfig{}, hand, still(), 5, hand::Hand::kBandwidthHz),
@@ -239,7 +239,7 @@ TEST(Sensors, StepAtTheTipIsThatOfTheEncoder) {
   EXPECT_LT(r.pose.orientation.angularDistance(Quat::Identity()), 2e-3);
 }
 
-TEST(Sensors, AnglesAreCountedFromWhereTheyWereZeroed) {
+TEST(Sensors, AnglesAreRelativeToTheirZero) {
   Sensors sensors({}, 0.03e-3, 1e-3, 50.0);
   sensors.zero_at({0.1, 0.2, -0.1});
   EXPECT_EQ(sensors.sample({0.1, 0.2, -0.1}, Quat::Identity()).joints, Vec3(Vec3::Zero()));

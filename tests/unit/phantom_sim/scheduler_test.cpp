@@ -89,7 +89,7 @@ TEST_F(Scheduler, StoppingFromACallbackIsRefused) {
   EXPECT_TRUE(state().scheduler_running);
 }
 
-TEST_F(Scheduler, FullSchedulerSaysSo) {
+TEST_F(Scheduler, ReportsAFullScheduler) {
   Note note{&calls, 1};
   for (int i = 0; i < 64; ++i)
     EXPECT_NE(add(note, 1), 0u);
@@ -195,7 +195,7 @@ TEST_F(RealTime, UnscheduleReturnsOnlyWhenTheCallbackIsOver) {
   EXPECT_TRUE(slow.over);
 }
 
-TEST_F(RealTime, LateTickIsTimeThatTheArmHasGoneOn) {
+TEST_F(RealTime, ArmMovesOnDuringALateTick) {
   open();
   api.hdStartScheduler();
   sleep_ms(20);

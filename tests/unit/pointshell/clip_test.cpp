@@ -98,7 +98,7 @@ TEST(Clip, NearestPointIsTheConstrainedMinimum) {
   std::printf("%d pairs, largest difference %.2g e\n", met, worst);
 }
 
-TEST(Clip, ASliverEndsWhereItEnds) {
+TEST(Clip, SliverIsClippedAtItsEnd) {
   for (int n = 10; n < 300; n += 10) {
     const double thin = std::ldexp(1.0, -n);
     const Vec3 a(0.2, 0.1, 0.1), b(0.4, 0.3, 0.1), c(0.3, 0.2 + thin, 0.1 - thin);
@@ -108,7 +108,7 @@ TEST(Clip, ASliverEndsWhereItEnds) {
   }
 }
 
-TEST(Clip, ASliverThatPointsAtTheFootEndsWhereItEnds) {
+TEST(Clip, NearestPointOfASliverIsItsEnd) {
   std::mt19937 random(8);
   std::normal_distribution<double> pick;
   for (int n = 0; n < 2000; ++n) {

@@ -33,7 +33,7 @@ mesh::TriangleMesh torn(const mesh::TriangleMesh& mesh) {
   return out;
 }
 
-TEST(EdgePoints, OfABlockLieOnItsTwelveEdgesNoFartherApartThanHalfAVoxelAndItsCornersAreAmongThem) {
+TEST(EdgePoints, CoverTheEdgesAndCornersOfABlock) {
   const Vec3 half(0.02, 0.013, 0.0071);
   const Pose pose{Vec3(0.31, -0.02, 0.004),
                   Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()))};
@@ -71,7 +71,7 @@ TEST(EdgePoints, OfABlockLieOnItsTwelveEdgesNoFartherApartThanHalfAVoxelAndItsCo
 
 /// An L turned round its length, and a block with a hollow: none on the edge within, where shells'
 /// points and distances are right by themselves.
-TEST(EdgePoints, AreNotOfConcaveEdges) {
+TEST(EdgePoints, ExcludeConcaveEdges) {
   mesh::TriangleMesh prism;  // an L of 20 mm, its inner edge at (0, 0)
   const Vec3 outline[] = {{-0.01, -0.01, 0}, {0.01, -0.01, 0}, {0.01, 0, 0},
                           {0, 0, 0},         {0, 0.01, 0},     {-0.01, 0.01, 0}};
@@ -97,7 +97,7 @@ TEST(EdgePoints, AreNotOfConcaveEdges) {
 }
 
 /// A cylinder's facets are 3.75 degrees apart.
-TEST(EdgePoints, AreNotOfARoundThingsFacets) {
+TEST(EdgePoints, ExcludeFacetsOfRoundBodies) {
   const mesh::TriangleMesh cylinder = test::cylinder_mesh(0.02, 0.06, 96);
   const voxmap::Grid grid = voxmap::default_grid(cylinder, kEdge);
   const Pointshell points = points_of(cylinder, grid);
@@ -142,7 +142,7 @@ TEST(EdgePoints, OfAnOpenMeshAreItsSharpEdgesAndItsRims) {
 
 /// Where sheets stand on a sheet, and where one goes on flat, none stands out; where two triangles
 /// are one, it has an end as a sheet has.
-TEST(EdgePoints, OfSheetsAreWhereTheyEndOrFold) {
+TEST(EdgePoints, OfSheetsLieOnRimsAndFolds) {
   const mesh::TriangleMesh sheet = test::plate_mesh(0.02, 0.0);
   const voxmap::Grid grid = voxmap::default_grid(sheet, kEdge);
   mesh::TriangleMesh doubled = sheet;

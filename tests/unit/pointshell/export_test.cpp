@@ -72,7 +72,7 @@ TEST(Export, SurfaceFilesReadBackExactly) {
 
 /// A plate a tenth of a voxel thick, askew, with the rounding of a file in single precision: both
 /// sides' normals cancel but for noise.
-TEST(Export, PlainNormalsThatCancelAreZeroWithAFlagAndNotRoundingBroughtToLengthOne) {
+TEST(Export, CancellingNormalsAreZeroAndFlagged) {
   mesh::TriangleMesh plate = box(Vec3(0, 0, 0), Vec3(8, 8, 0.1));
   const Quat askew(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0.5).normalized()));
   for (Vec3& v : plate.vertices)

@@ -68,7 +68,7 @@ TEST(ShellPoints, WeightsSumToTheAreaAlsoOnTheGrid) {
   }
 }
 
-TEST(ShellPoints, AreTheSameBitsWhateverTheLoop) {
+TEST(ShellPoints, AreBitIdenticalForAnyLoop) {
   const mesh::TriangleMesh mesh = sphere(Vec3(0.1, 0.2, 0.3), 1.0, 30);
   const voxmap::Grid grid = voxmap::default_grid(mesh, 0.037);
   EXPECT_TRUE(
@@ -122,7 +122,7 @@ TEST(ShellPoints, LitterOnTheSurfaceChangesNothing) {
   }
 }
 
-TEST(ShellPoints, HaveUnitNormalsWhereTheNormalsCancel) {
+TEST(ShellPoints, HaveUnitNormalsForCancellingNormals) {
   // A sheet with two sides a tenth of a voxel apart, a cone's tip, a segment alone, a cube's
   // corners.
   const mesh::TriangleMesh plate = box(Vec3(0, 0, 0.42), Vec3(3, 3, 0.52));
@@ -163,7 +163,7 @@ TEST(ShellPoints, SliversGiveNumbers) {
   expect_sane(shell_points(mesh, grid, serial_for()), grid);
 }
 
-TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
+TEST(Pointshell, IsInMortonOrderWithItsRanges) {
   const mesh::TriangleMesh mesh = read_obj("cylinder");
   const voxmap::Grid grid = vector_grid("cylinder");
   const auto points = shell_points(mesh, grid, serial_for());
@@ -203,7 +203,7 @@ TEST(Pointshell, IsInMortonOrderAndKnowsItsRanks) {
   EXPECT_EQ(largest_gap_m(points), gap);
 }
 
-TEST(Pointshell, RefusesWhatCannotBeHad) {
+TEST(Pointshell, RefusesImpossibleRequests) {
   const mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
   EXPECT_THROW(shell_points(mesh, voxmap::default_grid(mesh, 1e-3), serial_for()),
                voxmap::VoxelBudgetError);

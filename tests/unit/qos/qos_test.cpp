@@ -28,7 +28,7 @@ bool matches(const qos::Profile& offered, const qos::Profile& requested) {
          (offered.deadline_periods > 0 && offered.deadline_periods <= requested.deadline_periods);
 }
 
-TEST(Topics, EachWriterSatisfiesItsFullReaderAndTheTapInBothTimeModes) {
+TEST(Topics, WritersSatisfyReadersAndTapInBothTimeModes) {
   for (const qos::Topic& topic : qos::kTopics)
     for (const TimeMode mode : {TimeMode::kRealTime, TimeMode::kLockstep}) {
       const qos::Profile& writer = qos::profile_in(topic, mode);
@@ -51,7 +51,7 @@ TEST(Topics, CarryTheNamesThatRosToolsExpect) {
                "voxtouch_msgs::msg::dds_::DeviceState_");
 }
 
-TEST(Topics, AreOfferedAsRosToolsAskForThem) {
+TEST(Topics, AreOfferedAsRosToolsRequest) {
   for (const qos::Topic& topic :
        {qos::kPose, qos::kWrench, qos::kTf, qos::kMarkers, qos::kClock, qos::kDiagnostics}) {
     const qos::Profile& p = qos::profile(topic.profile);
@@ -156,7 +156,7 @@ TEST(Profiles, KeepTheStreamDeadlineAtThreePeriods) {
 }
 
 /// The prediction is compared with what Cyclone DDS does, for every pair.
-TEST(Profiles, MatchOverRealDdsExactlyWhereTheTableSaysSo) {
+TEST(Profiles, MatchOverRealDdsExactlyAsTabulated) {
   const bus::Participant participant({71, "lo", "qos_test"});
   struct Pair {
     const qos::Profile *offered, *requested;

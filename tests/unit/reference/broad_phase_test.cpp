@@ -73,7 +73,7 @@ TEST(BroadPhase, GivesTheDepthOfAMeshInOneOfThreeHundred) {
   }
 }
 
-TEST(BroadPhase, AsksFewObjects) {
+TEST(BroadPhase, QueriesFewObjects) {
   const Boxes boxes;
   std::vector<PosedMesh> objects;
   // Balls do not fill their boxes: the nearest box is not always that of the nearest object.

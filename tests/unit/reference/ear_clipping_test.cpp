@@ -138,7 +138,7 @@ void expect_corner(const PlainFile& file) {
   EXPECT_EQ(file.faces, (std::vector<std::vector<std::uint32_t>>{{0, 1, 2}}));
 }
 
-TEST(PlainMeshFiles, AreReadWhateverTheirTextLooksLike) {
+TEST(PlainMeshFiles, AreReadInAnyTextLayout) {
   const std::string mark = "\xef\xbb\xbf", stl = kSheet;
   std::string upper = stl;
   for (char& c : upper)

@@ -64,14 +64,14 @@ TEST(Judge, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
   EXPECT_EQ(verdict(gap_of(kFree - 1e-9), one_hit), Verdict::kInBand);
 }
 
-TEST(Judge, DecidesThatNoForceActsInFreeSpaceHeldOrNot) {
+TEST(Judge, RequiresZeroForceInFreeSpace) {
   ReportedContact pushed;
   pushed.latched = true;
   pushed.wrench.torque.x() = 1e-12;
   EXPECT_EQ(once(gap_of(kFree + 1e-9), pushed).verdict, Verdict::kDisagree);
 }
 
-TEST(Judge, DecidesThatSomethingCollidesWhenBuriedDeepEnough) {
+TEST(Judge, DecidesThatADeepOverlapCollides) {
   GapResult bound = gap_of(-kMust - 1e-9);
   bound.depth_exact = false;  // as for meshes: how deep exactly is not known, and need not be
   const Judgement missed = once(bound, {});
@@ -83,14 +83,14 @@ TEST(Judge, DecidesThatSomethingCollidesWhenBuriedDeepEnough) {
   EXPECT_FALSE(once(gap_of(-kMust + 1e-9), through).decided);
 }
 
-TEST(Judge, DoesNotDemandAHitWhereThePlateIsThin) {
+TEST(Judge, RequiresNoHitOnAThinPlate) {
   GapResult thin = gap_of(-3 * kE);
   thin.inside_depth_m = 0;
   thin.depth_exact = false;
   EXPECT_EQ(verdict(thin, {}), Verdict::kInBand);
 }
 
-TEST(Judge, DemandsAHitOnceAWholeCapIsInside) {
+TEST(Judge, RequiresAHitOnceAWholeCapIsInside) {
   GapResult shallow = gap_of(-0.8 * kE);
   shallow.cap_inside_depth_m = 0.36 * kE;
   EXPECT_EQ(verdict(shallow, {}), Verdict::kDisagree);
@@ -113,7 +113,7 @@ TEST(Judge, AllowsInteriorHitsOnlyInside) {
   EXPECT_EQ(verdict(open, through), Verdict::kInBand);
 }
 
-TEST(Judge, WantsForceAndHitsTogether) {
+TEST(Judge, RequiresForceAndHitsTogether) {
   ReportedContact ghost;
   ghost.wrench.force.z() = 0.1;
   EXPECT_EQ(verdict(gap_of(0), ghost), Verdict::kDisagree);
@@ -124,7 +124,7 @@ TEST(Judge, WantsForceAndHitsTogether) {
   EXPECT_EQ(verdict(gap_of(-0.3 * kE), limp), Verdict::kInBand);
 }
 
-TEST(Judge, ComparesDepthToOneEdgeFromBelowOnlyUntilPointsHaveGoneThrough) {
+TEST(Judge, ComparesDepthOnlyUntilPointsPassThrough) {
   EXPECT_EQ(verdict(gap_of(-1.5 * kE), contact(0.45 * kE)), Verdict::kInBand);
   const Judgement shallow = once(gap_of(-1.5 * kE), contact(0.35 * kE));
   EXPECT_EQ(shallow.verdict, Verdict::kDisagree);
@@ -147,7 +147,7 @@ TEST(Judge, ComparesDepthFromAboveAlways) {
       << "an old depth is not compared";
 }
 
-TEST(Judge, ComparesDirectionToTwentyDegreesWhereItMeansSomething) {
+TEST(Judge, ComparesMeaningfulDirectionsTo20Degrees) {
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), contact(0.5 * kE, 0, 19)), Verdict::kInBand);
   const Judgement off = once(gap_of(-0.5 * kE), contact(0.5 * kE, 0, 21));
   EXPECT_EQ(off.verdict, Verdict::kDisagree);
@@ -160,7 +160,7 @@ TEST(Judge, ComparesDirectionToTwentyDegreesWhereItMeansSomething) {
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), fallback), Verdict::kInBand);
 }
 
-TEST(Judge, SeesAForceOrANormalAloneThatIsOff) {
+TEST(Judge, DetectsAWrongForceOrNormalAlone) {
   ReportedContact force = contact(0.5 * kE);
   force.wrench.force = tilted(25);
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), force), Verdict::kDisagree);
@@ -169,7 +169,7 @@ TEST(Judge, SeesAForceOrANormalAloneThatIsOff) {
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), normal), Verdict::kDisagree);
 }
 
-TEST(Judge, WantsOnlyTheSignOfFirstTouchHeldAndSaturatedFrames) {
+TEST(Judge, ChecksOnlyTheSignOfUncertainFrames) {
   EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 40)), Verdict::kInBand);
   EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 100)), Verdict::kDisagree);
   ReportedContact latched = contact(0.5 * kE, 0, 60);
@@ -181,7 +181,7 @@ TEST(Judge, WantsOnlyTheSignOfFirstTouchHeldAndSaturatedFrames) {
   EXPECT_EQ(verdict(gap_of(-kE), latched), Verdict::kDisagree);
 }
 
-TEST(Judge, FindsAFrozenForceByTheGapThatMovesOn) {
+TEST(Judge, DetectsAFrozenForceByTheMovingGap) {
   Judge judge(kSettings);
   const ReportedContact frozen = contact(0.5 * kE);
   EXPECT_EQ(judge.judge(gap_of(-0.3 * kE), frozen).verdict, Verdict::kInBand);
@@ -192,14 +192,14 @@ TEST(Judge, FindsAFrozenForceByTheGapThatMovesOn) {
       << "other bits";
 }
 
-TEST(Judge, LetsTheSameForceStandWhileTheGapDoes) {
+TEST(Judge, AcceptsAConstantForceAtAConstantGap) {
   Judge judge(kSettings);
   for (int i = 0; i < 100; ++i)
     EXPECT_EQ(judge.judge(gap_of(-0.5 * kE + 0.001 * kE * (i % 7)), contact(0.5 * kE)).verdict,
               Verdict::kInBand);
 }
 
-TEST(Judge, LetsAFlaggedHeldForceStandInContact) {
+TEST(Judge, AcceptsAFlaggedLatchedForceInContact) {
   Judge judge(kSettings);
   ReportedContact latched = contact(0.5 * kE);
   latched.latched = true, latched.interior_hits = 4;
@@ -207,7 +207,7 @@ TEST(Judge, LetsAFlaggedHeldForceStandInContact) {
     EXPECT_NE(judge.judge(gap_of(-0.1 * kE * i), latched).verdict, Verdict::kDisagree);
 }
 
-TEST(Judge, BlamesItselfWhereItsOwnCrossCheckFails) {
+TEST(Judge, BlamesItselfIfItsCrossCheckFails) {
   GapResult doubtful = gap_of(kFree + kE);
   doubtful.self_check = false;
   doubtful.self_error_m = 0.5 * kE;
@@ -223,7 +223,7 @@ TEST(Judge, BlamesItselfWhereItsOwnCrossCheckFails) {
   EXPECT_EQ(judge.counts().rendering, 0U);
 }
 
-TEST(Judge, TakesNoValueThatIsNotFinite) {
+TEST(Judge, AcceptsNoNonFiniteValue) {
   ReportedContact report = contact(0.5 * kE);
   report.wrench.torque.y() = NAN;
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), report), Verdict::kDisagree);
@@ -232,7 +232,7 @@ TEST(Judge, TakesNoValueThatIsNotFinite) {
   EXPECT_EQ(nothing.cause, Cause::kReference);
 }
 
-TEST(Judge, CountsWhatItSaid) {
+TEST(Judge, CountsItsVerdicts) {
   Judge judge(kSettings);
   judge.judge(gap_of(2 * kFree), {});
   judge.judge(gap_of(2 * kFree), contact(0.5 * kE));
@@ -261,7 +261,7 @@ TEST(Judge, WidensItsLimitsForShellsOffTheSurface) {
             Verdict::kDisagree);
 }
 
-TEST(Judge, RefusesSettingsThatMakeNoSense) {
+TEST(Judge, RefusesInvalidSettings) {
   for (const JudgeSettings& bad : {JudgeSettings{}, JudgeSettings{kE, -1, 0, 0},
                                    JudgeSettings{kE, 0, NAN, 0}, JudgeSettings{kE, 0, 0, INFINITY}})
     EXPECT_THROW(Judge{bad}, std::invalid_argument);
@@ -300,7 +300,7 @@ TEST(Judge, HoldsTheForcesLineOfActionToTheToolsSphere) {
   EXPECT_NE(wrong.explanation.find("160 mm"), std::string::npos) << wrong.explanation;
 }
 
-TEST(Judge, AsksNothingOfTheTorqueWherePushesNeedNotAgree) {
+TEST(Judge, SkipsTheTorqueOfDivergentForces) {
   ReportedContact wrong = contact(0.5 * kE);
   wrong.wrench.torque = -Vec3(40 * kE, 0, 0).cross(wrong.wrench.force);
   ASSERT_EQ(verdict(on_handle(), wrong), Verdict::kDisagree);

@@ -62,7 +62,7 @@ TEST(ReferenceMesh, AppliesTheScale) {
     EXPECT_EQ(two.vertices[v], Vec3(0.5 * one.vertices[v]));
 }
 
-TEST(ReferenceMesh, AppliesNodeTransformsAndKeepsMirroredMeshesOutsideOut) {
+TEST(ReferenceMesh, AppliesTransformsAndKeepsMirrorsOutward) {
   for (const char* up :
        {"X_UP", "Y_UP", "Z_UP"}) {  // axes stay as they are, as in the reader of the rendering
     const TemporaryMesh file("voxtouch_reference_nodes.dae",
@@ -121,7 +121,7 @@ TEST(ReferenceMesh, JoinsSeamsThatDifferByTheRoundingOfAFile) {
   EXPECT_TRUE(mesh.closed);
 }
 
-TEST(ReferenceMesh, TellsOpenFromClosed) {
+TEST(ReferenceMesh, DistinguishesOpenFromClosed) {
   ReferenceMesh box = read_reference_mesh(mesh("aligned_box.obj"));
   EXPECT_TRUE(box.closed);
   std::vector<std::array<std::uint32_t, 3>> open = box.triangles;
@@ -131,7 +131,7 @@ TEST(ReferenceMesh, TellsOpenFromClosed) {
   EXPECT_FALSE(make_reference_mesh(box.vertices, box.triangles, "one turned").closed);
 }
 
-TEST(ReferenceMesh, RefusesWhatItCannotRead) {
+TEST(ReferenceMesh, RefusesUnreadableFiles) {
   const auto sentence = [](const scene::MeshSpec& spec) -> std::string {
     try {
       read_reference_mesh(spec);
@@ -173,7 +173,7 @@ TEST(InsideTest, EqualsTheClosedFormUpToTheSurface) {
   EXPECT_FALSE(test.inside(Vec3(NAN, 0, 0)));
 }
 
-TEST(InsideTest, MindsNeitherACrackNorAMeshTurnedInsideOut) {
+TEST(InsideTest, IgnoresCracksAndInversion) {
   ReferenceMesh sphere_mesh = read_reference_mesh(mesh("sphere.obj"));
   const Vec3 centre = Vec3(0.0129, -0.021, 0.034);
   for (auto& t : sphere_mesh.triangles)
@@ -186,7 +186,7 @@ TEST(InsideTest, MindsNeitherACrackNorAMeshTurnedInsideOut) {
   EXPECT_FALSE(InsideTest(sphere_mesh).inside(centre + Vec3(0.7, 0.7, 0)));
 }
 
-TEST(MeshDistance, BothWaysEqualBruteForce) {
+TEST(MeshDistance, BothMethodsEqualBruteForce) {
   for (const char* name : {"sphere.obj", "cylinder.obj", "lshape.obj", "degenerate_tris.obj"}) {
     const ReferenceMesh solid = read_reference_mesh(mesh(name));
     const MeshDistance distance(solid);

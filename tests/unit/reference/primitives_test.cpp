@@ -60,7 +60,7 @@ TEST(DeclaredPrimitives, DifferFromACylinderByTheSagOfItsChords) {
   EXPECT_NEAR(error_of(spec).primitives_to_mesh_m, sag, 3e-4);
 }
 
-TEST(DeclaredPrimitives, DifferFromASphereOfTenEdgesByLessThanAFifthOfAnEdge) {
+TEST(DeclaredPrimitives, DifferFromASphereByAFifthOfAnEdgeAtMost) {
   EXPECT_GT(error_of(sphere()).value_m(), 0.001);
   EXPECT_LT(error_of(sphere()).value_m(), kEdge / 5);
 }
@@ -76,7 +76,7 @@ TEST(DeclaredPrimitives, MayBeAUnionOfParts) {
       << "a part without a primitive is seen from the mesh";
 }
 
-TEST(DeclaredPrimitives, ThatAreTooLargeOrMovedAreOffByAsMuchAndByTheirChords) {
+TEST(DeclaredPrimitives, WrongPrimitivesAreOffByAsMuch) {
   const double sag = error_of(sphere()).value_m();
   scene::MeshSpec large = sphere(), moved = sphere();
   std::get<scene::SpherePrimitive>(large.primitives[0]).radius_m += 0.3 * kEdge;

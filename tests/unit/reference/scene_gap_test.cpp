@@ -126,7 +126,7 @@ TEST(SphereGap, GrowsAlongItsDirection) {
   }
 }
 
-TEST(SphereGap, KnowsThatAThinPlateBuriesLessThanTheSphereSinks) {
+TEST(SphereGap, ThinPlateLimitsTheDepth) {
   const TemporaryMesh file("voxtouch_reference_plate.obj", R"(v -1 -1 -0.02
 v 1 -1 -0.02
 v 1 1 -0.02
@@ -156,7 +156,7 @@ f 4 1 5 8
   EXPECT_LT(deep.cap_inside_depth_m, deep.inside_depth_m);
 }
 
-TEST(SphereGap, CallsAFaceUniqueOnlyWhereThePatchHasOneDirection) {
+TEST(SphereGap, FaceIsUniqueOnlyForOneDirection) {
   const ReferenceScene box(
       scene(declared("aligned_box.obj", box_primitive()), sphere(0.25)));  // five edges
   EXPECT_TRUE(box.gap(at(Vec3(0, 0, 0.25 + 0.24))).unique_face);
@@ -226,7 +226,7 @@ TEST(MeshGap, SeesOneObjectInsideTheOther) {
       << "no point of the dynamic surface is inside the static object";
 }
 
-TEST(ReferenceScene, AnswersAPoseThatIsNotFiniteWithNothing) {
+TEST(ReferenceScene, AnswersANonFinitePoseWithNothing) {
   const ReferenceScene reference(scene(mesh("aligned_box.obj")));
   EXPECT_EQ(reference.gap(at(Vec3(NAN, 0, 0))).method, GapMethod::kNone);
 }

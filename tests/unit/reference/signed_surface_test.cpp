@@ -79,7 +79,7 @@ TEST(SignedSurface, IsFclsDistanceWithTheWindingNumbersSign) {
   }
 }
 
-TEST(SignedSurface, KnowsAMeshThatIsInsideOutAndOneWithACavity) {
+TEST(SignedSurface, DetectsInvertedMeshesAndCavities) {
   Part turned_over;
   append(turned_over, test::bracket(), Vec3::Zero(), true);
   EXPECT_TRUE(SignedSurface(mesh_of(turned_over)).sign_by_feature());
@@ -92,7 +92,7 @@ TEST(SignedSurface, KnowsAMeshThatIsInsideOutAndOneWithACavity) {
 
 /// Each of them has a normal that lies: an inner wall, a wall twice, a cavity that is none, a
 /// corner or an edge shared by two bodies.
-TEST(SignedSurface, AsksTheWindingNumberWhereASurfaceCrossesOrTouchesItself) {
+TEST(SignedSurface, UsesWindingNumbersForSelfIntersections) {
   const auto two = [](const Vec3& shift, double size = 0.02, bool inside_out = false) {
     Part both = box(0.02);
     append(both, box(size), shift, inside_out);

@@ -67,13 +67,13 @@ TEST(ToolJudge, FindsForcesWithoutATool) {
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "nothing constrains"));
 }
 
-TEST(ToolJudge, FindsAFreeToolThatIsNotTheHand) {
+TEST(ToolJudge, DetectsAFreeToolAwayFromTheHand) {
   ReportedTool report = tool(0.0);
   report.hand.position.x() += 1e-9;
   EXPECT_TRUE(finds(said(report, 0.02, 0.02), "mm away"));
 }
 
-TEST(ToolJudge, FindsAForceThatIsNotTheSprings) {
+TEST(ToolJudge, DetectsAForceUnlikeTheSprings) {
   ReportedTool report = tool(0.01);
   report.wrench.force.x() = 1e-5 * report.wrench.force.z();
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "spring's way"));
@@ -122,7 +122,7 @@ TEST(ToolJudge, FindsAForceOverNothingAndNoForceInTheWall) {
   EXPECT_TRUE(finds(said(tool(0.0), -0.01, -0.01), "no force"));
 }
 
-TEST(ToolJudge, FindsAPushAskewWhereThereIsOneFace) {
+TEST(ToolJudge, DetectsAnOffNormalForceOnOneFace) {
   EXPECT_EQ(said(tool(0.01, 5.9), 0.0, -0.01), "");
   EXPECT_TRUE(finds(said(tool(0.01, 6.1), 0.0, -0.01), "contact's normal"));
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, {.reach_m = kR, .rubs = true}), "")
@@ -130,7 +130,7 @@ TEST(ToolJudge, FindsAPushAskewWhereThereIsOneFace) {
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, kTool, false), "") << "at an edge there are two";
 }
 
-TEST(ToolJudge, DecidesEverySampleAndBlamesTheReferenceForItsOwnFaults) {
+TEST(ToolJudge, DecidesEverySampleAndBlamesTheReference) {
   Judge judge(kSettings);
   EXPECT_EQ(judge.judge(gap_of(0.0), gap_of(-0.01), kTool, tool(0.01)).verdict, Verdict::kAgree);
   const Judgement wrong = judge.judge(gap_of(-0.002), gap_of(-0.01), kTool, tool(0.01));

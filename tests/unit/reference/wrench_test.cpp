@@ -22,7 +22,7 @@ scene::Scene shipped(const std::string& name) {
 /// Sphere of radius R, h deep in a half space: k pi h^2 (R - h / 3).
 double cap(double radius, double h) { return std::numbers::pi * h * h * (radius - h / 3.0); }
 
-TEST(ReferenceWrench, IsTheClosedFormOfASphereInAHalfSpaceUpToItsFacets) {
+TEST(ReferenceWrench, MatchesASphereInAHalfSpace) {
   const ReferenceWrench reference(shipped("plane"), 0.25e-3);
   const double chord = ReferenceScene(shipped("plane")).chord_error_m();
   ASSERT_LT(chord, 5e-5);
@@ -71,7 +71,7 @@ TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
 
 /// Two boxes, one of them inside out, as a part that was mirrored by hand is: the push is that of
 /// two boxes.
-TEST(ReferenceWrench, PushesOutwardWhicheverWayRoundAClosedToolsTrianglesRun) {
+TEST(ReferenceWrench, PushesOutwardForEitherOrientation) {
   scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_inverted_reference.obj";
   scene.dynamic_mesh.path = path;
@@ -106,7 +106,7 @@ TEST(ReferenceWrench, PushesOutwardWhicheverWayRoundAClosedToolsTrianglesRun) {
   }
 }
 
-TEST(ReferenceWrench, IsNothingApartAndForAPoseThatIsNone) {
+TEST(ReferenceWrench, IsZeroApartAndForAnInvalidPose) {
   const ReferenceWrench reference(shipped("plane"), 0.5e-3);
   const TrueWrench apart = reference.at({Vec3(0, 0, 0.0101), Quat::Identity()});
   EXPECT_TRUE(apart.wrench.zero());
@@ -156,7 +156,7 @@ TEST(ReferenceWrench, IsConservative) {
 
 /// At random attitudes, in faces, edges, a fillet and teeth, at depths as
 /// `voxtouch accuracy` has them.
-TEST(ReferenceWrench, IsWhatSamplingEverywhereGivesForFewerQuestions) {
+TEST(ReferenceWrench, MatchesFullSamplingWithFewerQueries) {
   const std::filesystem::path folder = ::testing::TempDir();
   scene::Scene scene = shipped("plane");
   scene.dynamic_mesh.primitives.clear(), scene.static_meshes[0].primitives.clear();

@@ -48,7 +48,7 @@ TEST(ContactStiffness, CountsPointsAndLevers) {
   EXPECT_NEAR(ball.rotation.all_points, 10.0 * 4.0, 1e-9);
 }
 
-TEST(ContactStiffness, CountsEachPointByItsAreaWhereTheSceneDoes) {
+TEST(ContactStiffness, WeighsPointsByAreaIfTheSceneDoes) {
   pointshell::Pointshell shell = shell_of({Vec3(0.5, 0, 0), Vec3(-0.1, 0, 0)});
   shell.area_m2 = {2e-6, 6e-6};
   const StiffnessBounds bound = contact_stiffness(shell, {1e6, contact::PointWeights::kArea});
@@ -58,7 +58,7 @@ TEST(ContactStiffness, CountsEachPointByItsAreaWhereTheSceneDoes) {
   EXPECT_NEAR(bound.rotation.all_points, 0.56, 1e-11);
 }
 
-TEST(ContactParameters, WeighByAreaWhereTheSceneSaysSoOrTheModelKnowsNoOtherWay) {
+TEST(ContactParameters, WeighByAreaIfTheSceneOrModelRequiresIt) {
   pointshell::Pointshell shell = shell_of({Vec3(0.5, 0, 0), Vec3(-0.1, 0, 0)});
   shell.area_m2 = {2e-6, 6e-6};
   scene::ContactSpec by_point, by_area;

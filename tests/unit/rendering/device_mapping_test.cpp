@@ -90,7 +90,7 @@ TEST(DeviceMapping, PowerAtTheHandIsPowerInTheWorldTimesTheScales) {
   }
 }
 
-TEST(WrenchToDevice, AnOrientationThatIsNoneDoesNotMakeTheCommandNone) {
+TEST(WrenchToDevice, InvalidOrientationKeepsTheCommandFinite) {
   scene::WorkspaceMapping device;
   device.pose_PT.position = Vec3(0.0, 0.0, 0.05);
   WrenchToDevice to_device(device);
@@ -159,7 +159,7 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
   }
 }
 
-TEST(DeviceMapping, StartsWithThePressedClutchWhereTheHandIs) {
+TEST(DeviceMapping, PressedClutchStartsAtTheHand) {
   Random r;
   const scene::WorkspaceMapping spec = r.spec();
   DeviceMapping pressed(spec), open(spec);
@@ -173,7 +173,7 @@ TEST(DeviceMapping, WithoutAButtonInTheSceneNoButtonClutches) {
   EXPECT_FALSE(mapping.update({}, {}, 0xFFFFFFFFU).clutched);
 }
 
-TEST(DeviceMapping, RefusesSamplesThatAreNoPoseAndKeepsTheLastOne) {
+TEST(DeviceMapping, RefusesInvalidPosesAndKeepsTheLast) {
   Random r;
   const double nan = std::numeric_limits<double>::quiet_NaN(),
                inf = std::numeric_limits<double>::infinity();
@@ -204,7 +204,7 @@ TEST(DeviceMapping, RefusesSamplesThatAreNoPoseAndKeepsTheLastOne) {
   EXPECT_FALSE(mapping.tool().refused);
 }
 
-TEST(DeviceMapping, NoNumberOfTheDeviceMakesTheToolsPlaceOrVelocityNone) {
+TEST(DeviceMapping, PlaceAndVelocityStayFinite) {
   scene::WorkspaceMapping spec;
   spec.position_scale = 10.0;
   spec.pose_PT.position = Vec3(0.0, 0.0, 1.0);

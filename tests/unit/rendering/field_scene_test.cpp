@@ -49,7 +49,7 @@ class FieldScene : public scene::SceneFolder {
   static constexpr const char* kAdapted = "stiffness_n_per_m: 30";
 };
 
-TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
+TEST_F(FieldScene, BuildsTheFieldOnlyForItsModel) {
   const auto with = built("{mesh: thick.obj}", kField),
              without = built("{mesh: thick.obj}", kAdapted);
   ASSERT_NE(with->field(), nullptr);
@@ -68,7 +68,7 @@ TEST_F(FieldScene, BuildsTheFieldWhereTheModelAsksForItAndOnlyThere) {
             nullptr);
 }
 
-TEST_F(FieldScene, WarnsOfTheThinnestBodyByNameAndOfNoneThatIsThickEnough) {
+TEST_F(FieldScene, WarnsOfTheThinnestBodyOnly) {
   EXPECT_FALSE(any_has(built("{mesh: thick.obj}", kField)->plan().warnings, "thinnest"));
   const auto thin = built("{mesh: thick.obj}, {mesh: thin.obj, position: [0, 0, 0.1]}", kField);
   ASSERT_TRUE(any_has(thin->plan().warnings, "thinnest"));
@@ -79,7 +79,7 @@ TEST_F(FieldScene, WarnsOfTheThinnestBodyByNameAndOfNoneThatIsThickEnough) {
 
 /// As `virtual_tool_runs plates` measures it: walls of a quarter to one voxel 0.7 degrees,
 /// of 1.25 voxels askew 5.7, of 2.5 voxels 0.2 (95 %).
-TEST_F(FieldScene, WarnsOfWallsThatPushAVirtualToolAskew) {
+TEST_F(FieldScene, WarnsOfThinWallsForAVirtualTool) {
   const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
   const auto warnings = [&](double thick_m) {
     write("wall.obj", box_obj({0.08, 0.08, thick_m}));
@@ -112,7 +112,7 @@ TEST_F(FieldScene, AnOpenMeshIsAWallForAVirtualToolAndForNothingElse) {
   EXPECT_EQ(at(*closed, Vec3(0.04, 0.04, 0.01)), at(*combined, Vec3(0.04, 0.04, 0.01)));
 }
 
-TEST_F(FieldScene, AnOpenMeshIsNamedAndRefusedWhereItIsAllThereIs) {
+TEST_F(FieldScene, OnlyOpenMeshIsNamedAndRefused) {
   const auto both = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField);
   EXPECT_TRUE(any_has(both->plan().warnings, "open.obj: "));
   EXPECT_FALSE(any_has(both->plan().warnings, "thick.obj: "));

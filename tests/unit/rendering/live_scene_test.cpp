@@ -36,7 +36,7 @@ TEST(LiveScene, RendersItsOnlySceneBitForBit) {
   EXPECT_EQ(live.retired(), nullptr);
 }
 
-TEST(LiveScene, GoesFromOneSceneToTheNextWithinTwoTenthsOfASecondAndWithoutAStep) {
+TEST(LiveScene, SwitchesScenesIn200MillisecondsWithoutAStep) {
   const auto old_scene = plane(0.002), new_scene = plane(0.001);
   LiveScene live(*old_scene);
   Vec3 last = live.render(pressed(), 0.0).wrench.force;
@@ -64,7 +64,7 @@ TEST(LiveScene, GoesFromOneSceneToTheNextWithinTwoTenthsOfASecondAndWithoutAStep
   EXPECT_EQ(live.retired(), nullptr) << "once";
 }
 
-TEST(LiveScene, TellsOfTheSceneWithMoreWeight) {
+TEST(LiveScene, ReportsTheSceneWithMoreWeight) {
   const auto old_scene = plane(0.002), new_scene = plane(0.001);
   LiveScene live(*old_scene);
   live.render(pressed(), 0.0);

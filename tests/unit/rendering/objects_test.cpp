@@ -62,7 +62,7 @@ std::vector<double> sampled_forces(BuiltScene& built) {
   return all;
 }
 
-TEST(Objects, LieClearOfTheirGridsBordersUnlessTheSceneSaysWhereTheGridBegins) {
+TEST(Objects, LieClearOfGridBordersByDefault) {
   const auto chosen = build_scene(scene_of("  - {mesh: plane.obj}\n"), serial_for());
   const voxmap::Grid& grid = chosen->contacts().object(0).voxmap.grid();
   EXPECT_NEAR((grid.origin - Vec3(-0.123, -0.123, -0.023)).norm(), 0.0, 1e-12);
@@ -96,7 +96,7 @@ TEST(Objects, HaveTheGridThatTheSceneGivesEachOfThem) {
       1e-12);
 }
 
-TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
+TEST(Objects, SeparateOnesSumToOneVoxmap) {
   const std::string wall =
       "  - {mesh: plane.obj, position: [0.13, 0, 0.12], orientation: [0.7071067811865476, 0, "
       "-0.7071067811865476, 0]";
@@ -125,7 +125,7 @@ TEST(Objects, SumToWhatOneVoxmapGivesWhereTheyDoNotMeet) {
   EXPECT_GT(two->contacts().probe(off_both, ids).wrench.force.norm(), 0.0);
 }
 
-TEST(Objects, OneThatMovesIsTouchedWhereItIsAndCarriesItsWork) {
+TEST(Objects, MovingOneIsTouchedInPlaceAndReportsWork) {
   const auto built =
       build_scene(scene_of("  - mesh: plane.obj\n    object: {name: lift, moves: {path: [[0, 0, "
                            "0], [0, 0, 0.1]], speed_m_per_s: 0.1}}\n"),
@@ -233,7 +233,7 @@ TEST(BodyScene, RestsLessThanATenthOfAMillimetreDeepAtAnyMass) {
   }
 }
 
-TEST(BodyScene, FallsOnTheTableAndTheHandFeelsTheGripAlone) {
+TEST(BodyScene, FallsOnTheTableAndOnlyItsGripPushes) {
   scene::Scene scene = scene::load_scene(kDeploy + "/scenes/block.yaml");
   const auto built = build_scene(scene, serial_for());
   EXPECT_EQ(built->plan().contact_n_per_m.all_points, 200.0)

@@ -45,7 +45,7 @@ effects::EffectSpec oil(const char* name, bool on) {
   return spec;
 }
 
-TEST(Plan, SaysWhereEachVoxelGridBeginsAndHowToHaveTheOneAtMultiplesOfTheVoxel) {
+TEST(Plan, PrintsEachVoxelGridsOriginAndAlternative) {
   BuildCounts n = counts();
   n.grids = {{"ground", Vec3(-0.123, -0.123, -0.023), Vec3(-0.122, -0.122, -0.022), false},
              {"lid", Vec3(1, 2, 3), Vec3(1, 2, 3), false},
@@ -57,7 +57,7 @@ TEST(Plan, SaysWhereEachVoxelGridBeginsAndHowToHaveTheOneAtMultiplesOfTheVoxel) 
   EXPECT_TRUE(any_has(p.built, {"'given'", "[0.1, 0.2, 0.3] m"}));
 }
 
-TEST(Plan, SaysWhatIsBuiltWithTheNumbersThatWereCounted) {
+TEST(Plan, PrintsWhatIsBuiltWithItsCounts) {
   const Plan p = make_plan(cup(), counts());
   EXPECT_EQ(p.scene, "cup");
   EXPECT_EQ(p.scene_hash, "0123456789abcdef");
@@ -77,7 +77,7 @@ TEST(Plan, SaysWhatIsBuiltWithTheNumbersThatWereCounted) {
   EXPECT_TRUE(p.warnings.empty());
 }
 
-TEST(Plan, SaysWhatIsLeftOutUntilTheSceneAsksForIt) {
+TEST(Plan, PrintsWhatIsSkippedUntilRequested) {
   scene::Scene s = cup();
   const Plan bare = make_plan(s, counts());
   for (const char* what :
@@ -93,7 +93,7 @@ TEST(Plan, SaysWhatIsLeftOutUntilTheSceneAsksForIt) {
   EXPECT_TRUE(any_has(p.built, {"'oil'", "viscosity", "velocity", "1.5 Ns/m", "off at"}));
 }
 
-TEST(Plan, TellsAnOpenMeshFromOneTooThinForAnInside) {
+TEST(Plan, DistinguishesOpenFromThinMeshes) {
   BuildCounts hollow = counts();
   hollow.interior_voxels = 0, hollow.closed = false;
   const std::string open = line_with(make_plan(cup(), hollow).skipped, {"Interior"});
@@ -124,7 +124,7 @@ TEST(Plan, HasPartsThatAddUpToItsTimeAndItsMemory) {
   EXPECT_GT(with_effects.expected_ns_per_frame, bare.expected_ns_per_frame);
 }
 
-TEST(Plan, CostsMoreForMorePointsAndForAnEffectThatIsOn) {
+TEST(Plan, CostsMoreForMorePointsAndActiveEffects) {
   scene::Scene s = cup();
   BuildCounts twice = counts();
   twice.shell_points *= 2;
@@ -136,7 +136,7 @@ TEST(Plan, CostsMoreForMorePointsAndForAnEffectThatIsOn) {
   EXPECT_GT(on, make_plan(s, counts()).expected_ns_per_frame);
 }
 
-TEST(Plan, HasAPartForTheFieldWhereTheModelIsTheField) {
+TEST(Plan, HasAPartForTheFieldModel) {
   scene::Scene s = cup();
   BuildCounts n = counts();
   const auto fields = [](const Plan& plan) {
@@ -172,7 +172,7 @@ TEST(Plan, NamesTheOtherCouplingsAndTheReference) {
   EXPECT_FALSE(any_has(make_plan(s, counts()).built, {"spring-damper"}));
 }
 
-TEST(Plan, NamesWhatACouplingAddsAndWhatADesignIsAskedFor) {
+TEST(Plan, NamesCouplingAdditionsAndDesignRequests) {
   scene::Scene s = cup();
   EXPECT_FALSE(any_has(make_plan(s, counts()).built, {"capped"}));
   s.coupling.stiffness_cap_n_per_m = 800, s.coupling.stiffness_cap_nm_per_rad = 2,

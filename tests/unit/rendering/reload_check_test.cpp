@@ -45,7 +45,7 @@ TEST(ReloadCheck, TakesOtherMeshesVoxelsContactsEffectsAndMotions) {
   EXPECT_EQ(reload_error([](scene::Scene& s) { s.effects = {oil(1.0)}; }), "");
 }
 
-TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
+TEST(ReloadCheck, RefusesChangesOtherNodesWouldMiss) {
   const auto names = [](const std::string& why, const char* section) {
     return why.find(section) != std::string::npos;
   };
@@ -67,7 +67,7 @@ TEST(ReloadCheck, RefusesWhatOtherNodesWouldHaveToReadAgain) {
       << "none reads its topic";
 }
 
-TEST(ReloadCheck, RefusesAnotherTopicOfAnOutsideWrenchAndTakesOtherValuesOfIt) {
+TEST(ReloadCheck, RefusesANewWrenchTopicButTakesNewValues) {
   scene::Scene now = shipped(), next = now;
   now.effects = {external("/sim/wrench")}, next.effects = {external("/sim/wrench")};
   next.effects[0].values.at(1)[0] = 0.5;
@@ -83,7 +83,7 @@ TEST(ReloadCheck, RefusesAnotherTopicOfAnOutsideWrenchAndTakesOtherValuesOfIt) {
       << "of another topic nothing is carried over";
 }
 
-TEST(CarriedOver, KeepsWhatWasChangedWhereTheFileSaysTheSameAndTheFileWhereNot) {
+TEST(CarriedOver, KeepsChangesUnlessTheFileChanged) {
   const std::vector<effects::EffectSpec> before = {oil(1.0), oil(2.0, "viscosity2")};
   std::vector<effects::EffectSpec> now = before, next = {oil(3.0), oil(2.0, "viscosity2"),
                                                          oil(4.0, "viscosity3")};

@@ -62,7 +62,7 @@ struct Hand {
 };
 
 /// Two springs in a row, from the first sample in contact on, and about one look-up a sample.
-TEST(SeriesSpring, ShowsTwoSpringsInARow) {
+TEST(SeriesSpring, ActsAsTwoSpringsInSeries) {
   for (const double times : {0.1, 1.0, 10.0, 1000.0}) {
     Hand hand({{Vec3::UnitZ(), 0.0, times * kCap}});
     for (int n = 0; n <= 1000; ++n) {
@@ -127,7 +127,7 @@ TEST(SeriesSpring, IsNeverSteeperThanTheSpringAndGivesNoEnergy) {
 
 /// What is within the tolerance of the balance may not point the other way: a wall that is left
 /// does not pull.
-TEST(SeriesSpring, NeverPullsWhereAWallIsLeft) {
+TEST(SeriesSpring, NeverPullsWhenLeavingAWall) {
   for (const double stiffness : {0.1, 1.0, 30.0}) {
     Hand hand({{Vec3::UnitZ(), 0.0, stiffness * kCap, 1e-5, 3.0}});
     for (int n = 0; n < 2000; ++n)
@@ -148,7 +148,7 @@ TEST(SeriesSpring, RestsOnAStepOfTheContact) {
   EXPECT_LE(high - low, 0.01);
 }
 
-TEST(SeriesSpring, OfMatricesShowsNoMoreThanTheSpringInAnyDirection) {
+TEST(SeriesSpring, OfMatricesNeverExceedsTheSpring) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> u(-1, 1);
   const Compliance spring{1.0 / 800.0, 1.0 / 0.5};

@@ -65,7 +65,7 @@ struct Rig {
   int n = 0;
 };
 
-TEST_P(VirtualToolScene, IsTheHandToTheBitWhereNothingIsTouched) {
+TEST_P(VirtualToolScene, EqualsTheHandInFreeSpace) {
   Rig rig(scene_of(), GetParam());
   for (int i = 0; i < 300; ++i) {
     const ToolState hand = at(0.03 + 0.01 * std::sin(0.01 * i), 0.01 * std::cos(0.017 * i));
@@ -77,7 +77,7 @@ TEST_P(VirtualToolScene, IsTheHandToTheBitWhereNothingIsTouched) {
   }
 }
 
-TEST_P(VirtualToolScene, GivesTheSpringTimesTheHandsWayAtEveryDepthAndRisesAllTheWay) {
+TEST_P(VirtualToolScene, GivesSpringTimesDisplacementAtEveryDepth) {
   Rig rig(scene_of(), GetParam());
   rig.press(0.0095);
   double last = 0.0;
@@ -103,7 +103,7 @@ TEST_P(VirtualToolScene, GivesTheSpringTimesTheHandsWayAtEveryDepthAndRisesAllTh
 
 /// While the coupling is still being designed: it is reported, so that no force where the hand is
 /// deep in is not taken for a wrong one.
-TEST_P(VirtualToolScene, TellsThatNothingPullsItUntilItsSpringIsKnown) {
+TEST_P(VirtualToolScene, ReportsNoForceUntilItsSpringIsKnown) {
   Rig rig(scene_of(), GetParam());
   rig.live.set_spring_target(0.0);
   rig(at(0.012));
@@ -118,7 +118,7 @@ TEST_P(VirtualToolScene, TellsThatNothingPullsItUntilItsSpringIsKnown) {
   EXPECT_NEAR(frame.wrench.force.z(), kSpring * 0.002, 0.07);
 }
 
-TEST_P(VirtualToolScene, GivesNoForceBeforeTheHandHasBeenOutsideAndThenFadesIn) {
+TEST_P(VirtualToolScene, FadesInOnlyAfterAFreeStart) {
   Rig rig(scene_of(), GetParam());
   const SceneFrame inside = rig.hold(at(-0.01), 50);
   EXPECT_TRUE(inside.tool.not_initialised);
@@ -151,7 +151,7 @@ TEST_P(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
   EXPECT_GT(jump.hold(at(-0.005, 0.05), 250).object.position.z(), 0.0095);
 }
 
-TEST_P(VirtualToolScene, IsPlacedAnewWhereTheHandIsFreeAfterALossAndWithASession) {
+TEST_P(VirtualToolScene, RestartsInFreeSpaceAfterLossOrSession) {
   Rig loss(scene_of(), GetParam()), session(scene_of(), GetParam());
   for (Rig* rig : {&loss, &session})
     ASSERT_GT(rig->press(0.0).wrench.force.z(), 2.8);
@@ -161,7 +161,7 @@ TEST_P(VirtualToolScene, IsPlacedAnewWhereTheHandIsFreeAfterALossAndWithASession
   EXPECT_TRUE(session(at(0.0)).tool.not_initialised);
 }
 
-TEST_P(VirtualToolScene, LeavesTheToolWhereItIsForAPoseThatIsNone) {
+TEST_P(VirtualToolScene, KeepsTheToolForAnInvalidPose) {
   Rig rig(scene_of(), GetParam());
   const double before = rig.press(0.0).wrench.force.z();
   ToolState none = at(0.0);
@@ -173,7 +173,7 @@ TEST_P(VirtualToolScene, LeavesTheToolWhereItIsForAPoseThatIsNone) {
   EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 1e-6);
 }
 
-TEST_P(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
+TEST_P(VirtualToolScene, RampsItsSpringAndReportsTheEnergy) {
   Rig rig(scene_of(), GetParam());
   SceneFrame frame = rig.press(0.0);
   const double supplied = frame.supplied_energy_j;
@@ -193,7 +193,7 @@ TEST_P(VirtualToolScene, ChangesItsSpringOnARampAndTellsWhatThatGave) {
   EXPECT_GT(rig.hold(at(0.0), 250).wrench.force.z(), 2.9) << "and not for ever";
 }
 
-TEST_P(VirtualToolScene, KeepsTheToolWhenASceneThatWasBuiltAnewTakesItsPlace) {
+TEST_P(VirtualToolScene, KeepsTheToolWhenTheSceneIsRebuilt) {
   Rig rig(scene_of(), GetParam());
   const double before = rig.press(0.0).wrench.force.z();
   scene::Scene finer = scene_of();
@@ -205,7 +205,7 @@ TEST_P(VirtualToolScene, KeepsTheToolWhenASceneThatWasBuiltAnewTakesItsPlace) {
   EXPECT_EQ(rig.live.retired(), rig.built.get());
 }
 
-TEST_P(VirtualToolScene, DropsTheToolWhereTheNewSceneHasAWallThere) {
+TEST_P(VirtualToolScene, DropsTheToolInsideANewWall) {
   Rig rig(scene_of(), GetParam());
   rig.press(0.0);
   const auto next = build_scene(scene_of("[]", "[{mesh: plane.obj, position: [0, 0, 0.012]}]"),
@@ -216,7 +216,7 @@ TEST_P(VirtualToolScene, DropsTheToolWhereTheNewSceneHasAWallThere) {
   EXPECT_TRUE(frame.tool.not_initialised);
 }
 
-TEST_P(VirtualToolScene, IsPushedByWhatMovesWhichTellsItsWork) {
+TEST_P(VirtualToolScene, MovingObjectsPushItAndReportTheirWork) {
   Rig rig(scene_of("[]",
                    "[{mesh: plane.obj, object: {name: lift, moves: {path: [[0, 0, -0.02], [0, 0, "
                    "0.02]], speed_m_per_s: 0.02}}}]"),
@@ -234,7 +234,7 @@ TEST_P(VirtualToolScene, IsPushedByWhatMovesWhichTellsItsWork) {
   EXPECT_LT(frame.tool.queries, 9u);
 }
 
-TEST_P(VirtualToolScene, PutsEffectsOfSpaceAtTheHandAndThoseOfTheSurfaceAtTheTool) {
+TEST_P(VirtualToolScene, SpaceEffectsActAtTheHandOthersAtTheTool) {
   Rig magnet(
       scene_of("[{guide_plane: {point: [0, 0, 0], normal: [0, 0, 1], stiffness_n_per_m: 100, "
                "limit_n: 5}}]"),
@@ -265,7 +265,7 @@ TEST_P(VirtualToolScene, RubsByTheEffectOfThatName) {
   EXPECT_TRUE(frame.effects.wrench.zero()) << "not twice";
 }
 
-TEST_P(VirtualToolScene, AsksNoMemoryInAFrame) {
+TEST_P(VirtualToolScene, FramesUseNoHeap) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitizer owns malloc";
   Rig rig(scene_of("[{friction: {coulomb: 0.4}}, {texture: {pattern: noise, wavelength_m: 0.006, "
@@ -343,7 +343,7 @@ TEST_P(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
 }
 
 /// What is looked up at edges, and why not.
-TEST(ToolOnVoxels, TellsOfItsEdgesAndWhyThereAreNone) {
+TEST(ToolOnVoxels, ListsItsEdgesOrWhyThereAreNone) {
   const auto has = [](const std::vector<std::string>& lines, const char* one, const char* other) {
     return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
       return line.find(one) != std::string::npos && line.find(other) != std::string::npos;
@@ -419,7 +419,7 @@ TEST_P(VirtualToolScene, RestsInTheCornerOfTwoObjects) {
 }
 
 /// The same frames give bit-identical results, in a scene of its own.
-TEST_P(VirtualToolScene, GivesTheSameBitsForTheSameFrames) {
+TEST_P(VirtualToolScene, SameFramesAreBitIdentical) {
   const scene::Scene scene = scene_of("[{friction: {coulomb: 0.3}}]", "[{mesh: cup.obj}]");
   Rig one(scene, GetParam()), other(scene, GetParam());
   for (int n = 0; n < 1500; ++n) {
@@ -446,7 +446,7 @@ class ToolOnTriangles : public ::testing::Test {
 TEST_F(ToolOnTriangles, HoldsAFoilOfAHundredthOfAVoxel) { holds_plate(2e-5, kMeets); }
 
 /// Triangles the wrong way round enclose the same block.
-TEST_F(ToolOnTriangles, PushesOutOfABlockTurnedInsideOut) {
+TEST_F(ToolOnTriangles, PushesOutOfAnInvertedBlock) {
   const std::string file = std::filesystem::temp_directory_path() / "voxtouch_inside_out.obj";
   std::ofstream out(file);
   for (int k = 0; k < 8; ++k)
@@ -506,7 +506,7 @@ struct BlockScene {
   }
 };
 
-TEST_F(ToolOnTriangles, GivesTheSameBitsMovedOrScaled) {
+TEST_F(ToolOnTriangles, IsBitIdenticalMovedOrScaled) {
   const BlockScene here{1.0, Vec3::Zero(), "here"};
   Rig rig(here.scene(), kMeets);
   std::vector<SceneFrame> frames;

@@ -18,7 +18,7 @@ TEST(StallWatch, CountsFromTheLastChangeOn) {
   }
 }
 
-TEST(StallWatch, BlamesNobodyForATimeInWhichItDidNotLook) {
+TEST(StallWatch, IgnoresTimeInWhichItDidNotRun) {
   WatchClock clock;
   StallWatch watch;
   clock.look(0);
@@ -31,7 +31,7 @@ TEST(StallWatch, BlamesNobodyForATimeInWhichItDidNotLook) {
   EXPECT_GT(watch.stalled_ns(7, clock), kHungNs) << "but now it has looked long enough";
 }
 
-TEST(Heartbeat, ChangesWithEveryTurnAndWhileBusy) {
+TEST(Heartbeat, ChangesWithEveryCycleAndWhileBusy) {
   Heartbeat loop;
   const std::uint64_t first = loop.sign();
   EXPECT_EQ(loop.sign(), first) << "it has not turned";

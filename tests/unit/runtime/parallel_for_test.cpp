@@ -15,7 +15,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-TEST(ThreadedFor, CallsTheBodyOnceForEachIndexWhateverTheNumberOfThreads) {
+TEST(ThreadedFor, CallsTheBodyOncePerIndexForAnyThreads) {
   for (const std::size_t threads : {0U, 1U, 2U, 3U, 8U, 100U})
     for (const std::size_t count : {0U, 1U, 2U, 7U, 1000U}) {
       std::vector<std::atomic<int>> calls(count);
@@ -36,7 +36,7 @@ TEST(ThreadedFor, RunsAsManyAtOnceAsItHasThreads) {
   EXPECT_EQ(begun, 2);
 }
 
-TEST(ThreadedFor, HandsOnWhatTheLowestIndexThrewAndGoesOnBeingOfUse) {
+TEST(ThreadedFor, RethrowsTheLowestIndexAndStaysUsable) {
   for (int round = 0; round < 200; ++round) {
     const ParallelFor loop = threaded_for(4);
     try {

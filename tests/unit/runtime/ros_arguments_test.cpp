@@ -35,7 +35,7 @@ TEST(RosArguments, ChooseTheRigByARemappingOfTheNamespace) {
   EXPECT_EQ(kept({"up", "cup", "--ros-args"}), (Words{"up", "cup"}));
 }
 
-TEST(RosArguments, AreRefusedByNameWhereTheyAskForSomethingElse) {
+TEST(RosArguments, AreRefusedByNameIfUnsupported) {
   for (const Words& asked :
        {Words{"-r", "__node:=other"}, Words{"-r", "pose:=other"},
         Words{"-p", "friction.coulomb:=0.3"}, Words{"--params-file", "a.yaml"},

@@ -44,7 +44,7 @@ TEST(LatencyHistogram, GivesQuantilesAndMaximum) {
   EXPECT_EQ(h.max_us(), 1e7);
 }
 
-TEST(LatencyHistogram, SaysZeroWithoutSamples) {
+TEST(LatencyHistogram, IsZeroWithoutSamples) {
   EXPECT_EQ(LatencyHistogram().quantile_us(0.5), 0.0);
 }
 
@@ -83,7 +83,7 @@ TEST(NodeOptions, TakeOnlyCpusThatThereAre) {
   sched_setaffinity(0, sizeof allowed, &allowed);
 }
 
-TEST(NodeOptions, RefuseWhatWouldBeTakenForSomethingElse) {
+TEST(NodeOptions, RefuseAmbiguousArguments) {
   for (const char* text : {"", "-1", "+1", "1.5", "1e3", "0x10", "nan", "18446744073709551616",
                            "99999999999999999999999"}) {
     EXPECT_FALSE(require_whole(text).empty()) << text;
@@ -122,7 +122,7 @@ TEST(NodeOptions, RefuseWhatWouldBeTakenForSomethingElse) {
     EXPECT_FALSE(parses("--interface=" + name)) << name.substr(0, 80);
 }
 
-TEST(NodeOptions, ComeBackFromTheArgumentsThatAChildGets) {
+TEST(NodeOptions, RoundTripThroughAChildsArguments) {
   NodeOptions given;
   given.scene = "/dev/null";
   given.rig = "left_hand";

@@ -263,7 +263,7 @@ SourcePlace place_at(const std::string& text, std::size_t at) {
   return place;
 }
 
-TEST_F(BadScene, SaysWhereAndWhat) {
+TEST_F(BadScene, IsReportedWithItsPlace) {
   for (const Bad& bad : kBad) {
     std::string text = bad.to;
     if (*bad.from != '\0') {
@@ -293,7 +293,7 @@ TEST_F(BadScene, SaysWhereAndWhat) {
   EXPECT_GE(kBad.size(), 90U);
 }
 
-TEST_F(BadScene, FilesThatAreNone) {
+TEST_F(BadScene, InvalidFiles) {
   const auto refusal = [](const std::filesystem::path& file) -> std::string {
     try {
       load_scene(file);
@@ -321,7 +321,7 @@ TEST_F(BadScene, FilesThatAreNone) {
 }
 
 /// Small files that stand for huge or endless ones are refused early.
-TEST_F(BadScene, BombsDoNotGoOff) {
+TEST_F(BadScene, YamlBombsAreRefused) {
   std::string bomb = "a: &a [x,x,x,x,x,x,x,x,x]\n";
   for (char c = 'b'; c < 'j'; ++c) {
     bomb.append(1, c).append(": &").append(1, c).append(" [");
@@ -392,7 +392,7 @@ TEST_F(BadScene, AMeshOfGigabytesIsRefusedBeforeItIsRead) {
 }
 
 /// The bytes that are built from are those that the scene's hash reports of.
-TEST_F(BadScene, AMeshThatChangesBetweenReadingAndBuildingIsNotTheScenes) {
+TEST_F(BadScene, MeshChangedBeforeBuildingIsRejected) {
   const Scene scene = parse(kSmall);
   EXPECT_EQ(scene.mesh_hashes.size(), 2U);
   write("b.obj", "v 0 0 0\nv 2 0 0\nv 0 3 0\nf 1 2 3\n");
@@ -405,7 +405,7 @@ TEST_F(BadScene, AMeshThatChangesBetweenReadingAndBuildingIsNotTheScenes) {
 }
 
 /// Only its JSON stands in the .gltf.
-TEST_F(BadScene, AMeshWhoseBufferFileChangesIsAnotherAndIsNotBuilt) {
+TEST_F(BadScene, MeshWithAChangedBufferFileIsRejected) {
   samples::Gltf gltf;
   gltf.buffer = R"({"byteLength":72,"uri":"b.bin"})";
   write("b.gltf", gltf.json());

@@ -41,7 +41,7 @@ TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
   EXPECT_EQ(s.coupling.velocity_band_m_per_s, 0.004);
 }
 
-TEST_F(CouplingSection, CapsNothingAndDampsNothingUnlessAsked) {
+TEST_F(CouplingSection, AddsNoCapAndNoDampingByDefault) {
   const Scene s = with("gain: 0.5");
   EXPECT_FALSE(s.design);
   EXPECT_TRUE(std::isinf(s.coupling.stiffness_cap_n_per_m) &&
@@ -90,7 +90,7 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_NE(with("design: auto").hash, with("design: auto, gain_margin: 2").hash);
 }
 
-TEST_F(CouplingSection, DampingForceRatioComesFromDesignerOrStandardOrScene) {
+TEST_F(CouplingSection, TakesTheDampingRatioFromSceneOrDefault) {
   EXPECT_EQ(with("design: auto").design->damping_force_ratio, std::nullopt);
   EXPECT_EQ(with("design: auto, damping_force_ratio: 0.35").design->damping_force_ratio, 0.35);
   EXPECT_EQ(with("design: auto, damping_force_ratio: 0").design->damping_force_ratio, 0.0);

@@ -41,7 +41,7 @@ std::string changed(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-TEST(DeviceFile, EveryKeyArrivesWhereItBelongs) {
+TEST(DeviceFile, EveryKeyReachesItsField) {
   const DeviceFile file = parse_device_file(kArm, "arm.yaml");
   EXPECT_EQ(validate(file.description), "");
   const coupling::design::DeviceModel m = coupling::design::model_of(file.description);
@@ -75,7 +75,7 @@ TEST(DeviceFile, MayLeaveTheBandwidthOut) {
                              .description.force_bandwidth_hz));
 }
 
-TEST(DeviceFile, OfAllExamplesThatAreShippedIsRead) {
+TEST(DeviceFile, OfAllShippedExamplesIsRead) {
   int read = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(std::filesystem::path(VOXTOUCH_DEPLOY) / "devices")) {
@@ -161,7 +161,7 @@ std::string head_at(const std::string& text, std::size_t mark) {
   return at_place("arm.yaml", place, "");
 }
 
-TEST(DeviceFile, SaysWhereAndWhatIsWrong) {
+TEST(DeviceFile, ReportsErrorsWithTheirPlace) {
   for (const Bad& bad : kBad) {
     std::string text = changed(bad.from, bad.to);
     const std::size_t mark = text.find('^');
@@ -191,7 +191,7 @@ std::string refusal_of(const std::string& text) {
   return "accepted";
 }
 
-TEST(DeviceFile, TellsAllThatIsMissingAtOnceWithItsRangeAndWhatItDoes) {
+TEST(DeviceFile, ListsAllMissingKeysWithRangeAndMeaning) {
   const std::string said = refusal_of("device: third\ngrip: pen\n");
   EXPECT_TRUE(said.starts_with("6 keys ") &&
               said.contains("\n  rate_hz: 500 to 4000 Hz (stylus), 200 to 1000 Hz (arm)"))
@@ -205,7 +205,7 @@ TEST(DeviceFile, TellsAllThatIsMissingAtOnceWithItsRangeAndWhatItDoes) {
       << said;
 }
 
-TEST(DeviceFile, TakesWhatDataSheetsLeaveOutFromTheClassAndSaysSo) {
+TEST(DeviceFile, FillsGapsFromTheClassAndReportsThem) {
   const std::string sheet =
       "rate_hz: 1000\nmax_force_n: 5\nmax_torque_nm: 1\nmax_stiffness_n_per_m: "
       "900\nposition_resolution_m: 1e-5\n";
@@ -242,7 +242,7 @@ TEST(DeviceFile, ReadsEveryKeyOfItsOwnDocumentation) {
     EXPECT_TRUE(device_figure(key.name).arm_standard) << key.name;
 }
 
-TEST(DeviceFile, SaysWhereAMotionLeavesTheWorkspace) {
+TEST(DeviceFile, ReportsWhereAMotionLeavesTheWorkspace) {
   Motion motion;
   motion.path = {Vec3(0, 0, 0), Vec3(0.1, 0, 0)};
   EXPECT_EQ(beyond_workspace(motion, {0.1, 0.05, 0.05}, "d"), "");

@@ -5,7 +5,7 @@ namespace {
 
 using EffectsSection = SceneFolder;
 
-TEST_F(EffectsSection, EveryKeyArrivesWhereItBelongs) {
+TEST_F(EffectsSection, EveryKeyReachesItsField) {
   const Scene s = parse(kSmall +
                         "effects:\n"
                         "  - {viscosity: {damping_ns_per_m: 1.5, damping_nms_per_rad: 0.02}, name: "

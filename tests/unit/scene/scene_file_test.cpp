@@ -18,7 +18,7 @@ std::string with_voxel_size(const char* number) {
   return text.replace(text.find("0.002"), 5, number);
 }
 
-TEST_F(SceneFile, EveryKeyArrivesWhereItBelongs) {
+TEST_F(SceneFile, EveryKeyReachesItsField) {
   const auto file = write("full.yaml", kFull);
   const Scene s = load_scene(file);
   EXPECT_EQ(s.name, "full");
@@ -87,7 +87,7 @@ TEST_F(SceneFile, EveryKeyArrivesWhereItBelongs) {
   EXPECT_TRUE(s.warnings.empty());
 }
 
-TEST_F(SceneFile, WhatIsLeftOutKeepsItsDefault) {
+TEST_F(SceneFile, OmittedKeysKeepTheirDefaults) {
   const Scene s = parse(kSmall), none;
   EXPECT_EQ(s.shell, ShellKind::kExact);
   EXPECT_EQ(s.contact.model, "adapted");
@@ -113,7 +113,7 @@ TEST_F(SceneFile, StiffnessFollowsTheBodysMassIfNoneIsGiven) {
   EXPECT_THROW(with_contact("model: field, rendering: virtual_tool"), SceneError);
 }
 
-TEST_F(SceneFile, FieldWithoutAStiffnessIsAVirtualToolAndWithOneForcesOfDepth) {
+TEST_F(SceneFile, FieldIsAVirtualToolUnlessAStiffnessIsGiven) {
   const auto with_contact = [&](const std::string& keys) {
     std::string text = kSmall + "coupling: {design: auto}\n";
     const std::size_t at = text.find("contact:");
@@ -183,7 +183,7 @@ TEST_F(SceneFile, WarnsOfACutoffNearTheSampleRate) {
       << s.warnings[0];
 }
 
-TEST_F(SceneFile, NumbersMayBeWrittenInEveryPlainWay) {
+TEST_F(SceneFile, NumbersMayBeWrittenInEveryPlainFormat) {
   for (const char* text : {"0.25", ".25", "2.5e-1", "+0.25", "25E-2", "0.250000", "00.25"}) {
     const Scene s = parse(with_voxel_size(text));
     EXPECT_EQ(s.voxel_size_m, 0.25) << text;
@@ -235,7 +235,7 @@ TEST_F(SceneFile, NoLocaleChangesANumber) {
   EXPECT_EQ(s.hash, parse(kFull).hash);
 }
 
-TEST_F(SceneFile, HashTellsContentAndNotPlace) {
+TEST_F(SceneFile, HashDependsOnContentOnly) {
   write("s.yaml", kFull);
   const std::string hash = load_scene(folder_ / "s.yaml").hash;
   EXPECT_EQ(hash.size(), 16U);
@@ -269,7 +269,7 @@ TEST(SceneHash, IsFnv1aOverPartsWithTheirLengths) {
 }
 
 /// A scene cut off anywhere is either still a scene or an error with a place in it.
-TEST_F(SceneFile, CutOffAtAnyByteItLoadsOrSaysWhy) {
+TEST_F(SceneFile, CutOffAnywhereLoadsOrReportsWhy) {
   int loaded = 0, refused = 0;
   for (const std::string& whole : {kFull, kSmall}) {
     for (std::size_t n = 0; n <= whole.size(); ++n) {
@@ -288,7 +288,7 @@ TEST_F(SceneFile, CutOffAtAnyByteItLoadsOrSaysWhy) {
 }
 
 /// Bytes changed, lines swapped, pieces doubled: nothing but SceneError ever comes out.
-TEST_F(SceneFile, MangledScenesNeverDoWorseThanAnError) {
+TEST_F(SceneFile, MangledScenesAreAnErrorAtWorst) {
   std::mt19937_64 random(31);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
   const std::string spice = "{}[]:,-&*!|>'\"%@`?# \t\n\0\x7f\xff.eE+0123456789";

@@ -171,7 +171,7 @@ TEST_F(Schema, IsTheShippedFile) {
       << "voxtouch schema > deploy/scenes/scene.schema.json";
 }
 
-TEST_F(Schema, HoldsForEachShippedSceneWhichNamesItInItsFirstLine) {
+TEST_F(Schema, HoldsForEachShippedSceneAndIsNamedInIt) {
   const auto files = shipped_scenes();
   ASSERT_GE(files.size(), 8U);
   Json scenes = Json::array();

@@ -9,7 +9,7 @@ namespace {
 
 using scene_build::in_words;
 
-TEST(BuildProgress, SaysTheShareAndWhatTheRestMayTake) {
+TEST(BuildProgress, PrintsTheRatioAndTheRemainingTime) {
   EXPECT_EQ(
       in_words({.name = "field", .for_s = 9.0, .loop = 2, .loop_s = 4.0, .done = 40, .count = 100}),
       "field, loop 2: 40 %, about 6 s more");

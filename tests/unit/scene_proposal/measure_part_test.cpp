@@ -20,7 +20,7 @@ TEST(LikelyUnit, IsTheOneThatMakesAPartFitADesk) {
   EXPECT_STREQ(likely_unit(300.0).name, "mm");
 }
 
-TEST(WallThickness, OfABlockIsItsThinnestWay) {
+TEST(WallThickness, OfABlockIsItsThinnestExtent) {
   EXPECT_NEAR(*wall_thickness_m(box({0, 0, 0}, {0.1, 0.08, 0.002})), 0.002, 1e-12);
   EXPECT_NEAR(*wall_thickness_m(box({-0.01, -0.01, -0.01}, {0.01, 0.01, 0.01})), 0.02, 1e-12);
 }

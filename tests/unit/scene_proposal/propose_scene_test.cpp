@@ -30,7 +30,7 @@ TEST(ProposedScene, BoundsTheVoxelsOfAVeryThinAndOfASolidPart) {
   EXPECT_NEAR(proposal(box({0, 0, 0}, {0.2, 0.2, 0.2})).voxel_size_m, 0.2 / 100, 0.05 * 0.2 / 100);
 }
 
-TEST(ProposedScene, SaysWhatHoldsTheToolOfAClosedAndOfAnOpenPart) {
+TEST(ProposedScene, PrintsWhatHoldsTheToolOfClosedAndOpenParts) {
   mesh::TriangleMesh part = box({0, 0, 0}, {0.1, 0.1, 0.1});
   const auto says = [&](const char* what) {
     const std::vector<std::string> reasons = proposal(part).reasons;
@@ -57,7 +57,7 @@ TEST(ProposedScene, RefusesAPointOfAPart) {
   EXPECT_THROW(proposal(point), std::invalid_argument);
 }
 
-TEST(SceneText, IsASceneWhateverTheFilesAreCalled) {
+TEST(SceneText, IsASceneForAnyFileNames) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / "voxtouch_first_scene";
   std::filesystem::create_directories(folder);

@@ -18,7 +18,7 @@ TEST(Fnv1a, GivesThePublishedValues) {
   EXPECT_EQ(hash_of("foobar"), 0x85944171f73967e8U);
 }
 
-TEST(Fnv1a, AsksNotHowTheBytesWereCut) {
+TEST(Fnv1a, IsIndependentOfHowBytesAreSplit) {
   Fnv1a parts;
   parts.add("foo"), parts.add(""), parts.add("bar");
   EXPECT_EQ(parts.value(), hash_of("foobar"));

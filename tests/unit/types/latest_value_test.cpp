@@ -5,7 +5,7 @@
 namespace voxtouch {
 namespace {
 
-TEST(LatestValue, GivesTheNewestOnceAndSaysWhatWasLost) {
+TEST(LatestValue, GivesTheNewestOnceAndReportsLosses) {
   LatestValue<int> slot;
   int out = -1;
   EXPECT_FALSE(slot.take(out));

@@ -79,7 +79,7 @@ TEST(Motion, CircleStartsSmoothlyAndKeepsItsSpeed) {
   EXPECT_LE((quarter.velocity - Vec3(-m.speed_m_per_s, 0, 0)).norm(), 1e-12);
 }
 
-TEST(Motion, PeakSpeedOfEveryPieceIsTheSpeedAsked) {
+TEST(Motion, PeakSpeedOfEveryPieceIsTheRequestedSpeed) {
   const Motion m = zigzag();
   double t = m.hold_s;
   for (std::size_t i = 0; i + 1 < m.path.size(); ++i) {
@@ -117,7 +117,7 @@ TEST(Motion, BackAndForthHasAPeriod) {
   EXPECT_LE((motion_at(m, start + period - 0.5 * m.hold_s).position - m.path.back()).norm(), 1e-12);
 }
 
-TEST(Motion, SinglePointAndZeroLengthPiecesStayWhereTheyAre) {
+TEST(Motion, SinglePointsAndZeroLengthPiecesRest) {
   Motion m;
   m.path = {{1, 2, 3}};
   for (const double t : {0.0, 1.0, 1e9})
@@ -138,7 +138,7 @@ TEST(Motion, SinglePointAndZeroLengthPiecesStayWhereTheyAre) {
   EXPECT_EQ(motion_at(Motion{}, 1.0).position, Vec3::Zero().eval());
 }
 
-TEST(Motion, AnyTimeMayBeAsked) {
+TEST(Motion, AcceptsAnyTime) {
   Motion walk = zigzag();
   walk.repeat_from = 1;
   const double inf = std::numeric_limits<double>::infinity(),
@@ -160,7 +160,7 @@ TEST(Motion, AnyTimeMayBeAsked) {
   }
 }
 
-TEST(Motion, ADeviceThatFollowsItsOwnMotionMovesTheToolAsTheWorldAsks) {
+TEST(Motion, DeviceMotionMovesTheToolAsInTheWorld) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> u(-1, 1);
   const auto quat = [&] { return Quat(u(random), u(random), u(random), u(random)).normalized(); };
@@ -186,7 +186,7 @@ TEST(Motion, ADeviceThatFollowsItsOwnMotionMovesTheToolAsTheWorldAsks) {
   }
 }
 
-TEST(Motion, TurnsFromRestToRestAndKeepsIt) {
+TEST(Motion, RotatesFromRestToRestAndStays) {
   Motion m = zigzag();
   m.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
   m.turn = {Vec3::UnitY(), 0.2, 1.0, 3.0};

@@ -10,7 +10,7 @@
 namespace voxtouch {
 namespace {
 
-TEST(ParseNumber, TakesWhatIsANumberAsAWhole) {
+TEST(ParseNumber, ReadsTheWholeText) {
   EXPECT_EQ(parse_number<double>("-2.5e-3"), -2.5e-3);
   EXPECT_EQ(parse_number<double>("inf"), std::numeric_limits<double>::infinity());
   EXPECT_EQ(parse_number<std::uint64_t>("18446744073709551615"),
@@ -18,7 +18,7 @@ TEST(ParseNumber, TakesWhatIsANumberAsAWhole) {
   EXPECT_EQ(parse_number<int>("-7"), -7);
 }
 
-TEST(ParseNumber, RefusesWhatIsOnlyPartlyOne) {
+TEST(ParseNumber, RefusesPartialNumbers) {
   for (const char* text : {"", " 1", "1 ", "+1", "1.5x", "0x10", "1,5", ".", "e3", "1.5", "--1"})
     EXPECT_FALSE(parse_number<std::uint64_t>(text)) << '\'' << text << '\'';
   for (const char* text : {"", " 1", "1 ", "+1", "1.5x", "0x10", "1,5", ".", "e3", "--1"}) {
@@ -30,7 +30,7 @@ TEST(ParseNumber, RefusesWhatIsOnlyPartlyOne) {
   EXPECT_FALSE(parse_number<int>(std::string_view("1\0002", 3)));
 }
 
-TEST(ParseNumber, TellsANumberThatDoesNotFitFromNone) {
+TEST(ParseNumber, DistinguishesOutOfRangeFromInvalid) {
   EXPECT_EQ(parse_number<double>("1e999").error(), std::errc::result_out_of_range);
   EXPECT_EQ(parse_number<std::uint16_t>("65536").error(), std::errc::result_out_of_range);
   EXPECT_EQ(parse_number<std::uint16_t>("65536x").error(), std::errc::invalid_argument);

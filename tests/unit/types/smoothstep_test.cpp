@@ -17,7 +17,7 @@ TEST(Smoothstep, GoesFromZeroToOneWithoutAStepOfItselfOrItsSlope) {
   EXPECT_GT(smoothstep(2.0, 4.0, 3.999), 1.0 - 1e-6);
 }
 
-TEST(Smoothstep, GivesNothingForWhatIsNoNumber) {
+TEST(Smoothstep, IsZeroForNan) {
   EXPECT_EQ(smoothstep(0.0, 1.0, std::numeric_limits<double>::quiet_NaN()), 0.0);
 }
 

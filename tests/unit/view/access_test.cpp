@@ -23,7 +23,7 @@ TEST(ViewAccess, NamesTheRemedyForATunnelAtAnotherPort) {
   EXPECT_EQ(local.remedy_for("example.org:8765"), "");
 }
 
-TEST(ViewAccess, AdmitsPagesOfItsOwnAndProgramsThatAreNoBrowser) {
+TEST(ViewAccess, AdmitsItsOwnPagesAndNonBrowsers) {
   const Access local{"127.0.0.1", 8765, "t"};
   EXPECT_TRUE(local.admits_origin(""));
   EXPECT_TRUE(local.admits_origin("http://localhost:8765"));
@@ -32,7 +32,7 @@ TEST(ViewAccess, AdmitsPagesOfItsOwnAndProgramsThatAreNoBrowser) {
     EXPECT_FALSE(local.admits_origin(origin)) << origin;
 }
 
-TEST(ViewAccess, AsksForTheWholeToken) {
+TEST(ViewAccess, RequiresTheWholeToken) {
   const Access access{"127.0.0.1", 1, "0123456789abcdef"};
   EXPECT_TRUE(access.admits_token("0123456789abcdef"));
   for (const char* token : {"", "0", "0123456789abcdee", "0123456789abcdef0"})

@@ -15,7 +15,7 @@ runtime::NodeReport report(const std::string& node, double samples,
   return r;
 }
 
-TEST(ViewNodeTable, CountsRatesAndKeepsTheWayOfASample) {
+TEST(ViewNodeTable, CountsRatesAndOrdersNodesAlongTheLoop) {
   NodeTable table;
   for (int n = 0; n <= 20; ++n)
     for (const char* node : {"coupling", "device"})
@@ -26,7 +26,7 @@ TEST(ViewNodeTable, CountsRatesAndKeepsTheWayOfASample) {
   EXPECT_NEAR(rows[0].rate_hz.value(), 1000.0, 1.0);
 }
 
-TEST(ViewNodeTable, ShowsWhoHasGoneWithoutAWord) {
+TEST(ViewNodeTable, ShowsNodesThatVanished) {
   NodeTable table;
   table.update(report("device", 0), 0);
   table.update(report("coupling", 0, runtime::NodeState::kStopped), 0);
@@ -38,7 +38,7 @@ TEST(ViewNodeTable, ShowsWhoHasGoneWithoutAWord) {
   EXPECT_EQ(rows[2].state, "stopped");
 }
 
-TEST(ViewNodeTable, HasRoomForSoManyAndNoMore) {
+TEST(ViewNodeTable, IsBounded) {
   NodeTable table;
   for (int n = 0; n < 1000; ++n)
     table.update(report("node" + std::to_string(n), 0), 0);

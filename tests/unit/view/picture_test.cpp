@@ -55,7 +55,7 @@ TEST(ViewPicture, GivesEachRowOnceAndAllOfThePastAgain) {
   EXPECT_NEAR(past.back()[0].get<double>() - past.front()[0].get<double>(), kPastS, 0.02);
 }
 
-TEST(ViewPicture, BeginsAnewWithASession) {
+TEST(ViewPicture, RestartsWithASession) {
   Picture picture;
   for (std::int64_t n = 0; n < 100; ++n)
     sample(picture, 1, n, 0.1, 0.0);
@@ -68,7 +68,7 @@ TEST(ViewPicture, BeginsAnewWithASession) {
   EXPECT_EQ(picture.frame(nullptr)["depth"], 0);
 }
 
-TEST(ViewPicture, IsNotFilledByStampsThatCannotBe) {
+TEST(ViewPicture, IgnoresInvalidStamps) {
   Picture picture;
   sample(picture, 1, 0, 0.1, 0.0);
   for (std::int64_t n = 0; n < 20'000; ++n) {
@@ -90,7 +90,7 @@ TEST(ViewPicture, CountsLatencyFromWriteToWrite) {
   EXPECT_EQ(latency["counts"][8], 100);
 }
 
-TEST(ViewPicture, HasNoWordForWhatIsNoNumber) {
+TEST(ViewPicture, OmitsNonFiniteValues) {
   EXPECT_TRUE(rounded(std::numeric_limits<double>::quiet_NaN()).is_null());
   EXPECT_TRUE(rounded(std::numeric_limits<double>::infinity()).is_null());
   EXPECT_EQ(rounded(1.23456789), 1.23457);

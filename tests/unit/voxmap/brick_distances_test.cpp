@@ -77,7 +77,7 @@ int different(const Soup& soup, std::mt19937_64& random, int bricks) {
   return wrong;
 }
 
-TEST(BrickDistances, AreThoseOfTheTreeWhateverTheTriangles) {
+TEST(BrickDistances, EqualTheTreesForAnyTriangles) {
   std::mt19937_64 random(voxtouch::testing::seed(1));
   for (const auto& [count, size] : {std::pair{std::size_t{1}, 10.0},
                                     {3, 30.0},
@@ -89,7 +89,7 @@ TEST(BrickDistances, AreThoseOfTheTreeWhateverTheTriangles) {
         << count << " triangles of " << size;
 }
 
-TEST(BrickDistances, AreTheLimitsWhereNothingIsNear) {
+TEST(BrickDistances, AreTheLimitsFarFromTriangles) {
   const mesh::TriangleMesh empty;
   const voxmap::GridMesh in_grid(empty, {Vec3::Zero(), 1.0});
   const DistanceTree tree(in_grid, {});
@@ -106,7 +106,7 @@ TEST(BrickDistances, AreTheLimitsWhereNothingIsNear) {
 
 /// Inside, no gradient of the interpolation is longer than said, and some is nearly as long, but
 /// for the eighth of a voxel to which it is known.
-TEST(BrickDistances, TheRangeOfABrickHoldsItsNodesAndTheGradientsInside) {
+TEST(BrickDistances, RangeOfABrickBoundsNodesAndGradients) {
   std::mt19937_64 random(voxtouch::testing::seed(3));
   std::uniform_real_distribution<double> place(0.0, 1.0);
   for (int attempt = 0; attempt < 20; ++attempt) {
@@ -147,7 +147,7 @@ TEST(BrickDistances, TheRangeOfABrickHoldsItsNodesAndTheGradientsInside) {
   }
 }
 
-TEST(BrickDistances, SquaresOfManyPointsAreThoseThatOneIsComparedBy) {
+TEST(BrickDistances, BatchedSquaresMatchSingleOnes) {
   std::mt19937_64 random(voxtouch::testing::seed(2));
   const Soup soup(random, 500, 4.0);
   const voxmap::GridMesh in_grid(soup.mesh, {Vec3::Zero(), 1.0});

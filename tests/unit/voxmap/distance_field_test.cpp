@@ -62,7 +62,7 @@ double brute_distance(const mesh::TriangleMesh& mesh, const Vec3& x) {
   return best;
 }
 
-TEST(DistanceField, SmoothGradientIsAPlanesNormalToRoundingWhereverItLiesInBricks) {
+TEST(DistanceField, SmoothGradientIsAPlanesNormal) {
   const Vec3 size(0.05, 0.04, 0.031);
   const Pose pose{Vec3(0.2, -0.1, 0.33), turned(0.5)};
   const Ground ground(box_mesh(size, pose), kEdge);
@@ -77,7 +77,7 @@ TEST(DistanceField, SmoothGradientIsAPlanesNormalToRoundingWhereverItLiesInBrick
   }
 }
 
-TEST(DistanceField, SmoothGradientPointsAwayFromABallsCentreAndDoesNotJumpAtVoxelsBorders) {
+TEST(DistanceField, SmoothGradientOfABallIsRadialAndContinuous) {
   constexpr double kRadius = 20 * kEdge;
   const Ground ground(sphere_mesh(kRadius, 5), kEdge);
   const voxmap::DistanceField& field = ground.field;
@@ -132,7 +132,7 @@ Vec3 plain_smooth_gradient(const voxmap::DistanceField& field, const Vec3& u, do
   return gradient;
 }
 
-TEST(DistanceField, SmoothGradientsOfManyPlacesAreThoseOfEachToTheBit) {
+TEST(DistanceField, BatchedSmoothGradientsAreBitIdentical) {
   const Ground ground(box_mesh(Vec3(0.05, 0.04, 0.031), {Vec3(0.2, -0.1, 0.33), turned(0.5)}),
                       kEdge);
   const voxmap::DistanceField& field = ground.field;
@@ -156,7 +156,7 @@ TEST(DistanceField, SmoothGradientsOfManyPlacesAreThoseOfEachToTheBit) {
   EXPECT_GT(sloped, 1000);
 }
 
-TEST(DistanceField, IsTheDistanceToABoxThatStandsAskew) {
+TEST(DistanceField, IsTheDistanceToATiltedBox) {
   const Vec3 size(0.05, 0.04, 0.031);
   const Pose pose{Vec3(0.2, -0.1, 0.33), turned(0.5)};
   const Ground ground(box_mesh(size, pose), kEdge);
@@ -192,7 +192,7 @@ TEST(DistanceField, IsTheDistanceToABoxThatStandsAskew) {
   EXPECT_GT(outside, 300);
 }
 
-TEST(DistanceField, NodesHoldTheDistanceToTheTrianglesOfACurvedMesh) {
+TEST(DistanceField, NodesHoldTheDistanceToACurvedMesh) {
   const mesh::TriangleMesh mesh = sphere_mesh(0.009, 2);
   const Ground ground(mesh, kEdge);
   const voxmap::Grid& grid = ground.field.grid();
@@ -217,7 +217,7 @@ TEST(DistanceField, NodesHoldTheDistanceToTheTrianglesOfACurvedMesh) {
 
 /// What makes contacts begin and end without a step: shell points in free voxels are never looked
 /// at.
-TEST(DistanceField, IsPositiveInEveryFreeVoxelAndNegativeInEveryInteriorOne) {
+TEST(DistanceField, IsPositiveInFreeAndNegativeInInteriorVoxels) {
   std::mt19937_64 random(3);
   const mesh::TriangleMesh groove = joined(
       box_mesh(Vec3(0.02, 0.02, 0.008), {Vec3::Zero(), turned(0.7)}),
@@ -245,7 +245,7 @@ TEST(DistanceField, IsPositiveInEveryFreeVoxelAndNegativeInEveryInteriorOne) {
 
 /// In a wall hardly thicker than a voxel there is no interior voxel: the flood fill says nothing,
 /// the winding number does.
-TEST(DistanceField, KnowsTheInsideOfAWallThatHasNoInteriorVoxels) {
+TEST(DistanceField, IsNegativeInAWallWithoutInteriorVoxels) {
   const Vec3 size(0.03, 0.03, 0.0014);
   const Pose pose{Vec3(0.1, 0.2, 0.3), turned(0.5)};
   const Ground ground(box_mesh(size, pose), kEdge);
@@ -265,7 +265,7 @@ TEST(DistanceField, KnowsTheInsideOfAWallThatHasNoInteriorVoxels) {
   EXPECT_GT(inside, 300);
 }
 
-TEST(DistanceField, HasTheSignsOfTheSolidWhicheverWayItsTrianglesFace) {
+TEST(DistanceField, HasTheSameSignsForEitherOrientation) {
   const mesh::TriangleMesh mesh = box_mesh(Vec3(0.02, 0.013, 0.009), {Vec3::Zero(), turned(0.3)});
   mesh::TriangleMesh mixed = mesh;
   std::swap(mixed.triangles[3][0], mixed.triangles[3][1]);
@@ -305,7 +305,7 @@ TEST(DistanceField, IsContinuousAcrossVoxelsBricksAndItsOwnBorders) {
   EXPECT_GT(far, 50);
 }
 
-TEST(DistanceField, EndsWhereItSaysAndKnowsNothingOfWhatIsNoPlace) {
+TEST(DistanceField, SaturatesAtItsRangeAndRejectsInvalidPlaces) {
   const Ground ground(box_mesh(Vec3(0.06, 0.06, 0.06)), kEdge, 5.0);
   const voxmap::FieldSample deep = sample(ground.field, Vec3::Zero());
   EXPECT_TRUE(deep.known && deep.saturated);
@@ -358,7 +358,7 @@ TEST(DistanceField, AnOpenMeshHasNoInsideAndDisturbsNone) {
 }
 
 /// Where walls are asked for: the unsigned distance less half of 0.125 voxels.
-TEST(DistanceField, OpenPartsAreThinWallsWhereTheyAreAskedFor) {
+TEST(DistanceField, OpenPartsAreThinWallsOnRequest) {
   constexpr double kHalfWall = 0.0625;
   const mesh::TriangleMesh sheet =
       plate_mesh(0.02, 0.0, {Vec3(0.2e-3, 0.3e-3, 0.1e-3), turned(0.5)});
@@ -400,7 +400,7 @@ TEST(DistanceField, OverlappingBodiesAreOne) {
   }
 }
 
-TEST(DistanceField, IsTheSameWhoeverBuildsIt) {
+TEST(DistanceField, IsEqualForAnyNumberOfThreads) {
   const mesh::TriangleMesh mesh = sphere_mesh(0.02, 3);
   const voxmap::Grid grid = voxmap::default_grid(mesh, kEdge);
   const voxmap::Voxmap voxmap = voxmap::voxelise(mesh, grid, serial_for());
@@ -456,7 +456,7 @@ TEST(DistanceField, IsTheSameAMillionMetresAway) {
 
 /// Four bytes a node, 9^3 nodes for 8^3 voxels, in whole bricks round the surface layer. The
 /// thinner the body, the more of its bricks is air.
-TEST(DistanceField, TakesThisMuchMemory) {
+TEST(DistanceField, HasItsStatedMemory) {
   struct Case {
     const char* name;
     mesh::TriangleMesh mesh;
@@ -480,7 +480,7 @@ TEST(DistanceField, TakesThisMuchMemory) {
   }
 }
 
-TEST(DistanceField, RefusesWhatItCannotHold) {
+TEST(DistanceField, RefusesImpossibleSizes) {
   const mesh::TriangleMesh mesh = box_mesh(Vec3(0.02, 0.02, 0.02));
   const voxmap::Voxmap voxmap =
       voxmap::voxelise(mesh, voxmap::default_grid(mesh, kEdge), serial_for());

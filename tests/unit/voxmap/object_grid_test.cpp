@@ -79,7 +79,7 @@ TEST(ObjectGrid, PutsAFaceAtAnyOffsetIntoTheMiddleOfItsVoxel) {
     }
 }
 
-TEST(ObjectGrid, KeepsTheOldOriginWhereNoFaceLiesAlongTheGrid) {
+TEST(ObjectGrid, KeepsTheDefaultOriginWithoutAlignedFaces) {
   const mesh::TriangleMesh tilted = box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0},
                                         Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized())));
   EXPECT_EQ(clearance_of_faces(tilted, kEdge), Vec3::Zero());
@@ -95,7 +95,7 @@ TEST(ObjectGrid, TakesAFaceThatLeansByRoundingForOneAlongTheGrid) {
   EXPECT_EQ(clearance_of_faces(leaning, kEdge), Vec3::Constant(0.5));
 }
 
-TEST(ObjectGrid, LetsAreasDecideBetweenFacesThatConflict) {
+TEST(ObjectGrid, LargerFacesWinAConflict) {
   EXPECT_EQ(clearance_of_faces(faces({{0.0, 1.0}, {0.25, 1.0}}), kEdge).z(), 0.625);
   EXPECT_EQ(clearance_of_faces(faces({{0.0, std::sqrt(3.0)}, {0.25, 1.0}}), kEdge).z(), 0.5625);
   EXPECT_EQ(clearance_of_faces(faces({{0.0, 1.0}, {0.25, std::sqrt(3.0)}}), kEdge).z(), 0.6875);
@@ -105,12 +105,12 @@ TEST(ObjectGrid, LetsAreasDecideBetweenFacesThatConflict) {
   EXPECT_EQ(clearance_of_faces(faces({{0.9375, 1.0}, {7.0625, 1.0}}), kEdge).z(), 0.5);
 }
 
-TEST(ObjectGrid, TakesTheSmallerShareWhereTwoAreAsGood) {
+TEST(ObjectGrid, TakesTheSmallerOffsetOfEquals) {
   EXPECT_EQ(clearance_of_faces(faces({{0.0, 1.0}, {0.5, 1.0}}), kEdge).z(), 0.25);
   EXPECT_EQ(clearance_of_faces(faces({{0.5, 1.0}, {3.0, 1.0}}), kEdge).z(), 0.25);
 }
 
-TEST(ObjectGrid, HasABorderInAWallOfHalfAVoxelWhereverItLies) {
+TEST(ObjectGrid, HasABorderInAnyWallOfHalfAVoxel) {
   for (int n = 0; n < 64; ++n) {
     const double low = n / 64.0;
     const double fraction =
@@ -125,7 +125,7 @@ TEST(ObjectGrid, HasABorderInAWallOfHalfAVoxelWhereverItLies) {
   }
 }
 
-TEST(ObjectGrid, FindsTheShareThatNoOtherBeats) {
+TEST(ObjectGrid, FindsTheBestOffset) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> any(0.0, 1.0);
   for (int n = 0; n < 200; ++n) {
@@ -148,7 +148,7 @@ TEST(ObjectGrid, FindsTheShareThatNoOtherBeats) {
   }
 }
 
-TEST(ObjectGrid, HangsOnNeitherOrderNorCutOfTheTriangles) {
+TEST(ObjectGrid, DoesNotDependOnTriangleOrderOrCut) {
   std::mt19937_64 random(6);
   mesh::TriangleMesh mesh;
   for (int n = 0; n < 60; ++n)
@@ -197,7 +197,7 @@ TEST(ObjectGrid, LeavesOneToTwoLayersOfFreeVoxelsBeforeTheMesh) {
   }
 }
 
-TEST(ObjectGrid, RefusesWhatTheDefaultGridRefusesAndBearsHugeNumbers) {
+TEST(ObjectGrid, RefusesInvalidMeshesAndBearsHugeNumbers) {
   EXPECT_THROW(object_grid({}, kEdge), std::runtime_error);
   mesh::TriangleMesh mesh = box({0, 0, 0}, {0.1, 0.1, 0.1});
   EXPECT_THROW(object_grid(mesh, 0.0), std::runtime_error);
@@ -211,7 +211,7 @@ TEST(ObjectGrid, RefusesWhatTheDefaultGridRefusesAndBearsHugeNumbers) {
   }
 }
 
-TEST(ObjectGrid, LooksThroughAMillionTrianglesInSomeMilliseconds) {
+TEST(ObjectGrid, ScansAMillionTrianglesInMilliseconds) {
   mesh::TriangleMesh mesh;
   constexpr std::uint32_t kSide = 708;
   for (std::uint32_t j = 0; j <= kSide; ++j)

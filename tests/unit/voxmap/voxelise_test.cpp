@@ -200,7 +200,7 @@ TEST(Voxelise, AnOpenPartTakesNothingFromAClosedOne) {
   EXPECT_EQ(got.report.shells.closed_parts, 1U);
 }
 
-TEST(Voxelise, StackedBoxesThatShareAWallStayClosed) {
+TEST(Voxelise, StackedBoxesWithACommonWallStayClosed) {
   const mesh::TriangleMesh low = box(Vec3::Zero(), Vec3(1, 1, 1));
   mesh::TriangleMesh high = moved(low, Vec3(0, 0, 1));
   std::swap(high.triangles[8], high.triangles[9]);
@@ -226,7 +226,7 @@ TEST(Voxelise, ATwoSidedFinTakesNothingFromABody) {
   EXPECT_TRUE(voxels(mesh, grid).interior.empty()) << "one-sided, the fin leaves its part open";
 }
 
-TEST(Voxelise, TwoCubesThatShareAnEdgeAreSolid) {
+TEST(Voxelise, TwoCubesWithACommonEdgeAreSolid) {
   const mesh::TriangleMesh both =
       joined(box(Vec3::Zero(), Vec3::Ones()), box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
   const Voxels got = voxels(both, default_grid(both, 0.11));
@@ -318,7 +318,7 @@ TEST(Voxelise, TheOrderOfTheLoopChangesNothing) {
               voxels(fine, default_grid(fine, 0.021), scrambled_for()));
 }
 
-TEST(VoxelBudget, RefusesAtOnceWhatCannotBeHad) {
+TEST(VoxelBudget, RefusesImpossibleSizesAtOnce) {
   const mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Constant(100.0));
   const auto start = std::chrono::steady_clock::now();
   std::string said;
@@ -340,7 +340,7 @@ TEST(VoxelBudget, RefusesByAGivenLimit) {
   EXPECT_THROW(voxelise(mesh, grid, serial_for(), 1 << 18), VoxelBudgetError);
 }
 
-TEST(VoxelBudget, RefusesIndicesBeyondInt32AndThingsThatAreNoNumbers) {
+TEST(VoxelBudget, RefusesIndicesBeyondInt32AndNonFinite) {
   mesh::TriangleMesh mesh = box(Vec3::Zero(), Vec3::Ones());
   EXPECT_THROW(voxelise(mesh, {Vec3(-1e9, 0, 0), 0.1}, serial_for()), VoxelBudgetError);
   EXPECT_THROW(voxelise(mesh, {Vec3(-1e300, 0, 0), 1e-300}, serial_for()), VoxelBudgetError);
@@ -364,7 +364,7 @@ TEST(VoxelBudget, RefusesIndicesBeyondInt32AndThingsThatAreNoNumbers) {
     }
 }
 
-TEST(VoxelBudget, RefusesScatteredTrianglesThatTouchMoreThanForeseen) {
+TEST(VoxelBudget, RefusesMoreVoxelsThanForeseen) {
   mesh::TriangleMesh specks;
   std::mt19937 random(2);
   std::uniform_real_distribution<double> pick(0.0, 1.0);

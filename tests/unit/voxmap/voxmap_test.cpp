@@ -138,7 +138,7 @@ TEST(Voxmap, PagesAndTableNameTheSameBricks) {
   }
 }
 
-TEST(Voxmap, BlocksWithoutSurfaceShareAPage) {
+TEST(Voxmap, BlocksWithoutSurfaceUseOnePage) {
   Voxmap map({}, {0, 0, 0}, {255, 255, 255});
   map.for_each_cell([&](std::int64_t x, std::int64_t y, std::int64_t z) {
     if (x > 0 && y > 0 && z > 0 && x < 33 && y < 33 && z < 33)
@@ -235,7 +235,7 @@ TEST(Voxmap, FreeDistanceFallsShortOfTheTruthByLittle) {
   EXPECT_GE(bound, 32.0 - 8.1 - 2.0 * 2.0 * std::sqrt(3.0) - 0.25);
 }
 
-TEST(Voxmap, FreeDistanceIsZeroWhereNothingIsKnown) {
+TEST(Voxmap, UnknownFreeDistanceIsZero) {
   EXPECT_EQ(Voxmap().free_distance_voxels(Vec3(1, 2, 3)), 0.0);
   Voxmap map({}, {0, 0, 0}, {60, 60, 60});
   map.set({32, 0, 0}, VoxelKind::kSurface);
@@ -245,7 +245,7 @@ TEST(Voxmap, FreeDistanceIsZeroWhereNothingIsKnown) {
   EXPECT_TRUE(map.free_distance_voxels(Vec3(1e300, 0, 0)) >= 1e299);
 }
 
-TEST(Voxmap, RefusesATableThatCannotBe) {
+TEST(Voxmap, RefusesAnInvalidTable) {
   EXPECT_THROW(Voxmap({}, {0, 0, 0}, {100000, 100000, 100000}), std::length_error);
   EXPECT_THROW(Voxmap({}, {INT32_MIN, 0, 0}, {0, 0, 0}), std::length_error);
 }
@@ -285,7 +285,7 @@ TEST(BrickBits, GrowFollowsFacesOnly) {
   }
 }
 
-TEST(BrickBits, FacesOfNeighboursUseTheSameBits) {
+TEST(BrickBits, FacesOfNeighboursUseEqualMasks) {
   for (int axis = 0; axis < 3; ++axis)
     for (int a = 0; a < 8; ++a)
       for (int b = 0; b < 8; ++b) {
