@@ -1,6 +1,7 @@
 """What `voxtouch identify` measured of a device: strokes with the fitted model, what the model
 leaves, friction over speed, and the response to the dense tones.
 """
+
 import html
 import math
 

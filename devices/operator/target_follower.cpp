@@ -3,10 +3,35 @@
 #include <algorithm>
 #include <cmath>
 
-namespace voxtouch::hand {
+#include "core/types/lead_limit.hpp"
 
-TargetFollower::TargetFollower(const Pose& start, double period_s) noexcept
-    : period_s_(period_s),
+namespace voxtouch::hand {
+namespace {
+
+/// Displacement at which a spring gives the largest force; infinity if one of both is unlimited.
+double full_lead(double largest, double stiffness) noexcept {
+  return stiffness > 0.0 && largest > 0.0 ? largest / stiffness
+                                          : std::numeric_limits<double>::infinity();
+}
+
+Vec3 load_of(const Vec3& force, double largest) noexcept {
+  return largest > 0.0 ? Vec3(force / largest) : Vec3::Zero();
+}
+
+/// Twice the sine of half the angle along the axis, the shorter way round.
+Vec3 turn_vector(const Quat& turn) noexcept { return (turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec(); }
+
+Quat turn_of(const Vec3& vector) noexcept {
+  const Vec3 half = 0.5 * vector;
+  return Quat(std::sqrt(std::max(0.0, 1.0 - half.squaredNorm())), half.x(), half.y(), half.z());
+}
+
+}  // namespace
+
+TargetFollower::TargetFollower(const Pose& start, double period_s,
+                               const Strength& strength) noexcept
+    : strength_(strength),
+      period_s_(period_s),
       interval_(static_cast<std::uint64_t>(
           std::max(1LL, std::llround(kStepS / (static_cast<double>(kSteps) * period_s))))),
       rest_periods_(static_cast<std::uint64_t>(std::llround(kRestS / period_s))),
@@ -25,7 +50,7 @@ void TargetFollower::aim(const Pose& target) noexcept {
   since_target_ = 0;
 }
 
-void TargetFollower::advance() noexcept {
+void TargetFollower::advance(const Pose& tip, const Wrench& push) noexcept {
   ++periods_;
   if (since_target_ < rest_periods_)
     ++since_target_;
@@ -35,31 +60,44 @@ void TargetFollower::advance() noexcept {
   Step& step = steps_[oldest_];
   base_.position += step.displacement;
   base_.orientation = (step.turn * base_.orientation).normalized();
-  step = begin_step();
+  step = begin_step(tip, push);
   goal_.position += step.displacement;
   goal_.orientation = (step.turn * goal_.orientation).normalized();
   oldest_ = (oldest_ + 1) % kSteps;
 }
 
-TargetFollower::Step TargetFollower::begin_step() const noexcept {
+Pose TargetFollower::within_reach(const Pose& wanted, const Pose& tip,
+                                  const Wrench& push) const noexcept {
+  Pose reached = wanted;
+  const Vec3 lead = wanted.position - tip.position;
+  const Vec3 limited = limited_lead(lead, load_of(push.force, strength_.force_n),
+                                    full_lead(strength_.force_n, strength_.stiffness_n_per_m));
+  if (limited != lead)
+    reached.position = tip.position + limited;
+  const Vec3 turn = turn_vector(wanted.orientation * tip.orientation.conjugate());
+  const Vec3 turned = limited_lead(turn, load_of(push.torque, strength_.torque_nm),
+                                   full_lead(strength_.torque_nm, strength_.stiffness_nm_per_rad));
+  if (turned != turn)
+    reached.orientation = (turn_of(turned) * tip.orientation).normalized();
+  return reached;
+}
+
+TargetFollower::Step TargetFollower::begin_step(const Pose& tip,
+                                                const Wrench& push) const noexcept {
   Step step;
   step.start_s = static_cast<double>(periods_) * period_s_;
-  if (since_target_ >= rest_periods_)
-    return step;
+  const Pose target = within_reach(since_target_ < rest_periods_ ? target_ : goal_, tip, push);
   const double interval_s = static_cast<double>(interval_) * period_s_;
   const auto cut = [](const Vec3& whole, double most) -> Vec3 {
-    const double length = whole.norm();
+    const double length = whole.stableNorm();
     return length > most ? Vec3((most / length) * whole) : whole;
   };
-  step.displacement = cut(target_.position - goal_.position, kMaxSpeedMPerS * interval_s);
-  if (target_.orientation.coeffs() == goal_.orientation.coeffs())
+  step.displacement = cut(target.position - goal_.position, kMaxSpeedMPerS * interval_s);
+  if (target.orientation.coeffs() == goal_.orientation.coeffs())
     return step;
-  const Quat whole = target_.orientation * goal_.orientation.conjugate();
-  const double sign = whole.w() < 0.0 ? -1.0 : 1.0;
   // The sine of half the angle stands for half the angle: 6e-5 of it in a turn that is cut.
-  const Vec3 half = cut(sign * whole.vec(), 0.5 * kMaxRateRadPerS * interval_s);
-  step.turn =
-      Quat(std::sqrt(std::max(0.0, 1.0 - half.squaredNorm())), half.x(), half.y(), half.z());
+  step.turn = turn_of(cut(turn_vector(target.orientation * goal_.orientation.conjugate()),
+                          kMaxRateRadPerS * interval_s));
   return step;
 }
 

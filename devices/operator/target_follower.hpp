@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "core/types/motion.hpp"
 
@@ -13,6 +14,9 @@ namespace voxtouch::hand {
 /// a step begins, from the goal of the last one towards the newest target. Position, velocity and
 /// acceleration are continuous, whatever the targets are. Its bandwidth (-3 dB) is 7 Hz, below the
 /// 10 Hz that a hand's voluntary motion is taken for.
+///
+/// The goal stays within the limits of core/types/lead_limit.hpp, whatever the targets are and also
+/// while it rests: a hand that presses harder gives way.
 ///
 /// Time is counted in calls of `advance`, never by a clock: the same calls give bit-identical
 /// results. All in the frame of the poses given. Real-time safe.
@@ -25,13 +29,20 @@ class TargetFollower {
   /// The goal moves no faster, however far the target is.
   static constexpr double kMaxSpeedMPerS = 0.5, kMaxRateRadPerS = 3.0;
 
+  /// The device's largest force and torque and the stiffness of the hand. Infinity or 0: no limit.
+  struct Strength {
+    double force_n = std::numeric_limits<double>::infinity();
+    double torque_nm = std::numeric_limits<double>::infinity();
+    double stiffness_n_per_m = 0.0, stiffness_nm_per_rad = 0.0;
+  };
+
   /// At rest at `start`. `period_s`: between two calls of `advance`; at most kStepS / kSteps.
-  TargetFollower(const Pose& start, double period_s) noexcept;
+  TargetFollower(const Pose& start, double period_s, const Strength& strength) noexcept;
 
   /// The newest target. One that is not finite, or whose orientation is no rotation, is ignored.
   void aim(const Pose& target) noexcept;
-  /// One period passes.
-  void advance() noexcept;
+  /// One period passes; at its end the tip is at `tip` and the device gives `push`.
+  void advance(const Pose& tip, const Wrench& push) noexcept;
 
   /// Position and velocity at `time_s` since the start, within the period that `advance` has begun.
   MotionPoint position_at(double time_s) const noexcept;
@@ -44,12 +55,15 @@ class TargetFollower {
     Quat turn = Quat::Identity();  ///< its scalar part is not below 0
     double start_s = 0.0;
   };
-  Step begin_step() const noexcept;
-  /// Calls `use(step, share, rate)` for each step, the oldest first: the part of it that is done,
-  /// and its derivative [1/s].
+  Step begin_step(const Pose& tip, const Wrench& push) const noexcept;
+  /// `wanted` within the limits of the hand.
+  Pose within_reach(const Pose& wanted, const Pose& tip, const Wrench& push) const noexcept;
+  /// Calls `use(step, fraction, rate)` for each step, the oldest first: the part of it that is
+  /// done, and its derivative [1/s].
   template <class Use>
   void for_each_step(double time_s, Use&& use) const noexcept;
 
+  Strength strength_;
   double period_s_, step_s_;
   std::uint64_t interval_, rest_periods_;  ///< in periods
   std::uint64_t periods_ = 0, since_target_;

@@ -1,6 +1,7 @@
 #include "devices/sim/plant.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace voxtouch::sim {
@@ -61,6 +62,17 @@ SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion mo
   held_turn_.hand_damping = hand.damping_nms_per_rad;
   held_turn_.hand_stiffness = hand.stiffness_nm_per_rad;
   pose_ = {motion_at(motion_, 0.0).position, turn_at(motion_, 0.0).orientation};
+}
+
+void SimPlant::be_led(double period_s, const DeviceDescription& device) noexcept {
+  // The stiffest grip that the hand ever has.
+  const double grip = hand_.grip_change_time_s < std::numeric_limits<double>::infinity()
+                          ? std::max(1.0, hand_.grip_factor)
+                          : 1.0;
+  leader_.emplace(pose_, period_s,
+                  hand::TargetFollower::Strength{device.max_force_n, device.max_torque_nm,
+                                                 grip * hand_.stiffness_n_per_m,
+                                                 grip * hand_.stiffness_nm_per_rad});
 }
 
 void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept {

@@ -39,16 +39,16 @@ class SimPlant {
 
   /// From now on the hand follows the targets given to `lead`, from where its motion starts, and
   /// not its motion. `period_s`: between two calls of `next_period`, from time 0 on.
-  void be_led(double period_s) noexcept { leader_.emplace(pose_, period_s); }
+  void be_led(double period_s, const DeviceDescription& device) noexcept;
   /// Where the hand wants the tip to be, in D; nothing unless `be_led` has been called.
   void lead(const Pose& target) noexcept {
     if (leader_)
       leader_->aim(target);
   }
-  /// A period of the device has passed.
-  void next_period() noexcept {
+  /// A period of the device has passed, at whose end it gives `push`.
+  void next_period(const Wrench& push) noexcept {
     if (leader_)
-      leader_->advance();
+      leader_->advance(pose_, push);
   }
 
   /// Moves on by one substep, under the wrench `push` of the device and the force `tremor` of the

@@ -23,7 +23,7 @@ SimulatedDevice::SimulatedDevice(const SimParameters& p, const OperatorConfig& h
       force_path_(p.description, substep_s(p.description)),
       tremor_(hand.tremor_n, hand.tremor_bandwidth_hz, 1.0 / p.description.rate_hz, seed) {
   if (is_led)
-    plant_.be_led(1.0 / p.description.rate_hz);
+    plant_.be_led(1.0 / p.description.rate_hz, p.description);
   encoder_.sample(plant_.pose());
 }
 
@@ -52,7 +52,7 @@ void SimulatedDevice::advance(const Wrench& command) noexcept {
     plant_.step(applied_, tremor, static_cast<double>(period_ * kSubsteps + i) * dt_s, dt_s);
   }
   ++period_;
-  plant_.next_period();
+  plant_.next_period(applied_);
   encoder_.sample(plant_.pose());
 }
 

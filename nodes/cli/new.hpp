@@ -10,4 +10,10 @@ namespace voxtouch::cli {
 void write_first_scene(const std::filesystem::path& part, const std::string& device,
                        const std::filesystem::path& out);
 
+/// The file of a scene as above for a mesh that is tried, in place of the one that was tried last.
+/// Throws likewise.
+std::string tried_scene(const std::filesystem::path& mesh, const std::string& device);
+/// The folder of tried scenes, which is there.
+std::filesystem::path tried_folder();
+
 }  // namespace voxtouch::cli

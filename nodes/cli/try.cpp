@@ -39,20 +39,10 @@ bool is_mesh(const fs::path& file) {
   return std::ranges::find(kEndings, ending) != kEndings.end() && fs::exists(file, error);
 }
 
-/// A scene of the mesh, in place of the one that was tried last.
-std::string scene_of(const fs::path& mesh, const std::string& device) {
-  const fs::path folder = recordings_folder() / "tried";
-  fs::create_directories(folder);
-  const fs::path out = folder / (mesh.stem().string() + ".yaml");
-  fs::remove(out);
-  write_first_scene(mesh, device, out);
-  return out.string();
-}
-
 /// Becomes `voxtouch up`: returns only if that cannot be started.
 int become_up(const TryOptions& o) {
   std::vector<std::string> words = {
-      "voxtouch", "up",     is_mesh(o.shown) ? scene_of(o.shown, o.device) : o.shown,
+      "voxtouch", "up",     is_mesh(o.shown) ? tried_scene(o.shown, o.device) : o.shown,
       "--device", o.device, "--hand-from",
       "page"};
   const auto add = [&words](std::initializer_list<std::string> more) {
@@ -82,6 +72,19 @@ int become_up(const TryOptions& o) {
 }
 
 }  // namespace
+
+fs::path tried_folder() {
+  const fs::path folder = recordings_folder() / "tried";
+  fs::create_directories(folder);
+  return folder;
+}
+
+std::string tried_scene(const fs::path& mesh, const std::string& device) {
+  const fs::path out = tried_folder() / (mesh.stem().string() + ".yaml");
+  fs::remove(out);
+  write_first_scene(mesh, device, out);
+  return out.string();
+}
 
 void add_try(CLI::App& app, Action& action) {
   auto o = std::make_shared<TryOptions>();

@@ -1,9 +1,17 @@
 #include "nodes/view/view.hpp"
 
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 
+#include "core/scene/scene_file.hpp"
+#include "nodes/cli/new.hpp"
+#include "nodes/cli/up/next_run.hpp"
+#include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 #include "nodes/runtime/signals.hpp"
@@ -15,7 +23,38 @@ struct ViewOptions : view::Options {
   int parent = 0;
 };
 
-int view(const ViewOptions& o) {
+void check_next(const view::Next& next) {
+  std::string scene = next.scene;
+  if (const std::string wrong = runtime::scene_argument()(scene); !wrong.empty())
+    throw std::runtime_error(wrong);
+  (void)check_before_start(scene::load_scene(scene), {next.device, {}, "", "", 0.0, false, true});
+}
+
+std::string propose_scene(const std::string& bytes, const std::string& ending,
+                          const std::string& device) {
+  const std::filesystem::path mesh = tried_folder() / ("dropped" + ending);
+  if (!(std::ofstream(mesh, std::ios::binary) << bytes).flush())
+    throw std::runtime_error(mesh.string() + " cannot be written");
+  return tried_scene(mesh, device);
+}
+
+/// The page of the ring that ran before: the same address, so that browsers find it again.
+void take_over_page(view::ServerOptions& server) {
+  const char* const address = std::getenv(kPageVariable);
+  std::array<char, 33> token{};
+  int port = 0;
+  if (!address ||
+      std::sscanf(address, "http://%*[0-9.]:%d/?token=%32[0-9a-f]", &port, token.data()) != 2)
+    return;
+  server.port = port;
+  server.token = token.data();
+}
+
+int view(ViewOptions o) {
+  if (!o.choice.empty()) {
+    o.next = {check_next, propose_scene};
+    take_over_page(o.server);
+  }
   runtime::catch_signals();
   if (o.parent)
     runtime::die_with_parent(o.parent);
@@ -51,6 +90,8 @@ void add_view(CLI::App& app, Action& action) {
       "--lead-hand", o->leads_hand,
       "The page moves the simulated hand of a ring with --hand-from page (set by voxtouch up)");
   verb->add_flag("--browser", o->opens_browser, "Opens the page in the browser, if available");
+  verb->add_option("--choice", o->choice,
+                   "File for the page's choice of the next scene and device (set by voxtouch up)");
   verb->add_option(
       "--with-parent", o->parent,
       "Stops when this parent process ends, and prints the address on stderr (set by voxtouch up)");

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 fs::path own_folder() { return shared_folder() / "page"; }
 
 constexpr const char* kOwn[] = {"index.html", "page.css",  "main.js", "scene3d.js",
-                                "charts.js",  "panels.js", "hand.js"};
+                                "charts.js",  "panels.js", "hand.js", "learn.js"};
 constexpr const char* kScript = "text/javascript; charset=utf-8";
 
 struct Library {

@@ -91,7 +91,7 @@ class PageServer::Impl {
         received_(std::move(received)),
         closed_(std::move(closed)) {
     check_address(options.address);
-    access_ = {options.address, options.port, make_token()};
+    access_ = {options.address, options.port, options.token.empty() ? make_token() : options.token};
     lws_set_log_level(0, nullptr);  // that a port is taken is said below
     lws_context_creation_info info{};
     info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND |

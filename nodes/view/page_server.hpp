@@ -13,13 +13,14 @@ struct ServerOptions {
   std::string address = "127.0.0.1";  ///< an IPv4 address of this machine
   int port = 8765;                    ///< 0: any
   bool port_is_requested =
-      false;  ///< this very port was requested: where it is taken, that is an error
+      false;          ///< this very port was requested: where it is taken, that is an error
+  std::string token;  ///< empty: a new one
 };
 
 /// Bounds of what clients may cost.
-inline constexpr std::size_t kMaxClients = 8;
-inline constexpr std::size_t kMaxConnections = 64;     ///< a browser opens several for one page
-inline constexpr std::size_t kMaxMessageBytes = 4096;  ///< of a client [bytes]
+inline constexpr std::size_t kMaxClients = 64;
+inline constexpr std::size_t kMaxConnections = 128;     ///< a browser opens several for one page
+inline constexpr std::size_t kMaxMessageBytes = 65536;  ///< of a client [bytes]
 inline constexpr int kMaxMessagesASecond = 100;  ///< of a client; one that leads the hand sends 60
 inline constexpr std::size_t kMaxWaiting =
     64;  ///< frames for a client that is slow; what comes then is left out for it

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <deque>
+#include <fstream>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -81,6 +82,8 @@ class View {
       tap_.emplace(participant_, options.node);
     if (tap_)
       asker_.emplace(participant_, options.node);
+    if (!options.choice.empty())
+      next_.emplace(options.next);
     if (!player_ && !options.shown.empty())
       show(options.shown);
   }
@@ -103,6 +106,8 @@ class View {
       const std::int64_t now_ns = runtime::monotonic_ns();
       obey();
       look_after_changes();
+      if (next_ && has_chosen())
+        return kChosenStatus;
       points_.look();
       advance(now_ns, std::min(kMaxStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
       before_ns = now_ns;
@@ -120,6 +125,18 @@ class View {
   static constexpr std::int64_t kTurnNs = kFrameNs / 2;
   static constexpr double kMaxStepS =
       0.25;  ///< a recorded run waits where this thread was held up, and no part of it is missed
+
+  /// A choice was checked and is written down.
+  bool has_chosen() {
+    if (const std::optional<std::string> problem = next_->poll())
+      server_.send_fact(text_of({{"type", "choice"}, {"sentence", *problem}}));
+    if (!next_->chosen())
+      return false;
+    std::ofstream(options_.choice) << next_->chosen()->scene << '\n'
+                                   << next_->chosen()->device << '\n'
+                                   << server_.address() << '\n';
+    return true;
+  }
 
   void advance(std::int64_t now_ns, double elapsed_s) {
     if (tap_) {
@@ -168,6 +185,7 @@ class View {
     facts["latency"] = picture_.latency();
     facts["scene_note"] = scene_note();
     facts["hand"] = hand_ ? hand_->to_json() : json();
+    facts["offered"] = next_ ? NextRing::offered() : json();
     if (player_)
       facts["bag_note"] = player_->note();
     if (player_)
@@ -258,10 +276,8 @@ class View {
     }
     if (changes_.empty())
       return;
-    asking_ = std::async(std::launch::async, [this, words = changes_.front()]() -> std::string {
+    asking_ = std::async(std::launch::async, [this, change = changes_.front()]() -> std::string {
       try {
-        runtime::ChangeWords change;
-        change.words = words;
         return asker_->ask(
             change, [](const auto&) {}, [](const auto&) {}, [this] { return ended_.load(); });
       } catch (const std::exception& error) {
@@ -271,9 +287,11 @@ class View {
   }
 
   /// `problem`: why it was not done; empty: it was.
-  void answer(const std::vector<std::string>& words, const std::string& problem) {
-    server_.send_fact(text_of(
-        {{"type", "answer"}, {"words", words}, {"ok", problem.empty()}, {"sentence", problem}}));
+  void answer(const runtime::ChangeWords& change, const std::string& problem) {
+    server_.send_fact(text_of({{"type", "answer"},
+                               {"words", change.words},
+                               {"ok", problem.empty()},
+                               {"sentence", problem}}));
   }
 
   void look_after_shapes() {
@@ -288,7 +306,8 @@ class View {
   /// From the server's thread.
   std::string greeting() {
     const std::lock_guard lock(mutex_);
-    orders_.push_back(json::object({{"past", true}}));
+    if (orders_.empty() || !orders_.back().contains("past"))  // many pages may come at once
+      orders_.push_back(json::object({{"past", true}}));
     return scene_text_;
   }
   void receive(std::uint64_t page, std::string text) {
@@ -303,8 +322,10 @@ class View {
     }
     constexpr std::size_t kMaxOrders = 64;
     const std::lock_guard lock(mutex_);
-    if (order.is_object() && orders_.size() < kMaxOrders)
-      orders_.push_back(std::move(order));
+    if (!order.is_object() || orders_.size() >= kMaxOrders)
+      return;
+    order["page"] = page;
+    orders_.push_back(std::move(order));
   }
 
   /// What pages have asked for.
@@ -330,14 +351,14 @@ class View {
     }
     if (order.contains("slice"))
       cut(order["slice"]);
-    if (order.contains("change") && asker_) {
-      constexpr std::size_t kMaxChanges = 8;
-      auto words = order["change"].get<std::vector<std::string>>();
-      if (changes_.size() < kMaxChanges)
-        changes_.push_back(std::move(words));
-      else
-        answer(words, "too many pending changes");
-    }
+    if (order.contains("change") && asker_)
+      change({order["change"].get<std::vector<std::string>>(), false, 0.0, "", 0});
+    if (order.contains("model") && asker_)
+      change({{}, true, 0.0, order["model"].get<std::string>(), 0});
+    if (order.contains("choose") && next_)
+      next_->choose(order["choose"]);
+    if (order.contains("mesh") && next_)
+      next_->take_mesh(order.at("page").get<std::uint64_t>(), order["mesh"]);
     if (!player_)
       return;
     if (order.contains("play"))
@@ -346,6 +367,14 @@ class View {
       player_->speed(order["speed"].get<double>());
     if (order.contains("seek"))
       player_->seek(order["seek"].get<double>());
+  }
+
+  void change(runtime::ChangeWords words) {
+    constexpr std::size_t kMaxChanges = 8;
+    if (changes_.size() < kMaxChanges)
+      changes_.push_back(std::move(words));
+    else
+      answer(words, "too many pending changes");
   }
 
   /// {"axis": "z", "at": 0.01}: there, or without `at` where the tool is; null: none.
@@ -384,9 +413,10 @@ class View {
   PageServer server_;
   std::optional<RingTap> tap_;
   std::optional<BagPlayer> player_;
-  std::optional<runtime::ChangeAsker> asker_;     ///< of a ring
-  std::deque<std::vector<std::string>> changes_;  ///< the first is being asked for
+  std::optional<runtime::ChangeAsker> asker_;  ///< of a ring
+  std::deque<runtime::ChangeWords> changes_;   ///< the first is being asked for
   std::future<std::string> asking_;
+  std::optional<NextRing> next_;  ///< if pages may choose
 };
 
 }  // namespace

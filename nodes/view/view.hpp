@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "nodes/runtime/options.hpp"
+#include "nodes/view/next_ring.hpp"
 #include "nodes/view/page_server.hpp"
 
 namespace voxtouch::view {
@@ -15,11 +16,19 @@ struct Options {
   ServerOptions server;
   bool leads_hand = false;  ///< pages move the hand of the ring's device
   bool opens_browser = false;
+  /// Where a page's choice of what runs next is written to: scene, device and address of the page,
+  /// a line each. Empty: pages choose nothing.
+  std::filesystem::path choice;
+  NextActions next;  ///< with `choice`
   bool to_stderr =
       false;  ///< the address is printed there, since stdout belongs to another program
 };
 
-/// Serves until `stop`. Throws std::runtime_error, a sentence.
+/// Status with which `run` ends once a page has chosen what runs next.
+inline constexpr int kChosenStatus = 10;
+
+/// Serves until `stop`, or until a page has chosen what runs next. Throws std::runtime_error, a
+/// sentence.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::view

@@ -88,7 +88,7 @@ class Browser:
           const box = e => e.getBoundingClientRect();
           const apart = (a, b) => a.right <= b.left + 1 || b.right <= a.left + 1 || a.bottom <= b.top + 1 || b.bottom <= a.top + 1;
           const say = e => e.id || e.className || e.tagName;
-          for (const group of ['main > section, #design', '#numbers, #cameras, #cut, #legend, #player, #flags', '.chart', '.chart h2, .chart .plot', 'header > *']) {
+          for (const group of ['main > section, #design', '#numbers, #cameras, #cut, #legend, #player, #flags, #hand-panel, #learn', '.chart', '.chart h2, .chart .plot', 'header > *']) {
             const all = of(group);
             all.forEach((a, i) => all.slice(i + 1).forEach(b => { if (!apart(box(a), box(b))) faults.push(say(a) + ' over ' + say(b)); }));
           }

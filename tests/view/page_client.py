@@ -195,11 +195,12 @@ class WebSocket:
     def send(self, text):
         data = text.encode()
         mask = os.urandom(4)
-        length = (
-            struct.pack("!B", 0x80 | len(data))
-            if len(data) < 126
-            else struct.pack("!BH", 0x80 | 126, len(data))
-        )
+        if len(data) < 126:
+            length = struct.pack("!B", 0x80 | len(data))
+        elif len(data) < 65536:
+            length = struct.pack("!BH", 0x80 | 126, len(data))
+        else:
+            length = struct.pack("!BQ", 0x80 | 127, len(data))
         self.socket.sendall(
             b"\x81" + length + mask + bytes(b ^ mask[i % 4] for i, b in enumerate(data))
         )

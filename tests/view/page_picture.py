@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """Takes a picture of the page of `voxtouch up --view` in the middle of a run, in headless Chromium.
 
-usage: page_picture.py SCENE PICTURE [--motion M] [--after S] [--dark] [--domain N]
+usage: page_picture.py SCENE PICTURE [--motion M | --hand] [--after S] [--dark] [--domain N]
+
+--hand: no motion; the pointer drags the hand into the middle of the scene and along it.
 """
 
 import argparse
@@ -19,18 +21,44 @@ for name, folder in (
 ):
     os.environ.setdefault(name, str(ROOT / folder))
 from browser_test import Browser  # noqa: E402
+from hand_test import Pointer  # noqa: E402
 from page_client import Process, until  # noqa: E402
 from PIL import Image  # noqa: E402
 
 MOST_BYTES = 200_000
 
 
-def take(browser, address, after_s, dark):
+# From where the hand wants to be to the middle of the scene: wheel in depth, and pixels.
+WAY = """(() => {
+  const hand = voxtouch.hand;
+  if (!hand.position) hand.grip();
+  const way = voxtouch.scene3d.middle.clone().sub(hand.position), {right, up, away} = hand.axes(), pixel = hand.pixel();
+  return [way.dot(away) / (-0.3 * pixel), way.dot(right) / pixel, -way.dot(up) / pixel];
+})()"""
+
+
+def drag_along(browser):
+    """Into the scene, and up and down along it; the button stays down."""
+    until(
+        lambda: browser.js("Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length)"), 40, ""
+    )
+    pointer = Pointer(browser)
+    wheel, dx, dy = browser.js(WAY)
+    pointer.wheel(wheel)
+    pointer.press()
+    pointer.move(dx, dy, 20, button="left", buttons=1)
+    for up in (-25, 50, -50, 50, -25):
+        pointer.move(0.2 * up, up, 20, button="left", buttons=1)
+
+
+def take(browser, address, after_s, dark, hand):
     """A moment in contact, with points and ten seconds of charts."""
     browser.open(address)
     browser.js(f"localStorage.setItem('voxtouch-theme', '{'dark' if dark else 'light'}')")
     browser.open(address + "&smooth")
     time.sleep(after_s)
+    if hand:
+        drag_along(browser)
 
     def touches():
         return browser.js(
@@ -68,14 +96,14 @@ def main():
         parser.add_argument("--motion", default="slide"),
         parser.add_argument("--after", type=float, default=6.0),
     )
+    parser.add_argument("--hand", action="store_true")
     parser.add_argument("--dark", action="store_true"), parser.add_argument("--domain", default="0")
     o = parser.parse_args()
-    with Process(
-        "up", o.scene, "--motion", o.motion, "--view", "--no-record", "--domain", o.domain
-    ) as ring:
+    moved = ("--hand-from", "page") if o.hand else ("--motion", o.motion, "--view")
+    with Process("up", o.scene, *moved, "--no-record", "--domain", o.domain) as ring:
         browser = Browser()
         try:
-            png = take(browser, ring.address(), o.after, o.dark)
+            png = take(browser, ring.address(), o.after, o.dark, o.hand)
         finally:
             browser.end()
     pathlib.Path(o.picture).write_bytes(small(png))

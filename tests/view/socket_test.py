@@ -76,7 +76,7 @@ class Guards(unittest.TestCase):
 
     def test_disconnects_a_flooding_client(self):
         with WebSocket(self.address) as socket:
-            socket.send('{"words": "' + "x" * 5000 + '"}')
+            socket.send('{"words": "' + "x" * 70000 + '"}')
             self.assertEqual(socket.code_of_the_end(5), 1009)
         with WebSocket(self.address) as socket:
             for _ in range(200):
@@ -87,13 +87,13 @@ class Guards(unittest.TestCase):
             self.assertIn(socket.code_of_the_end(5), (1008, 1006))
         self.assertEqual(request(self.address)[0], 200)
 
-    def test_serves_eight_pages_and_no_more(self):
-        sockets = [WebSocket(self.address) for _ in range(10)]
-        self.assertEqual(sum(s.status == 101 for s in sockets), 10)
-        for refused in sockets[8:]:
+    def test_serves_64_pages_and_no_more(self):
+        sockets = [WebSocket(self.address) for _ in range(66)]
+        self.assertEqual(sum(s.status == 101 for s in sockets), 66)
+        for refused in sockets[64:]:
             message = refused.receive()
             self.assertEqual(message["type"], "refused")
-            self.assertIn("8 pages are open", message["sentence"])
+            self.assertIn("64 pages are open", message["sentence"])
             self.assertIsNone(refused.receive())
         for s in sockets:
             s.close()
@@ -102,7 +102,7 @@ class Guards(unittest.TestCase):
             self.assertEqual(socket.status, 101)
 
     def test_a_page_that_answers_no_ping_loses_its_place(self):
-        frozen = [WebSocket(self.address) for _ in range(8)]
+        frozen = [WebSocket(self.address) for _ in range(64)]
         time.sleep(25)
         with WebSocket(self.address) as socket:
             self.assertNotEqual(socket.receive()["type"], "refused")

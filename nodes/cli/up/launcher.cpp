@@ -197,7 +197,7 @@ int RunningNode::join(std::chrono::milliseconds patience) {
 }
 
 std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o, bool leads_hand,
-                                        bool browser) {
+                                        bool browser, const std::filesystem::path& choice) {
   constexpr std::chrono::milliseconds kPatience{2'000};
   std::vector<std::string> arguments = {"view",        o.scene.string(),   "--rig",
                                         o.rig,         "--domain",         fmt::to_string(o.domain),
@@ -206,6 +206,8 @@ std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o, bool lead
     arguments.emplace_back("--lead-hand");
   if (browser)
     arguments.emplace_back("--browser");
+  if (!choice.empty())
+    arguments.insert(arguments.end(), {"--choice", choice.string()});
   for (const std::string& peer : o.discovery_peers)
     arguments.insert(arguments.end(), {"--discovery-peer", peer});
   if (!o.security.empty())

@@ -54,8 +54,9 @@ std::unique_ptr<RunningNode> start_node(LauncherOptions& options, const std::str
 /// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not
 /// notice. Shows the ring of `options` and the meshes of its scene, and prints its address on
 /// stderr. `leads_hand`: pages move the hand of the ring's device. `browser`: it is opened there.
+/// `choice`: file for what a page chooses to run next; empty: none.
 /// Throws std::runtime_error where it cannot be started.
 std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options, bool leads_hand,
-                                        bool browser);
+                                        bool browser, const std::filesystem::path& choice);
 
 }  // namespace voxtouch::cli

@@ -14,6 +14,7 @@
 #include "nodes/faults/fault_bag.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/signals.hpp"
+#include "nodes/view/view.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -101,7 +102,7 @@ RunSummary RingRun::go() {
 
 void RingRun::watch() {
   std::int64_t next_line = runtime::monotonic_ns();
-  while (!runtime::stop_requested().load()) {
+  while (!runtime::stop_requested().load() && !page_has_chosen_) {
     poll();
     if (runtime::monotonic_ns() >= next_line) {
       monitor_.print(nodes_);
@@ -137,6 +138,9 @@ void RingRun::poll() {
   claim_.name(monitor_.players());
   if (const std::optional<int> status = page_ ? page_->ended() : std::nullopt) {
     page_ = nullptr;
+    page_has_chosen_ = *status == view::kChosenStatus;
+    if (page_has_chosen_)
+      return;
     console::log("warning: the page ended by {}; `voxtouch view` serves it again\n",
                  how_ended(*status));
     summary_.events.push_back({RunFact::kPageEnded, "view", 0.0, 0.0, how_ended(*status)});

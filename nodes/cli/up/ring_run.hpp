@@ -54,7 +54,8 @@ class RingRun {
   RunSummary summary_;
   RigClaim claim_;
   RunMonitor monitor_;
-  RunningNode* page_ = nullptr;  ///< null: there is none, or its end was reported
+  RunningNode* page_ = nullptr;   ///< null: there is none, or its end was reported
+  bool page_has_chosen_ = false;  ///< what runs next: this run ends
   std::filesystem::path faults_;
   ProcessSupervisor nodes_;
   std::string refusal_;  ///< of rendering or coupling, before any sample was answered

@@ -8,6 +8,7 @@
 
 #include "core/scene/scene_file.hpp"
 #include "devices/settings.hpp"
+#include "nodes/cli/up/next_run.hpp"
 #include "nodes/cli/up/ring_run.hpp"
 #include "nodes/cli/up/run_files.hpp"
 #include "nodes/cli/up/start_report.hpp"
@@ -54,7 +55,7 @@ void check_page(const UpOptions& options) {
         "hand. Start without --security, or with --motion");
 }
 
-RunSummary run_up(const UpOptions& options) {
+RunSummary run_up(const UpOptions& options, const std::filesystem::path& choice) {
   check_restarts(options);
   check_page(options);
   require_all_keys(options);
@@ -69,7 +70,7 @@ RunSummary run_up(const UpOptions& options) {
                options.ring.device.device});  // first: others can answer its claim meanwhile
   const device_node::Options& device = options.ring.device;
   if (options.view || device.hand.from_page) {  // what takes long to build can be seen meanwhile
-    page = start_page(options.node, device.hand.from_page, options.browser);
+    page = start_page(options.node, device.hand.from_page, options.browser, choice);
     run.set_page(*page);
   }
   const std::vector<std::string> notes = check_before_start(
@@ -81,14 +82,35 @@ RunSummary run_up(const UpOptions& options) {
   return run.go();
 }
 
+/// A run that a page has chosen and that cannot start makes room for the one before.
+RunSummary run_or_go_back(const UpOptions& options, const std::filesystem::path& choice) {
+  const std::optional<NextRun> previous = take_previous();
+  try {
+    return run_up(options, choice);
+  } catch (const std::exception& error) {
+    if (!previous)
+      throw;
+    console::log("error: {}\n", error.what());
+    become(options, *previous, false);
+    throw;
+  }
+}
+
 int up(const UpOptions& options) {
-  const RunSummary summary = run_up(options);
+  auto choice = std::make_unique<ChoiceFolder>(options);
+  const RunSummary summary = run_or_go_back(options, choice->file());
+  const std::optional<NextRun> next = read_choice(choice->file());
+  choice.reset();
   console::print_result("{}", options.json ? json_of(summary) : to_text(summary));
   if (!options.no_record)
     keep_verdict(summary);
   if (!options.no_record && !options.no_report) {
     console::finish_results();  // the summary does not wait while a page is drawn
     report_on(summary);
+  }
+  if (next && !runtime::stop_requested().load()) {
+    console::finish_results();
+    become(options, *next, true);
   }
   return summary.verdict.passed() ? 0 : 1;
 }

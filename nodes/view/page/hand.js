@@ -7,12 +7,11 @@
   const MOVES = {ArrowLeft: ['right', -1], ArrowRight: ['right', 1], ArrowUp: ['up', 1], ArrowDown: ['up', -1], PageUp: ['away', 1], PageDown: ['away', -1]};
   const TURNS = {ArrowLeft: ['up', -1], ArrowRight: ['up', 1], ArrowUp: ['right', -1], ArrowDown: ['right', 1], PageUp: ['away', 1], PageDown: ['away', -1]};
   const DEAD = 0.15;  // of a gamepad's stick
-  const HAND_N_PER_M = 300, PRESS = 0.3, LEAD = 0.9;  // stiffness of the operator's grip; see `bounded`
 
   class Hand {
-    // `scene`: a Scene3D; `send(order)`; `frame()`: the newest frame, or nothing; `strongest()`: the device's largest force [N].
-    constructor(scene, send, frame, strongest) {
-      this.scene = scene, this.send = send, this.frame = frame, this.strongest = strongest;
+    // `scene`: a Scene3D; `send(order)`; `frame()`: the newest frame, or nothing.
+    constructor(scene, send, frame) {
+      this.scene = scene, this.send = send, this.frame = frame;
       this.page = null, this.facts = null, this.on = false;
       this.position = null, this.orientation = new THREE.Quaternion();  // to where it was dragged; null: nowhere yet
       this.aimed = null;                                                // what was sent last
@@ -80,28 +79,14 @@
     near(a, b) { return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]) < this.sight(); }
     sight() { return 0.6 * this.scene.radius; }
     tool() { const frame = this.frame(); return frame && frame.tool; }
-    // At most `length` from the tool.
-    within(position, length) {
-      const tool = this.tool();
-      if (!tool) return position;
-      const from = new THREE.Vector3(tool[0], tool[1], tool[2]), way = position.clone().sub(from);
-      return way.length() > length ? from.add(way.setLength(length)) : position;
-    }
-    // What is sent: a hand that pulls harder than the device can hold would be drawn through every wall. It presses against a force with
-    // PRESS of the device's largest one, and leads the tool by LEAD of it in all other directions.
-    bounded(position) {
-      const one = (this.strongest() || 1) / HAND_N_PER_M, frame = this.frame();
-      const led = this.within(position, Math.min(this.sight(), LEAD * one));
-      const force = new THREE.Vector3(...(frame && frame.force || [0, 0, 0]));
-      if (!frame || !frame.tool || force.length() < 0.05) return led;
-      const against = force.normalize().negate();
-      const pressed = led.clone().sub(new THREE.Vector3(frame.tool[0], frame.tool[1], frame.tool[2])).dot(against);
-      return pressed > PRESS * one ? led.clone().addScaledVector(against, PRESS * one - pressed) : led;
-    }
-
+    // In sight of the tool, however long it is dragged into a wall; how hard it presses is for the device to limit.
     shiftBy(axis, length) {
+      const tool = this.tool();
       this.position.addScaledVector(this.axes()[axis], length);
-      this.position = this.within(this.position, this.sight()).clone();  // however long it is dragged into a wall
+      if (tool) {
+        const from = new THREE.Vector3(tool[0], tool[1], tool[2]);
+        this.position.sub(from).clampLength(0, this.sight()).add(from);
+      }
       this.changed();
     }
     turnBy(axis, angle) {
@@ -193,18 +178,15 @@
       this.readPad(seconds);
       if (this.keys.size && this.grip()) for (const key of this.keys) this.goAlong(key, seconds);
       if (this.isHeld()) this.heldAt = now;
-      else if (this.position && this.aimed && now - this.heldAt > AFTER_MS) this.position.copy(this.aimed);
       this.flush(now), this.show();
     }
     flush(now) {
       if (!this.position || !this.isMine() || now < this.nextAt - 2) return;
       if (!this.dirty && now - this.heldAt > AFTER_MS) return;
-      const target = this.bounded(this.position);
-      const moved = !this.aimed || target.distanceTo(this.aimed) > 1e-5;
-      if (!this.dirty && !moved && now - this.sentAt < KEEP_MS) return;
-      this.dirty = false, this.sentAt = now, this.aimed = target.clone();
+      if (!this.dirty && now - this.sentAt < KEEP_MS) return;
+      this.dirty = false, this.sentAt = now, this.aimed = this.position.clone();
       this.nextAt = Math.max(this.nextAt, now - SEND_MS) + SEND_MS;  // sixty a second, however unevenly pictures come
-      this.send({aim: {p: target.toArray(), q: this.orientation.toArray()}});
+      this.send({aim: {p: this.position.toArray(), q: this.orientation.toArray()}});
     }
     show() {
       const last = this.facts && this.facts.target;

@@ -17,8 +17,10 @@
   }
   const charts = new Charts($('charts'), hold => setPaused(hold));
   const effects = new Panels.Effects(send);
-  const hand = state.hand = scene3d && new Hand(scene3d, order => socket && socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(order)), () => state.connected && state.frame,
-    () => state.facts && state.facts.device && state.facts.device.max_force_n);
+  const hand = state.hand = scene3d && new Hand(scene3d, order => socket && socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(order)), () => state.connected && state.frame);
+
+  const sound = state.sound = new Sound();
+  const learn = new Learn({send, look: where => look(where), slice: axis => { cut.axis = axis, askSlice(); }});
 
   function send(order) {
     if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(order));
@@ -47,6 +49,7 @@
     else if (message.type === 'past') takePast(message);
     else if (message.type === 'answer') effects.answered(message);
     else if (message.type === 'slice') takeSlice(message);
+    else if (message.type === 'choice') learn.refused(message);
     else if (message.type === 'refused') refusal = message.sentence;
     else if (message.type === 'page' && hand) hand.page = state.page = message.page, hand.position = hand.aimed = null;
   }
@@ -104,6 +107,7 @@
       if (hand) hand.position = hand.aimed = null;
     }
     state.frame = frame;
+    if (frame.force && state.facts && state.facts.device) sound.take(Math.hypot(...frame.force) / state.facts.device.max_force_n, frame.rows.map(row => row[4]));
     if (paused && !isBag()) return;
     waiting = frame;
     charts.add(frame.rows);
@@ -132,6 +136,7 @@
     }
     if (facts.bag) showPlayer(facts.bag);
     if (hand) hand.take(facts.hand);
+    learn.take(facts);
     note(), pill();
   }
 
@@ -229,7 +234,7 @@
   const toggleHand = () => hand && hand.facts && hand.setOn(!hand.on);
   $('hand-on').addEventListener('click', toggleHand);
   const step = by => isBag() && send({seek: Math.max(0, state.facts.bag.t + by)});
-  const KEYS = {' ': toggle, h: toggleHand, t: switchTheme, o: see, '?': () => $('keys').showModal(), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
+  const KEYS = {' ': toggle, l: () => learn.toggle(), m: () => sound.setOn(!sound.on), h: toggleHand, t: switchTheme, o: see, '?': () => $('keys').showModal(), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
                 v: () => { cut.axis = {'': 'x', x: 'y', y: 'z', z: ''}[cut.axis], askSlice(); },
                 0: () => look('home'), 1: () => look('front'), 2: () => look('side'), 3: () => look('top'), 4: () => look('near')};
   document.addEventListener('keydown', event => {

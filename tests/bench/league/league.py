@@ -27,7 +27,6 @@ import shapes
 import systems
 import truth
 
-
 LEAST_WRENCH = 1e-9  # N or N m: less is none
 PENETRATION_EVERY = 10  # samples
 PASSED_SAMPLES = 20  # a contact that is lost for so long has let the tool through

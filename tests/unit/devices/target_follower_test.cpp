@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "devices/operator/hand.hpp"
 #include "devices/sim/simulated_device.hpp"
 
 namespace voxtouch::hand {
@@ -25,10 +26,13 @@ Quat turned(const Vec3& axis, double angle_rad) { return Quat(Eigen::AngleAxisd(
 
 /// A follower with its clock.
 struct Led {
-  TargetFollower follower{Pose{}, kPeriodS};
+  TargetFollower follower{Pose{}, kPeriodS, {}};
   std::uint64_t periods = 0;
   double time_s() const { return static_cast<double>(periods) * kPeriodS; }
-  void advance() { follower.advance(), ++periods; }
+  void advance() {
+    follower.advance({}, {});
+    ++periods;
+  }
   MotionPoint position() const { return follower.position_at(time_s()); }
   MotionTurnPoint turn() const { return follower.turn_at(time_s()); }
 };
@@ -169,9 +173,11 @@ TEST(TargetFollower, IgnoresInvalidPoses) {
   EXPECT_EQ(led.turn().orientation.coeffs(), Quat::Identity().coeffs());
 }
 
-/// The device in front of a wall of 500 N/m at x = 0, and targets up to 20 mm in it that stop.
+/// The device in front of a wall at x = 0.
 struct AtAWall {
-  explicit AtAWall(const sim::SimParameters& p) : device(p, p.hand, start(), 1, true) {}
+  explicit AtAWall(const sim::SimParameters& p, double wall_n_per_m = 500.0)
+      : device(p, p.hand, start(), 1, true),
+        stiffness_n_per_m(wall_n_per_m) {}
   static Motion start() {
     Motion rest;
     rest.path = {Vec3(-0.01, 0.0, 0.0)};
@@ -180,11 +186,12 @@ struct AtAWall {
   /// One period; returns the force.
   double step() {
     const double x = device.read(std::chrono::microseconds(0))->pose.position.x();
-    const double force = -500.0 * std::max(0.0, x);
+    const double force = -stiffness_n_per_m * std::max(0.0, x);
     (void)device.write({Vec3(force, 0.0, 0.0), Vec3::Zero()});
     return force;
   }
   sim::SimulatedDevice device;
+  double stiffness_n_per_m;
 };
 
 TEST(LedDevice, PressesAsFarAsHandAndWallBalance) {
@@ -200,6 +207,64 @@ TEST(LedDevice, PressesAsFarAsHandAndWallBalance) {
   const double k = p.hand.stiffness_n_per_m;
   const double expected = -500.0 * k * 0.01 / (k + 500.0);
   EXPECT_NEAR(force, expected, p.description.coulomb_friction_n + 0.01);
+}
+
+/// The largest force of the last second, over that of the device, in front of a wall of a stiffness
+/// with targets that are `depth_m` in it.
+double press_ratio(const sim::SimParameters& p, double wall_n_per_m, double depth_m) {
+  AtAWall at_wall(p, wall_n_per_m);
+  double most = 0.0;
+  for (int n = 0; n < 6'000; ++n) {
+    if (n % 16 == 0)
+      at_wall.device.lead_hand(at({depth_m, 0.0, 0.0}));
+    const double force = std::abs(at_wall.step());
+    EXPECT_LE(force, p.description.max_force_n);
+    if (n >= 5'000)
+      most = std::max(most, force);
+  }
+  return most / p.description.max_force_n;
+}
+
+TEST(LedDevice, ForceStaysBelowItsLimitForAnyTarget) {
+  for (const sim::SimParameters& p : {sim::sim_phantom(), sim::sim_lwr()})
+    for (const double wall_n_per_m : {30.0, 100.0, 500.0, 1'000.0})
+      for (const double depth_m : {10.0, 1e17, 1e300}) {
+        const double friction = p.description.coulomb_friction_n / p.description.max_force_n;
+        EXPECT_NEAR(press_ratio(p, wall_n_per_m, depth_m), 0.3, friction + 0.003)
+            << p.description.model << ", wall " << wall_n_per_m << " N/m, " << depth_m << " m";
+      }
+}
+
+/// Led at full speed, then no target comes any more just as the wall is met.
+TEST(LedDevice, YieldsAtRestAfterPressingTooHard) {
+  const sim::SimParameters p = sim::sim_phantom();
+  AtAWall at_wall(p);
+  double force = 0.0;
+  for (int n = 0; n < 3'000; ++n) {
+    if (n % 16 == 0 && force == 0.0)
+      at_wall.device.lead_hand(at({10.0, 0.0, 0.0}));
+    force = std::abs(at_wall.step());
+    EXPECT_LE(force, p.description.max_force_n);
+  }
+  EXPECT_LT(force, 0.3 * p.description.max_force_n + p.description.coulomb_friction_n + 0.02);
+  EXPECT_GT(force, 0.5);
+}
+
+/// A torque against the turn, as of a slot.
+TEST(LedDevice, TorqueStaysBelowItsLimitForAnyTarget) {
+  sim::SimParameters p = sim::sim_lwr();
+  p.hand = *hand::grip("arm-firm");
+  AtAWall free(p);
+  double torque = 0.0;
+  for (int n = 0; n < 4'000; ++n) {
+    if (n % 16 == 0)
+      free.device.lead_hand(at({-0.01, 0.0, 0.0}, turned(Vec3::UnitZ(), 3.0)));
+    const Quat q = free.device.read(std::chrono::microseconds(0))->pose.orientation;
+    torque = -100.0 * (q.w() < 0.0 ? -2.0 : 2.0) * q.z();
+    (void)free.device.write({Vec3::Zero(), Vec3(0.0, 0.0, torque)});
+  }
+  EXPECT_NEAR(-torque / p.description.max_torque_nm, 0.3,
+              p.coulomb_friction_nm / p.description.max_torque_nm + 0.005);
 }
 
 TEST(LedDevice, LosingItsTargetsInContactIsNoJumpOfForce) {

@@ -43,24 +43,26 @@ struct Node {
   NodeThread thread;
 };
 
-device_node::Options led_device(const std::string& rig, const bus::Guid& up) {
-  auto o = node_options<device_node::Options>(rig, "plane");
+device_node::Options led_device(const std::string& rig, const bus::Guid& up,
+                                const std::string& scene = "plane",
+                                const std::string& motion = "hit") {
+  auto o = node_options<device_node::Options>(rig, scene);
   o.hand.from_page = true;
-  o.motion = "hit";
+  o.motion = motion;
   o.up = up;
   return o;
 }
 
 class LedHand : public testing::Test {
  protected:
-  LedHand()
+  explicit LedHand(const std::string& scene = "plane", const std::string& motion = "hit")
       : up(kDomain, rig),
         listener({kDomain, "lo", "listener"}),
         registry(listener, rig),
         states(listener, qos::kDeviceState, rig, qos::profile(qos::ProfileId::kTap)),
-        rendering(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run),
-        coupling(node_options<coupling_node::Options>(rig, "plane"), coupling_node::run),
-        device(led_device(rig, up.participant.guid()), device_node::run) {
+        rendering(node_options<rendering_node::Options>(rig, scene), rendering_node::run),
+        coupling(node_options<coupling_node::Options>(rig, scene), coupling_node::run),
+        device(led_device(rig, up.participant.guid(), scene, motion), device_node::run) {
     // Of the ring's nodes only the device asks who plays a role; it is reported who does.
     EXPECT_TRUE(sees([&] { return report("rendering") && report("coupling") && state.session_id; }))
         << device.thread.error();
@@ -177,6 +179,25 @@ TEST_F(LedHand, RestsInContactOnceItsPageHasGone) {
     EXPECT_LT((tip() - rest).norm(), 2e-4);
   }
   EXPECT_TRUE(sees([&] { return leader() == "no page"; })) << leader();
+}
+
+struct LedHandAtARigidWall : LedHand {
+  LedHandAtARigidWall() : LedHand("press_virtual_tool", "press") {}
+};
+
+/// A message that no page would send: the device itself limits how hard its hand presses.
+TEST_F(LedHandAtARigidWall, ForceStaysBelowItsLimit) {
+  constexpr double kMaxForceN = 8.5, kFrictionN = 0.04;  // of the simulated Phantom
+  const scene::Scene wall =
+      scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/press_virtual_tool.yaml");
+  const Vec3 into = wall.device.pose_WD.orientation.conjugate() * Vec3(0.0, 0.0, -1.0);
+  Page page(rig);
+  page.stand_in.say(state.session_id);
+  name({&page});
+  ASSERT_TRUE(sees_leader());
+  aim(page, state.session_id, tip() + 10.0 * into, milliseconds(3'000));
+  EXPECT_GT(number("last_second_max_force_n"), 0.25 * kMaxForceN);
+  EXPECT_LT(number("last_second_max_force_n"), 0.3 * kMaxForceN + kFrictionN + 0.1);
 }
 
 std::string refusal(const std::string& device, bool lockstep) {

@@ -1,0 +1,36 @@
+#pragma once
+/// How far a hand may want to be from the tool that it moves.
+#include <algorithm>
+
+#include "core/types/geometry.hpp"
+
+namespace voxtouch {
+
+/// Limits of a hand that is led from outside, as ratios of the displacement at which its spring
+/// gives the device's largest force. A hand that pulls harder than the device can hold passes every
+/// wall, as with hardware.
+inline constexpr double kLeadRatio = 0.9;     ///< ahead of the tool
+inline constexpr double kPressRatio = 0.3;    ///< against the force that the device gives
+inline constexpr double kLoadedRatio = 0.05;  ///< of the largest force: from there on kPressRatio
+
+/// `lead`, the displacement from the tool to where the hand wants it to be [m], within the limits;
+/// bit-identical where it is. `load`: the device's force over its largest one, in the same axes.
+/// `full`: the displacement at which the hand's spring gives the largest force [m]; infinity: no
+/// limit. For a rotation likewise, with rotation vectors and torques.
+///
+/// Between no load and kLoadedRatio the limit against the load falls linearly from kLeadRatio, so
+/// the result is continuous. Real-time safe.
+inline Vec3 limited_lead(const Vec3& lead, const Vec3& load, double full) noexcept {
+  const double length = lead.stableNorm(), most = kLeadRatio * full;
+  const Vec3 led = length > most ? Vec3((most / length) * lead) : lead;
+  const double loaded = load.norm();
+  if (!(loaded > 0.0))
+    return led;
+  const double slack = std::max(0.0, 1.0 - loaded / kLoadedRatio);
+  const double limit = (kPressRatio + (kLeadRatio - kPressRatio) * slack) * full;
+  const Vec3 against = load / -loaded;
+  const double pressed = led.dot(against);
+  return pressed > limit ? Vec3(led - (pressed - limit) * against) : led;
+}
+
+}  // namespace voxtouch

@@ -1,0 +1,63 @@
+#pragma once
+/// What a page chooses to run next: a shipped scene and a simulated device, or a mesh.
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace voxtouch::view {
+
+struct Next {
+  std::string scene;  ///< a shipped name, or the file of a proposed scene
+  std::string device;
+};
+
+/// What only the command line can do. Both may take seconds and throw std::exception, a sentence.
+struct NextActions {
+  std::function<void(const Next&)> check;
+  /// A scene of the mesh in `bytes`, in a format of that ending.
+  std::function<std::string(const std::string& bytes, const std::string& ending,
+                            const std::string& device)>
+      propose;
+};
+
+/// One thread calls it, and none of its calls waits. Takes shipped names only, and no names of
+/// files.
+class NextRing {
+ public:
+  static constexpr std::size_t kMaxMeshBytes = 16 << 20;
+
+  explicit NextRing(const NextActions& actions) : actions_(actions) {}
+
+  /// {"scenes": [...], "devices": [...]}
+  static nlohmann::json offered();
+  /// {"scene": name, "device": name}. Throws json::exception for what is no such thing.
+  void choose(const nlohmann::json& order);
+  /// {"ending": ".stl", "device": name, "at": 0, "of": bytes, "data": base64}: a piece of a mesh,
+  /// in order, all from one page. Throws likewise.
+  void take_mesh(std::uint64_t page, const nlohmann::json& order);
+  /// The sentence of what was refused since the last call.
+  std::optional<std::string> poll();
+  /// Checked: the ring may end.
+  const std::optional<Next>& chosen() const noexcept { return chosen_; }
+
+ private:
+  struct Checked {
+    Next next;
+    std::string problem;
+  };
+  bool may_begin(const std::string& device);
+  void begin(std::function<Next()> make);
+
+  const NextActions& actions_;
+  std::string mesh_, problem_;
+  std::uint64_t page_ = 0;  ///< that sends the mesh
+  std::future<Checked> checking_;
+  std::optional<Next> chosen_;
+};
+
+}  // namespace voxtouch::view

@@ -1,0 +1,161 @@
+'use strict';
+// What there is to learn: scene and device, the contact model, a tour of six steps, a mesh by drag and drop, and sound.
+(function () {
+  const $ = id => document.getElementById(id);
+  const option = (value, text) => Object.assign(document.createElement('option'), {value, textContent: text ?? value});
+
+  // What to feel for.
+  const MODELS = {
+    original: 'A tangent plane for each voxel: it chatters at voxel borders. Slide slowly.',
+    adapted: 'Planes with mean normals: softer steps than original. Slide slowly over the same place.',
+    field: 'An interpolated distance: smooth, and soft at sharp edges.',
+  };
+  const EFFECTS = {
+    friction: 'Press and slide: the force leans back, and the tool sticks before it slips.',
+    texture: 'Slide at an even speed: the ripple gets faster with the speed.',
+    viscosity: 'Move fast in free space: the drag grows with the speed.',
+    magnet: 'Come close and let go: it pulls you in.',
+    proximity: 'Come close without contact: the force begins before the surface.',
+  };
+  const TOUR = [
+    ['Voxels', 'The scene is a grid of voxels. Move the tool through the plane: colours are voxels that the contact model asks.', page => page.slice('y')],
+    ['Points', 'The tool is a shell of points. Press lightly and look close: dots are the points in contact, more of them the deeper it is.', page => page.look('near')],
+    ['Models', 'The same contact by another model. Slide over the same place after each choice of "Contact model".', page => page.choose({scene: 'cup'})],
+    ['Coupling', 'A coupling keeps contact and hand stable, and costs stiffness: compare the two forces in the top left corner. It is chosen at the start; '
+      + 'with a virtual tool the displayed tool stays outside.', page => page.choose({scene: 'cup_virtual_tool'})],
+    ['Friction', 'Press, slide, and switch friction off and on in "Effects".', page => page.choose({scene: 'cup_friction'})],
+    ['Your mesh', 'Drop an OBJ, STL, PLY or GLB file of at most 16 MiB on the picture. It is read in a process of its own, with limits.', page => page.pickMesh()],
+  ];
+
+  class Learn {
+    // `page`: {send(order), slice(axis), look(where)}
+    constructor(page) {
+      this.page = page, this.step = 0, this.offered = false, this.plan = null;
+      page.choose = choice => this.choose(choice), page.pickMesh = () => $('mesh').click();
+      $('learn-on').addEventListener('click', () => this.toggle());
+      $('start').addEventListener('click', () => this.choose({}));
+      $('model').addEventListener('change', () => this.page.send({model: $('model').value}));
+      $('tour-back').addEventListener('click', () => this.go(-1));
+      $('tour-next').addEventListener('click', () => this.go(1));
+      $('tour-do').addEventListener('click', () => TOUR[this.step][2](this.page));
+      $('mesh').addEventListener('change', () => this.sendMesh($('mesh').files[0]));
+      for (const kind of ['dragover', 'drop']) $('scene').addEventListener(kind, event => {
+        event.preventDefault();
+        if (kind === 'drop') this.sendMesh(event.dataTransfer.files[0]);
+      });
+      $('model').append(...Object.keys(MODELS).map(name => option(name)));
+      this.go(0);
+    }
+
+    toggle() {
+      const on = $('learn').hidden;
+      $('learn').hidden = !on;
+      $('learn-on').setAttribute('aria-pressed', String(on));
+      if (on) $('learn').querySelector('select, button').focus();
+    }
+    go(by) {
+      this.step = Math.max(0, Math.min(TOUR.length - 1, this.step + by));
+      const [title, text] = TOUR[this.step];
+      $('tour-title').textContent = `Step ${this.step + 1} of ${TOUR.length}: ${title}`, $('tour-text').textContent = text;
+      $('tour-back').disabled = this.step === 0, $('tour-next').disabled = this.step === TOUR.length - 1;
+    }
+    say(text) { $('learn-text').textContent = text; }
+
+    take(facts) {
+      const {offered, plan, device, effects} = facts;
+      $('choice').hidden = !offered;
+      if (offered && !this.offered) {
+        for (const [id, names] of [['choose-scene', offered.scenes], ['choose-device', offered.devices]]) $(id).replaceChildren(...names.map(name => option(name)));
+        this.offered = true;
+      }
+      const told = JSON.stringify([plan, device]);
+      if (plan && told !== this.told) {
+        this.told = told;
+        $('choose-scene').value = plan.scene, $('model').value = plan.model;
+        if (device && offered && offered.devices.includes(device.model)) $('choose-device').value = device.model;
+        this.say('');
+      }
+      const on = effects.filter(e => e.on).map(e => EFFECTS[e.name]).filter(Boolean);
+      $('feel').textContent = [MODELS[plan && plan.model], ...on].filter(Boolean).join(' ');
+    }
+
+    choose(choice) {
+      if (!this.offered) return this.say('Scene and device are chosen at the start of this ring.');
+      const chosen = {scene: $('choose-scene').value, device: $('choose-device').value || 'sim-phantom', ...choice};
+      this.page.send({choose: chosen});
+      this.say(`${chosen.scene} on ${chosen.device} is checked; then the ring starts again.`);
+    }
+    refused(message) { this.say(message.sentence); }
+
+    // In pieces of 30 kB, thirty a second.
+    async sendMesh(file) {
+      if (!file || !this.offered) return this.say('A mesh can be chosen where voxtouch try runs the ring.');
+      const ending = file.name.slice(file.name.lastIndexOf('.')).toLowerCase(), device = $('choose-device').value || 'sim-phantom';
+      if (file.size > 16 << 20) return this.say('The file is larger than 16 MiB.');
+      const bytes = new Uint8Array(await file.arrayBuffer()), piece = 30000;
+      for (let at = 0; at < bytes.length; at += piece) {
+        this.say(`${file.name}: ${Math.round(100 * at / bytes.length)} % sent`);
+        this.page.send({mesh: {ending, device, at, of: bytes.length, data: btoa(String.fromCharCode(...bytes.subarray(at, at + piece)))}});
+        await new Promise(done => setTimeout(done, 33));
+      }
+      this.say(`${file.name} is read; then the ring starts again.`);
+    }
+  }
+
+  // Loudness by the force, a click at contact, and what the force does within 8 ms: a texture, a chatter. Off until it is switched on.
+  class Sound {
+    constructor() {
+      this.on = false, this.touches = false;
+      $('sound').addEventListener('click', () => this.setOn(!this.on));
+    }
+    setOn(on) {
+      this.on = on;
+      $('sound').setAttribute('aria-pressed', String(on));
+      if (!this.context) this.make();
+      if (on) this.context.resume();
+      else this.context.suspend();
+    }
+    make() {
+      const context = this.context = new AudioContext(), noise = context.createBuffer(1, context.sampleRate, context.sampleRate);
+      const samples = noise.getChannelData(0);
+      for (let n = 0; n < samples.length; ++n) samples[n] = 2 * Math.random() - 1;
+      this.noise = noise;
+      this.out = context.createGain(), this.out.connect(context.destination);
+      const source = (node, level) => {
+        const out = context.createGain();
+        out.gain.value = level, node.connect(out).connect(this.out), node.start();
+        return out.gain;
+      };
+      const hum = Object.assign(context.createOscillator(), {type: 'triangle'});
+      hum.frequency.value = 110;
+      this.hum = source(hum, 0);
+      this.rough = source(Object.assign(context.createBufferSource(), {buffer: noise, loop: true}), 0);
+    }
+    // An analyser of all that is heard.
+    listen() {
+      const ear = this.context.createAnalyser();
+      this.out.connect(ear);
+      return ear;
+    }
+    // `share`: of the device's largest force; `sizes`: of the force in each 8 ms [N].
+    take(share, sizes) {
+      if (!this.on) return;
+      const now = this.context.currentTime;
+      this.hum.setTargetAtTime(0.25 * Math.min(1, share), now, 0.02);
+      let change = 0;
+      for (let n = 1; n < sizes.length; ++n) change = Math.max(change, Math.abs(sizes[n] - sizes[n - 1]));
+      this.rough.setTargetAtTime(share > 0.01 ? Math.min(0.2, 2 * change) : 0, now, 0.01);
+      const touches = share > 0.01;
+      if (touches && !this.touches) this.click(now, share);
+      this.touches = touches;
+    }
+    click(now, share) {
+      const source = Object.assign(this.context.createBufferSource(), {buffer: this.noise}), level = this.context.createGain();
+      level.gain.setValueAtTime(0.1 + 0.3 * Math.min(1, share), now), level.gain.exponentialRampToValueAtTime(1e-3, now + 0.03);
+      source.connect(level).connect(this.out);
+      source.start(now, Math.random(), 0.03);
+    }
+  }
+
+  window.Learn = Learn, window.Sound = Sound;
+})();

@@ -1,0 +1,287 @@
+"""A led hand whose pages fail, in headless Chromium: fifty tabs, a page that is loaded anew, one
+that sleeps, one whose socket is lost, one without the token. The hand rests, and the force of the
+recorded run has no step above the ramp.
+"""
+
+import json
+import pathlib
+import random
+import signal
+import sys
+import tempfile
+import time
+import unittest
+
+import hand_test
+from browser_test import Browser
+from hand_test import Pointer, aim, distance, led_ring, newest_frame, rigid_plane
+from page_client import DEPLOY, WebSocket, size, until, until_it_runs
+from selenium.webdriver.common.by import By
+
+sys.path.insert(0, str(DEPLOY / "tools"))
+from bag_data import Bag, norm, vector  # noqa: E402
+
+MAX_FORCE_N, RAMP_S, RATE_HZ = 8.5, 0.1, 1000.0  # of the simulated Phantom and its guard
+RAMP_N = MAX_FORCE_N / RAMP_S / RATE_HZ  # of one sample
+
+# Keeps each WebSocket of a page, so that a test can close it under the page.
+KEEP_SOCKETS = """
+  window.sockets = [];
+  const Real = window.WebSocket;
+  window.WebSocket = class extends Real { constructor(...a) { super(...a); sockets.push(this); } };
+"""
+
+
+def largest_step(bag, from_s, to_s):
+    """Of the commanded force between two samples in this time since the first one [N]."""
+    command = Bag(bag, requested=["coupling/command"]).rows["coupling/command"].table()
+    number, time_ns = command["sequence_number"], command["sample_time_ns"]
+    force = vector(command["wrench"]["force"])
+    follows = numpy_diff(number) == 1
+    time_s = 1e-9 * (time_ns[1:] - time_ns[0])
+    within = (time_s > from_s) & (time_s < to_s)
+    steps = norm(force[1:] - force[:-1])[follows & within]
+    assert len(steps) > 1000, "the recording is short"
+    return float(steps.max())
+
+
+def numpy_diff(numbers):
+    return numbers[1:].astype("int64") - numbers[:-1].astype("int64")
+
+
+class OfManyPages(unittest.TestCase):
+    """Without a browser: targets as pages send them."""
+
+    def test_passes_no_wall_in_200_drags(self):
+        random.seed(45)
+        with led_ring("cup_virtual_tool", "--json") as up:
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                scene = socket.wait_for(
+                    lambda m: m["type"] == "scene" and m["meshes"], 30, "the scene"
+                )
+                points = next(m for m in scene["meshes"] if m["role"] != "dynamic")["positions"]
+                at, touched, largest = newest_frame(socket)["tool"][:3], 0, 0.0
+                for _ in range(200):
+                    n = 3 * random.randrange(len(points) // 3)
+                    to = [x + random.uniform(-0.006, 0.006) for x in points[n : n + 3]]
+                    steps = random.choice((1, 2, 4, 8, 16))  # any speed
+                    for k in range(1, steps + 1):
+                        place = [a + (b - a) * k / steps for a, b in zip(at, to)]
+                        socket.order(aim={"p": place, "q": list(hand_test.UP)})
+                        time.sleep(1 / 60)
+                    aim(socket, to, random.uniform(0.1, 0.3))
+                    force = size(newest_frame(socket)["force"])
+                    at, touched, largest = to, touched + (force > 0.05), max(largest, force)
+            up.process.send_signal(signal.SIGINT)
+            up.process.wait(60)
+            output = up.output()
+        limits = json.loads(output[output.index("\n{") :])["limits"]
+        print(f"{touched} of 200 drags ended in contact, {largest:.2f} N at most")
+        self.assertGreaterEqual(touched, 150)
+        self.assertLess(largest, MAX_FORCE_N)
+        for name in ("passed_through_samples", "tunnelling_suspected_samples", "swing_s"):
+            self.assertEqual(limits[name]["value"], 0, name)
+
+    def test_of_fifty_pages_the_first_has_the_hand(self):
+        with tempfile.TemporaryDirectory() as folder, led_ring(rigid_plane(folder)) as up:
+            until_it_runs(up)
+            with WebSocket(up.address()) as first:
+                number = first.wait_for(lambda m: m["type"] == "page", 5, "its number")["page"]
+                start = newest_frame(first)["tool"]
+                aim(first, (start[0], start[1], 0.004), 2.0)
+                rest = newest_frame(first)
+                self.assertGreater(size(rest["force"]), 0.5, "in contact")
+                others = [WebSocket(up.address()) for _ in range(49)]
+                for other in others:
+                    other.order(aim={"p": [0.0, 0.0, 0.06], "q": list(hand_test.UP)})
+                for other in others:
+                    who = other.facts(lambda m: m["hand"]["page"] is not None, 20, "who has it")
+                    self.assertEqual(who["hand"]["page"], number)
+                    other.close()
+                frame = newest_frame(first)
+                self.assertLess(distance(frame["tool"], rest["tool"]), 3e-4, "it rests")
+                self.assertAlmostEqual(
+                    size(frame["force"]), size(rest["force"]), delta=0.1 * size(rest["force"])
+                )
+
+
+class Robust(unittest.TestCase):
+    def setUp(self):
+        self.browser = Browser()
+        self.addCleanup(self.browser.end)
+        self.browser.driver.execute_cdp_cmd(
+            "Page.addScriptToEvaluateOnNewDocument", {"source": KEEP_SOCKETS}
+        )
+
+    def cdp(self, name, **arguments):
+        return self.browser.driver.execute_cdp_cmd(name, arguments)
+
+    def ready(self):
+        until(
+            lambda: self.browser.js(
+                "Boolean(voxtouch.connected && voxtouch.frame && voxtouch.frame.tool"
+                " && voxtouch.hand.facts && voxtouch.scene.meshes.length)"
+            ),
+            40,
+            "the page",
+        )
+
+    def press(self):
+        """A drag into the wall that ends in contact, with the button down."""
+        self.browser.find("[data-camera=front]").click()
+        time.sleep(0.3)
+        pointer = Pointer(self.browser)
+        pointer.press()
+        for _ in range(40):
+            pointer.move(0, 6, 1, button="left", buttons=1)
+            time.sleep(0.15)
+            if size(self.browser.frame().get("force")) > 0.8:
+                time.sleep(0.5)  # no impact alone
+                if size(self.browser.frame().get("force")) > 0.8:
+                    return pointer
+        raise AssertionError("no contact")
+
+    def resting(self, watching):
+        """Force and place once the hand rests in contact."""
+        time.sleep(1.0)
+        frame = newest_frame(watching)
+        self.assertGreater(size(frame["force"]), 0.5, "in contact")
+        return size(frame["force"]), frame["tool"]
+
+    def assert_rests(self, watching, rest, what):
+        force, tool = rest
+        end = time.monotonic() + 1.0
+        while time.monotonic() < end:
+            frame = newest_frame(watching)
+            self.assertAlmostEqual(size(frame["force"]), force, delta=0.1 * force, msg=what)
+            self.assertLess(distance(frame["tool"], tool), 3e-4, what)
+
+    def test_rests_through_reload_sleep_and_a_lost_socket(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bag = str(pathlib.Path(folder) / "bag")
+            with led_ring(rigid_plane(folder), "--record", bag, "--no-report") as up:
+                until_it_runs(up)
+                self.browser.open(up.address())
+                self.ready()
+                with WebSocket(up.address()) as watching:
+                    self.press()
+                    rest = self.resting(watching)
+                    windows = [[newest_frame(watching)["t"]]]
+
+                    # Lost under the page: it comes back as another one, and the hand is free.
+                    before = self.browser.js("voxtouch.page")
+                    self.browser.js("sockets[sockets.length - 1].close()")
+                    until(lambda: self.browser.js("voxtouch.page") > before, 20, "a new socket")
+                    self.assert_rests(watching, rest, "a lost socket")
+
+                    # Loaded anew with the button down.
+                    self.browser.driver.refresh()
+                    self.ready()
+                    self.assert_rests(watching, rest, "a reload")
+                    windows[0].append(newest_frame(watching)["t"])
+                    pointer = Pointer(self.browser)
+                    pointer.drag(0, 4, 2)
+                    self.assertEqual(
+                        newest_hand(watching)["page"], self.browser.js("voxtouch.page")
+                    )
+
+                    # Asleep in contact: nothing is sent, and the hand is not another page's.
+                    rest = self.resting(watching)
+                    windows.append([newest_frame(watching)["t"]])
+                    self.cdp("Page.setWebLifecycleState", state="frozen")
+                    self.assert_rests(watching, rest, "asleep")
+                    aim(watching, [x + 0.02 for x in rest[1][:3]], 0.5)
+                    self.assert_rests(watching, rest, "it keeps the hand for ten seconds")
+                    time.sleep(8)
+                    windows[1].append(newest_frame(watching)["t"])
+                    aim(watching, [*rest[1][:2], 0.04], 1.5)
+                    self.assertGreater(newest_frame(watching)["tool"][2], 0.03, "then it is free")
+                    self.cdp("Page.setWebLifecycleState", state="active")
+                up.process.send_signal(signal.SIGINT)
+                up.process.wait(60)
+            for window in windows:
+                self.assertLess(largest_step(bag, *window), RAMP_N)
+
+    def test_stops_where_it_is_once_its_page_sends_no_more(self):
+        """Along the wall, to a target far beyond it."""
+        with tempfile.TemporaryDirectory() as folder:
+            with led_ring(rigid_plane(folder)) as up:
+                until_it_runs(up)
+                with WebSocket(up.address()) as watching:
+                    leading = WebSocket(up.address())
+                    start = newest_frame(leading)["tool"]
+                    aim(leading, (start[0], start[1], 0.005), 1.0)
+                    aim(leading, (start[0] + 5.0, start[1], 0.005), 0.1)
+                    leading.close()
+                    time.sleep(1.5)
+                    first = newest_frame(watching)["tool"]
+                    time.sleep(0.5)
+                    self.assertLess(distance(newest_frame(watching)["tool"], first), 3e-4)
+                    self.assertLess(first[0] - start[0], 0.5 * (0.1 + 0.3 + 0.1) + 0.1)
+
+    def test_of_fifty_tabs_the_first_has_the_hand(self):
+        with tempfile.TemporaryDirectory() as folder, led_ring(rigid_plane(folder)) as up:
+            until_it_runs(up)
+            address, driver = up.address(), self.browser.driver
+            self.browser.open(address)
+            self.ready()
+            with WebSocket(address) as watching:
+                self.press()
+                rest = self.resting(watching)
+                number, own = self.browser.js("voxtouch.page"), driver.current_window_handle
+                for _ in range(49):
+                    self.cdp("Target.createTarget", url=address, background=True)
+                self.assert_rests(watching, rest, "while they open")
+                others = [h for h in driver.window_handles if h != own]
+                self.assertEqual(len(others), 49)
+                for handle in others:
+                    driver.switch_to.window(handle)
+                    until(
+                        lambda: (
+                            f"Page {number} has the hand"
+                            in driver.find_element(By.ID, "hand-text").get_attribute("textContent")
+                        ),
+                        60,
+                        "who has the hand",
+                    )
+                    self.browser.js("voxtouch.hand.grip() && voxtouch.hand.shiftBy('right', 0.05)")
+                self.assert_rests(watching, rest, "it is none of theirs")
+
+    def test_without_the_token_no_page_opens_and_nothing_moves(self):
+        with led_ring("plane") as up:
+            until_it_runs(up)
+            address = up.address()
+            with WebSocket(address) as watching:
+                start = newest_frame(watching)["tool"]
+                self.browser.open(address[:-4] + "0000")
+                self.assertIn("token", self.browser.find("body").text)
+                # The page's own scripts, from the page that is refused.
+                said = self.browser.driver.execute_async_script(
+                    """const done = arguments[0], url = `ws://${location.host}/ring`;
+                    const all = ['', '?token=', `?token=${'0'.repeat(32)}`].map(end => new Promise(ok => {
+                      const socket = new WebSocket(url + end, 'voxtouch-view');
+                      socket.onopen = () => {
+                        socket.send(JSON.stringify({aim: {p: [0, 0, 0.1], q: [0, 0, 0, 1]}}));
+                        ok('open');
+                      };
+                      socket.onerror = () => ok('refused');
+                    }));
+                    Promise.all(all).then(done);"""
+                )
+                self.assertEqual(said, ["refused"] * 3)
+                time.sleep(0.6)
+                self.assertLess(distance(newest_frame(watching)["tool"], start), 1e-4)
+
+
+def newest_hand(socket):
+    """Who has the hand, as of a second after this call."""
+    end = time.monotonic() + 1.0
+    hand = hand_test.hand_of(socket)
+    while time.monotonic() < end:
+        hand = hand_test.hand_of(socket)
+    return hand
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,202 @@
+"""The page to learn with: scene, device and mesh are chosen, the contact model is switched in
+contact, the tour leads through its steps, and what is felt can be heard.
+"""
+
+import base64
+import tempfile
+import time
+import unittest
+
+from browser_test import Browser
+from hand_test import aim, led_ring, newest_frame
+from page_client import DEPLOY, WebSocket, size, until, until_it_runs
+from selenium.webdriver.common.keys import Keys
+
+
+def opened(address, scene, patience_s=90):
+    """A socket of the ring that runs this scene, which begins to listen at some time."""
+    end = time.monotonic() + patience_s
+    while time.monotonic() < end:
+        try:
+            socket = WebSocket(address)
+            plan = socket.facts(lambda m: m["plan"] and m["device"], 20, "a plan")
+            if plan["plan"]["scene"] == scene:
+                socket.frame(lambda m: "tool" in m, 20, "samples")
+                return socket, plan
+            socket.close()
+        except (OSError, AssertionError):
+            pass
+        time.sleep(0.3)
+    raise AssertionError(f"no ring runs {scene}")
+
+
+def refusal(socket):
+    return socket.wait_for(lambda m: m["type"] == "choice", 60, "a refusal")["sentence"]
+
+
+def send_mesh(socket, data, ending=".stl", device="sim-phantom", piece=30000):
+    for at in range(0, len(data), piece):
+        text = base64.b64encode(data[at : at + piece]).decode()
+        socket.order(
+            mesh={"ending": ending, "device": device, "at": at, "of": len(data), "data": text}
+        )
+        time.sleep(0.02)
+
+
+class Choice(unittest.TestCase):
+    def test_restarts_with_what_is_offered_and_nothing_else(self):
+        with led_ring("plane") as up:
+            until_it_runs(up)
+            address = up.address()
+            socket = WebSocket(address)
+            offered = socket.facts(lambda m: m["offered"], 10, "what is offered")["offered"]
+            self.assertIn("cup_friction", offered["scenes"])
+            self.assertIn("sim:touch", offered["devices"])
+            for scene, device in (
+                ("../scenes/cup", "sim-phantom"),
+                ("/etc/passwd", "sim-phantom"),
+                ("cup", "phantom"),
+                ("cup", "emulated-lwr"),
+                ("cup", "sim:/etc/passwd"),
+                ("cup", "--help"),
+            ):
+                socket.order(choose={"scene": scene, "device": device})
+                self.assertIn("not among the offered", refusal(socket), (scene, device))
+            for odd in ({}, [], None, {"scene": 1, "device": 2}):
+                socket.order(choose=odd)
+
+            # What is no mesh, or too large, is refused; the ring goes on.
+            send_mesh(socket, b"solid nothing\nfacet nonsense\n")
+            self.assertTrue(refusal(socket))
+            send_mesh(socket, b"x", ending=".yaml")
+            self.assertIn("OBJ, STL, PLY or GLB", refusal(socket))
+            mesh = {
+                "ending": ".stl",
+                "device": "sim-phantom",
+                "at": 0,
+                "of": 1 << 30,
+                "data": "AA==",
+            }
+            socket.order(mesh=mesh)
+            self.assertIn("16 MiB", refusal(socket))
+            self.assertTrue(newest_frame(socket)["tool"])
+
+            socket.order(choose={"scene": "cup_friction", "device": "sim:touch"})
+            socket, facts = opened(address, "cup_friction")
+            self.assertNotEqual(facts["device"]["model"], "sim-phantom")
+            self.assertTrue(facts["device"]["simulated"])
+
+            # The hand is the page's again.
+            start = newest_frame(socket)["tool"]
+            aim(socket, (start[0] - 0.01, *start[1:3]), 1.5)
+            self.assertLess(abs(newest_frame(socket)["tool"][0] - start[0] + 0.01), 0.004)
+
+            send_mesh(socket, (DEPLOY / "meshes" / "cup_mm.stl").read_bytes())
+            socket, _ = opened(address, "dropped")
+            socket.close()
+
+    def test_is_not_offered_where_the_run_is_recorded(self):
+        with tempfile.TemporaryDirectory() as folder:
+            with led_ring("plane", "--record", folder + "/bag", "--no-report") as up:
+                until_it_runs(up)
+                with WebSocket(up.address()) as socket:
+                    self.assertIsNone(socket.facts(lambda m: True, 10, "facts")["offered"])
+                    socket.order(choose={"scene": "cup", "device": "sim-phantom"})
+                    time.sleep(2)
+                    self.assertTrue(newest_frame(socket)["tool"])
+
+    def test_switches_the_contact_model_in_contact(self):
+        with led_ring("cup") as up:
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                for model in ("original", "field", "adapted"):
+                    socket.order(model=model)
+                    socket.facts(lambda m, is_=model: m["plan"]["model"] == is_, 30, model)
+                    self.assertTrue(newest_frame(socket)["tool"])
+                socket.order(model="best")
+                answer = socket.wait_for(lambda m: m["type"] == "answer", 20, "a refusal")
+                self.assertFalse(answer["ok"])
+
+
+class InABrowser(unittest.TestCase):
+    def setUp(self):
+        self.browser = Browser()
+        self.addCleanup(self.browser.end)
+
+    def judge(self, name):
+        self.browser.picture(name)
+        self.assertEqual(self.browser.overlaps(), [], name)
+        self.assertEqual(self.browser.low_contrast(), [], name)
+        self.assertEqual(self.browser.barriers(), [], name)
+
+    def key(self, kind, name, code):
+        self.browser.driver.execute_cdp_cmd(
+            "Input.dispatchKeyEvent",
+            {"type": kind, "key": name, "code": name, "windowsVirtualKeyCode": code},
+        )
+
+    def loudness(self):
+        """Of what is heard now, the largest of half a second."""
+        return max(
+            self.browser.js("(voxtouch.ear.getFloatTimeDomainData(heard), Math.max(...heard))")
+            for _ in range(10)
+            if time.sleep(0.05) is None
+        )
+
+    def test_leads_through_the_tour_by_keys_alone_and_is_heard(self):
+        browser = self.browser
+        with led_ring("cup_virtual_tool") as up:
+            until_it_runs(up)
+            browser.open(up.address())
+            until(lambda: browser.js("Boolean(voxtouch.facts && voxtouch.frame)"), 40, "facts")
+            self.assertIsNone(browser.js("voxtouch.sound.context || null"), "no sound")
+            browser.press("l")
+            until(lambda: browser.find("#learn").is_displayed(), 5, "the panel")
+            self.judge("learn.png")
+            reached = set()
+            for _ in range(60):
+                reached.add(browser.js("document.activeElement.id"))
+                self.key("rawKeyDown", "Tab", 9)
+                self.key("keyUp", "Tab", 9)
+            for name in (
+                "choose-scene choose-device start mesh model tour-do tour-next sound learn-on"
+                " pause theme help canvas slice hand-on through"
+            ).split():
+                self.assertIn(name, reached)
+
+            browser.find("#tour-do").send_keys(Keys.ENTER)
+            until(lambda: browser.js("voxtouch.slice && voxtouch.slice.axis"), 20, "the voxels")
+            for step in range(2, 7):
+                browser.find("#tour-next").send_keys(Keys.ENTER)
+                self.assertIn(f"Step {step} of 6", browser.find("#tour-title").text)
+            browser.resize(1024, 768)
+            time.sleep(1)
+            self.judge("learn_tablet.png")
+            browser.resize(1280, 720)
+
+            browser.find("#sound").send_keys(Keys.ENTER)
+            browser.js(
+                "(voxtouch.ear = voxtouch.sound.listen(),"
+                " window.heard = new Float32Array(voxtouch.ear.fftSize))"
+            )
+            self.assertLess(self.loudness(), 0.01, "silent in free space")
+            browser.js("document.activeElement.blur()")  # keys go to the page, not to a button
+            self.key("rawKeyDown", "ArrowDown", 40)  # down into the cup, until its bottom is felt
+            until(lambda: size(browser.frame().get("force")) > 0.5, 40, "contact by keys alone")
+            self.assertGreater(self.loudness(), 0.01, "the force is heard")
+            self.key("keyUp", "ArrowDown", 40)
+            browser.find("#sound").send_keys(Keys.ENTER)
+            time.sleep(0.3)
+            self.assertEqual(browser.js("voxtouch.sound.context.state"), "suspended")
+
+            # A choice by the page: the same page shows the next ring.
+            browser.find("#choose-scene").send_keys("cup_friction")
+            browser.find("#start").send_keys(Keys.ENTER)
+            until(lambda: browser.js("voxtouch.facts.plan.scene") == "cup_friction", 90, "the next")
+            until(lambda: "leans back" in browser.find("#feel").text, 20, "what to feel for")
+            until(lambda: browser.js("voxtouch.hand.facts !== null"), 20, "the hand")
+            self.assertEqual([f for f in browser.faults() if "WebSocket" not in f], [])
+
+
+if __name__ == "__main__":
+    unittest.main()
