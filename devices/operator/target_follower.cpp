@@ -66,15 +66,15 @@ void TargetFollower::advance(const Pose& tip, const Wrench& push) noexcept {
   oldest_ = (oldest_ + 1) % kSteps;
 }
 
-Pose TargetFollower::within_reach(const Pose& wanted, const Pose& tip,
+Pose TargetFollower::within_reach(const Pose& requested, const Pose& tip,
                                   const Wrench& push) const noexcept {
-  Pose reached = wanted;
-  const Vec3 lead = wanted.position - tip.position;
+  Pose reached = requested;
+  const Vec3 lead = requested.position - tip.position;
   const Vec3 limited = limited_lead(lead, load_of(push.force, strength_.force_n),
                                     full_lead(strength_.force_n, strength_.stiffness_n_per_m));
   if (limited != lead)
     reached.position = tip.position + limited;
-  const Vec3 turn = turn_vector(wanted.orientation * tip.orientation.conjugate());
+  const Vec3 turn = turn_vector(requested.orientation * tip.orientation.conjugate());
   const Vec3 turned = limited_lead(turn, load_of(push.torque, strength_.torque_nm),
                                    full_lead(strength_.torque_nm, strength_.stiffness_nm_per_rad));
   if (turned != turn)

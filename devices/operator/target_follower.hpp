@@ -56,8 +56,8 @@ class TargetFollower {
     double start_s = 0.0;
   };
   Step begin_step(const Pose& tip, const Wrench& push) const noexcept;
-  /// `wanted` within the limits of the hand.
-  Pose within_reach(const Pose& wanted, const Pose& tip, const Wrench& push) const noexcept;
+  /// `requested` within the limits of the hand.
+  Pose within_reach(const Pose& requested, const Pose& tip, const Wrench& push) const noexcept;
   /// Calls `use(step, fraction, rate)` for each step, the oldest first: the part of it that is
   /// done, and its derivative [1/s].
   template <class Use>

@@ -280,9 +280,9 @@ void add_device_options(CLI::App& app, Options& options) {
       ->allow_extra_args(false);
   app.add_option(
          "--device-file", options.device_file,
-         "Measured figures of this device, as `voxtouch identify --out FILE` writes them: the\n"
-         "coupling is designed for them, and a check in the first second with force compares\n"
-         "delay, encoder step and mass with the device. A heavier tool is not told from a hand")
+         "Measured figures of this device, written by `voxtouch identify --out FILE`. The\n"
+         "coupling is designed for them. A check in the first second with force compares delay,\n"
+         "encoder step and mass with the device. It cannot separate a heavier tool from a hand")
       ->check(CLI::ExistingFile);
   faults::add_option(app, options.fault_records);
   app.add_option("--network-delay", options.network_delay_ms,

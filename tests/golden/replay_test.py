@@ -474,7 +474,7 @@ class Replay(unittest.TestCase):
         status, said, err = replay(bag)
         self.assertEqual((status, said["changes"]), (0, 1), f"{said} {err}")
         self.assertIn("sample 1000", said["missing"][0])
-        self.assertRegex(said["missing"][1], r"\b1 records\b.*\b0\b")
+        self.assertRegex(said["missing"][1], r"\b1 changes\b.*\b0\b")
 
     def test_design_shifted_or_off_by_a_bit_is_detected(self):
         bag = self.folder / "bag"

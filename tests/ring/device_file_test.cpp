@@ -39,7 +39,7 @@ double critical_stiffness(const RingResult& run) {
   return run.summary["coupling"]["critical_stiffness_n_per_m"];
 }
 
-TEST(DeviceFileRing, TheRightFilePassesAndIsWhatTheRingIsDesignedFor) {
+TEST(DeviceFileRing, TheRightFilePassesAndDesignsTheRing) {
   const TemporaryFolder folder;
   const RingResult right = run_with(folder, {});
   EXPECT_EQ(right.process.status, 0) << right.process.out << right.process.err;

@@ -259,7 +259,8 @@ class Robust(unittest.TestCase):
                 # The page's own scripts, from the page that is refused.
                 said = self.browser.driver.execute_async_script(
                     """const done = arguments[0], url = `ws://${location.host}/ring`;
-                    const all = ['', '?token=', `?token=${'0'.repeat(32)}`].map(end => new Promise(ok => {
+                    const ends = ['', '?token=', `?token=${'0'.repeat(32)}`];
+                    const all = ends.map(end => new Promise(ok => {
                       const socket = new WebSocket(url + end, 'voxtouch-view');
                       socket.onopen = () => {
                         socket.send(JSON.stringify({aim: {p: [0, 0, 0.1], q: [0, 0, 0, 1]}}));

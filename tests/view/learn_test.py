@@ -143,7 +143,7 @@ class InABrowser(unittest.TestCase):
             if time.sleep(0.05) is None
         )
 
-    def test_leads_through_the_tour_by_keys_alone_and_is_heard(self):
+    def test_the_tour_works_by_keys_alone_with_sound(self):
         browser = self.browser
         with led_ring("cup_virtual_tool") as up:
             until_it_runs(up)

@@ -32,7 +32,8 @@ MOST_BYTES = 200_000
 WAY = """(() => {
   const hand = voxtouch.hand;
   if (!hand.position) hand.grip();
-  const way = voxtouch.scene3d.middle.clone().sub(hand.position), {right, up, away} = hand.axes(), pixel = hand.pixel();
+  const way = voxtouch.scene3d.middle.clone().sub(hand.position);
+  const {right, up, away} = hand.axes(), pixel = hand.pixel();
   return [way.dot(away) / (-0.3 * pixel), way.dot(right) / pixel, -way.dot(up) / pixel];
 })()"""
 
