@@ -75,7 +75,7 @@ def latency(browser, count):
 DRAG = """(() => {
   const hand = voxtouch.hand, near = () => 0.012 * (Math.random() - 0.5);
   if (!hand.position) hand.grip();
-  const meshes = voxtouch.scene.meshes.filter(m => m.role !== 'dynamic'), 
+  const meshes = voxtouch.scene.meshes.filter(m => m.role !== 'dynamic'),
     p = meshes[Math.floor(Math.random() * meshes.length)].positions;
   const n = 3 * Math.floor(Math.random() * p.length / 3);
   const to = new THREE.Vector3(p[n] + near(), p[n + 1] + near(), p[n + 2] + near());
