@@ -87,7 +87,7 @@ void AccuracyGoal::validate() const {
   check("onset error [m]", onset_m);
   check("time per frame [us]", within_us);
   if (requests_error() && within_us)
-    throw std::invalid_argument("error and time are both limited. Limit one of them");
+    throw std::invalid_argument("both error and time are limited; limit only one");
 }
 
 bool is_judged(const AccuracyRow& row) noexcept {

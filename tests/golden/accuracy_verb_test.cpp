@@ -166,7 +166,7 @@ TEST(AccuracyVerb, RefusesInvalidRequestsBeforeMeasuring) {
   expect_refused({"--shell-densities", "0"}, "--shell-densities: '0'");
   expect_refused({"--weights", "one", "--models", "field"}, "--weights one: ");
   expect_refused({"--weights", "heavy"}, "--weights: heavy");
-  expect_refused({"--want-direction-deg", "1", "--within-us", "200"}, "an error");
+  expect_refused({"--want-direction-deg", "1", "--within-us", "200"}, "limit");
   expect_refused({"--want-noise", "0"}, "noise is 0");
   expect_refused({"--contacts", "0"}, "--contacts");
   expect_refused({"--contacts", "-5"}, "--contacts");

@@ -512,7 +512,7 @@ class Ring(unittest.TestCase):
         )
         self.assertIn("session", own_answers["sentence"][0])
         self.assertIn(
-            "is refused",
+            "are refused",
             " ".join(ours["/haptic/node_status"]["message"]),
             "who plays the bag is named",
         )

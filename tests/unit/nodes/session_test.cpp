@@ -482,7 +482,7 @@ TEST(Rigs, ALostRenderingEndsTheSessionAtZeroForce) {
   Node second(node_options<rendering_node::Options>(rig, "plane"), rendering_node::run);
   ASSERT_TRUE(bystander.sees([&] {
     const auto report = bystander.registry.find("coupling");
-    return report && report->message.find("is refused") != std::string::npos;
+    return report && report->message.find("are refused") != std::string::npos;
   })) << "the second one is not named";
   first->thread.end();
   EXPECT_TRUE(bystander.sees([&] { return device.thread.status() == 1; }))
