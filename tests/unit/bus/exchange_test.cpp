@@ -27,7 +27,7 @@ TEST(Deafness, NamesAMissingAddress) {
   note_addresses(cards);
   EXPECT_EQ(lost_address(), "");
   note_addresses({cards.front(), {"eth7", 0x0907000AU, false, true}});  // 10.0.7.9
-  EXPECT_EQ(lost_address(), "address 10.0.7.9 of eth7 is gone from this machine");
+  EXPECT_EQ(lost_address(), "address 10.0.7.9 of eth7 was removed from this machine");
   EXPECT_TRUE(deafness_cause(kThisHost, 0, "").contains("restart the ring"));
   note_addresses({});
 }

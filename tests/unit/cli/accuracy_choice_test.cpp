@@ -73,7 +73,7 @@ TEST(AccuracyChoice, RefusesTooManySettings) {
   std::vector<double> sizes;
   for (int i = 1; i <= 200; ++i)
     sizes.push_back(0.001 * i);
-  expect_refused({.voxel_sizes_m = sizes}, {"1200 settings", "500 at most"});
+  expect_refused({.voxel_sizes_m = sizes}, {"1200 settings", "limit 500"});
 }
 
 TEST(AccuracySettingNames, NameTheShellOnlyIfItDiffers) {
