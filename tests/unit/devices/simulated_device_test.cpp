@@ -213,7 +213,7 @@ TEST(SimulatedDevice, NamesInvalidParameters) {
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.hold_s = -1.0; }), "hold"));
   EXPECT_TRUE(has(sentence([](auto&, auto& m) { m.repeat_from = 1; }), "way point"));
   EXPECT_TRUE(
-      has(sentence([](auto&, auto& m) { m.orientation.coeffs().setZero(); }), "no rotation"));
+      has(sentence([](auto&, auto& m) { m.orientation.coeffs().setZero(); }), "not a rotation"));
 }
 
 }  // namespace simulated_device_test

@@ -76,7 +76,7 @@ TEST_F(ProximityScene, BuildsDistancesOnlyIfAnEffectNeedsThem) {
   EXPECT_GT(with->plan().expected_ns_per_frame,
             2.0 * magnet->plan().expected_ns_per_frame - none->plan().expected_ns_per_frame)
       << "128 points, not one";
-  for (const char* figure : {"out to 10 mm", "over 4 mm", "128 points", "25.6 us"})
+  for (const char* figure : {"up to 10 mm", "over 4 mm", "128 points", "25.6 us"})
     EXPECT_TRUE(any_has(with->plan().built, figure)) << figure;
   EXPECT_FALSE(any_has(with->plan().skipped, "Distances outside"));
   EXPECT_EQ(with->field(), nullptr) << "the contact model asks for none";

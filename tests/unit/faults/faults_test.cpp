@@ -114,7 +114,7 @@ TEST(FaultRecorder, KeepsTwoSecondsPerFaultUpToTheMaximum) {
   EXPECT_EQ(states.back().sequence_number, 2999U);
   const std::vector<std::string> reported = fault_records_in(folder / "faults");
   EXPECT_LE(reported.size(), kMaxRecords);
-  EXPECT_NE(reported.at(0).find(" 2.0 s before another "), std::string::npos) << reported.at(0);
+  EXPECT_NE(reported.at(0).find(" 2.0 s before another,"), std::string::npos) << reported.at(0);
 }
 
 TEST(FaultRecorder, ReportsADiskErrorAndContinues) {

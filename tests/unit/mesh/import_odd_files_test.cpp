@@ -104,8 +104,8 @@ TEST_F(OddFile, OfStlTextIsReadWithAnyKeywords) {
   expect_tetrahedron("keywords_in_name.stl", named, "");
   expect_tetrahedron("lines.stl", replaced(text, "\n", "\r"), "");
   expect_tetrahedron("blank_start.stl", "\r\n\n  \t" + text, "");
-  expect_tetrahedron("padded.stl", text + std::string(100, '\0'), "100 bytes");
-  expect_tetrahedron("old.stl", text + "\x1a", "1 bytes");
+  expect_tetrahedron("padded.stl", text + std::string(100, '\0'), "100 padding bytes");
+  expect_tetrahedron("old.stl", text + "\x1a", "1 padding bytes");
 }
 
 TEST_F(OddFile, OfBinaryStlMayHaveBytesBehindItsTriangles) {
@@ -128,7 +128,7 @@ TEST_F(OddFile, OfObjMayHaveCapitalsAndAnyLineEnds) {
       "o A\rusemtl x\rf 1 4 3\ro B\rf 2 3 4\r",
       "");
   expect_tetrahedron("dos.obj", replaced(text, "\n", "\r\n"), "");
-  expect_tetrahedron("padded.obj", text + std::string(7, '\0'), "7 bytes");
+  expect_tetrahedron("padded.obj", text + std::string(7, '\0'), "7 padding bytes");
 }
 
 TEST_F(OddFile, WithNonPolygonalSurfacesIsRefused) {
@@ -216,12 +216,12 @@ TEST_F(OddFile, OfGltfWithoutASceneUsesItsNodes) {
   folder_.write("t.bin", samples::gltf_buffer());
   Gltf two;
   two.buffer = R"({"byteLength":72,"uri":"t.bin"})";
-  expect_tetrahedron("no_scene.gltf", replaced(two.json(), scene, ""), "no scene");
+  expect_tetrahedron("no_scene.gltf", replaced(two.json(), scene, ""), "no default scene");
   expect_tetrahedron("no_node.gltf",
                      replaced(replaced(two.json(), scene, ""), R"("nodes":[{"mesh":0}],)", ""),
-                     "no scene");
+                     "no default scene");
   two.nodes = R"([{"children":[1],"translation":[-1,0,0]},{"mesh":0,"translation":[1,0,0]}])";
-  expect_tetrahedron("child.gltf", replaced(two.json(), scene, ""), "no scene");
+  expect_tetrahedron("child.gltf", replaced(two.json(), scene, ""), "no default scene");
   std::string json = replaced(Gltf().json(), scene, "");
   json.resize((json.size() + 3) / 4 * 4, ' ');
   const auto size = static_cast<std::uint32_t>(json.size());
@@ -229,7 +229,7 @@ TEST_F(OddFile, OfGltfWithoutASceneUsesItsNodes) {
                      "glTF" + samples::little<std::uint32_t>({2, 12 + 8 + size + 8 + 72, size}) +
                          "JSON" + json + samples::little<std::uint32_t>({72}) +
                          std::string("BIN\0", 4) + samples::gltf_buffer(),
-                     "no scene");
+                     "no default scene");
 }
 
 TEST_F(OddFile, OfGltfMayNameItsBufferInPercentCode) {

@@ -145,8 +145,8 @@ TEST_F(Refusal, OfPlyColumnsThatAssimpMisreads) {
   };
   expect_refused("name.ply", with("float y", "float q"), "x, y or");
   expect_refused("type.ply", with("float y", "floaty y"), "'floaty'");
-  expect_refused("line.ply", with("1.0\n", "1.0 "), "a line");
-  expect_refused("format.ply", with("ascii", "askii"), "a line");
+  expect_refused("line.ply", with("1.0\n", "1.0 "), "invalid line");
+  expect_refused("format.ply", with("ascii", "askii"), "invalid line");
 }
 
 TEST_F(Refusal, OfMoreTrianglesOrBytesThanAllowed) {

@@ -226,7 +226,7 @@ TEST_F(RenderingLive, RefusesGarbageWithAMessageAndContinues) {
   for (const double bad : {kNan, -0.001, std::numeric_limits<double>::infinity()}) {
     msg::EffectChange reload = change(kActionReload);
     reload.voxel_size_m = bad;
-    refused(reload, "", "", "", "above 0");
+    refused(reload, "", "", "", "> 0");
   }
   for (int i = 0; i < 2000; ++i)
     asker.send(change(kActionValue, kNan), v, "damping_ns_per_m");
