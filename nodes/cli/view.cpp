@@ -27,7 +27,12 @@ void check_next(const view::Next& next) {
   std::string scene = next.scene;
   if (const std::string wrong = runtime::scene_argument()(scene); !wrong.empty())
     throw std::runtime_error(wrong);
-  (void)check_before_start(scene::load_scene(scene), {next.device, {}, "", "", 0.0, false, true});
+  (void)check_before_start(scene::load_scene(scene), {.device = next.device,
+                                                      .settings = {},
+                                                      .motion = {},
+                                                      .device_file = {},
+                                                      .bag = {},
+                                                      .hand_from_page = true});
 }
 
 std::string propose_scene(const std::string& bytes, const std::string& ending,

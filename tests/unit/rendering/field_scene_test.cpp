@@ -72,7 +72,7 @@ TEST_F(FieldScene, WarnsOfTheThinnestBodyOnly) {
   EXPECT_FALSE(any_has(built("{mesh: thick.obj}", kField)->plan().warnings, "thinnest"));
   const auto thin = built("{mesh: thick.obj}, {mesh: thin.obj, position: [0, 0, 0.1]}", kField);
   ASSERT_TRUE(any_has(thin->plan().warnings, "thinnest"));
-  for (const char* figure : {"about 5 mm", "2.5 voxels", "2.5 mm only"})
+  for (const char* figure : {"about 5 mm", "2.5 voxels", "to a depth of 2.5 mm"})
     EXPECT_TRUE(any_has(thin->plan().warnings, figure)) << figure;
   EXPECT_FALSE(any_has(built("{mesh: thin.obj}", kAdapted)->plan().warnings, "thinnest"));
 }
@@ -86,10 +86,10 @@ TEST_F(FieldScene, WarnsOfThinWallsForAVirtualTool) {
     return built("{mesh: wall.obj}", kTool)->plan().warnings;
   };
   EXPECT_TRUE(any_has(warnings(0.001), "at most 0.7 degrees"));
-  EXPECT_FALSE(any_has(warnings(0.001), "6 degrees"));
+  EXPECT_FALSE(any_has(warnings(0.001), "8 degrees"));
   EXPECT_TRUE(any_has(warnings(0.0025),
-                      "1.25 voxels. It holds a virtual tool, but where a wall of 1.1 to 1.5 voxels "
-                      "lies askew in the grid it pushes up to 8 degrees"));
+                      "1.25 voxels. It holds a virtual tool. Where a wall of 1.1 to 1.5 voxels is "
+                      "tilted against the grid, the direction error reaches 8 degrees"));
   EXPECT_FALSE(any_has(warnings(0.005), "thinnest"));
 }
 
@@ -100,9 +100,10 @@ TEST_F(FieldScene, AnOpenMeshIsAWallForAVirtualToolAndForNothingElse) {
   const auto forces = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField),
              closed = built("{mesh: thick.obj}", kField);
   for (const auto* scene : {&alone, &combined})
-    EXPECT_TRUE(any_has((*scene)->plan().warnings,
-                        "open.obj: the mesh is open. What of it is not closed holds a virtual tool "
-                        "from either side as a wall of 0.25 mm"));
+    EXPECT_TRUE(
+        any_has((*scene)->plan().warnings,
+                "open.obj: the mesh is open. Its open parts hold a virtual tool from either "
+                "side, like a wall of 0.25 mm"));
   const auto at = [](const BuiltScene& scene, const Vec3& x) {
     return scene.field()->at(scene.field()->grid().to_grid(x)).distance_m;
   };

@@ -53,7 +53,7 @@ TEST(Plan, PrintsEachVoxelGridsOriginAndAlternative) {
   const Plan p = make_plan(cup(), n);
   EXPECT_TRUE(
       any_has(p.built, {"'ground'", "[-0.123, -0.123, -0.023] m", "[-0.122, -0.122, -0.022]"}));
-  EXPECT_TRUE(any_has(p.built, {"'lid'", "[1, 2, 3] m", "clear of"}));
+  EXPECT_TRUE(any_has(p.built, {"'lid'", "[1, 2, 3] m", "multiples of"}));
   EXPECT_TRUE(any_has(p.built, {"'given'", "[0.1, 0.2, 0.3] m"}));
 }
 
@@ -186,7 +186,7 @@ TEST(Plan, NamesCouplingAdditionsAndDesignRequests) {
   s.design->hand = scene::HandOption::kArm;
   s.design->kind = "spring_damper", s.design->inject_damping = false;
   EXPECT_TRUE(any_has(make_plan(s, counts()).built,
-                      {"spring_damper", "hand: arm", "never let", "700 N/m", "no injected"}));
+                      {"spring_damper", "hand: arm", "never released", "700 N/m", "no injected"}));
 }
 
 }  // namespace

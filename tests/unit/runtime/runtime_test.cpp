@@ -68,7 +68,7 @@ TEST(NodeOptions, TakeOnlyCpusThatThereAre) {
         << cpu;
   for (const char* text : {"", "-1", "99999", "0x1", "1.0", " 0", "nan"}) {
     EXPECT_FALSE(require_cpu(text).empty()) << text;
-    EXPECT_NE(require_cpu(text).find("; there "), std::string::npos) << require_cpu(text);
+    EXPECT_NE(require_cpu(text).find("; available "), std::string::npos) << require_cpu(text);
   }
   cpu_set_t one;
   CPU_ZERO(&one);

@@ -221,7 +221,7 @@ const std::vector<Bad> kBad = {
     {kCoupling, "design: auto, run_infeasible: ^'true'", "'run_infeasible'|true or false"},
     {kCoupling, "design: auto, hand: any_passive, ^released: false",
      "'released: false'|'hand: any_passive'"},
-    {"cutoff_hz: 5", "cutoff_hz: ^500", "3.14|0.001 s|below pi"},
+    {"cutoff_hz: 5", "cutoff_hz: ^500", "3.14|0.001 s|limit pi"},
     {"damping_ratio: 1", "damping_ratio: ^0", "'damping_ratio'|above 0"},
     {"gain: 0.5", "gain: ^0", "'gain'|above 0"},
     {"axis: [0, 0, 2]", "^axis: [0, 0, 0]", "'axis'"},
@@ -239,9 +239,9 @@ const std::vector<Bad> kBad = {
     {"", "scene: [a\nvoxel_size^: 1\n", "YAML"},
     {"", "scene: 'a^\n", "YAML"},
     {"", "\tscene^: a\n", "YAML"},
-    {"", "scene: a\n---\n^scene: b\n", "second"},
-    {"", "scene: ^!!str a\n", "tags"},
-    {"", "scene: ^&a b\n", "anchors"},
+    {"", "scene: a\n---\n^scene: b\n", "document"},
+    {"", "scene: ^!!str a\n", "Tags"},
+    {"", "scene: ^&a b\n", "Anchors"},
     {"",
      "sc^\xff"
      "ene: a\n",
@@ -312,7 +312,7 @@ TEST_F(BadScene, InvalidFiles) {
   EXPECT_NE(refusal(write("edge.yaml", std::string(1 << 20, '#'))).find("empty"),
             std::string::npos);
   EXPECT_NE(refusal(write("empty.yaml", "")).find("empty"), std::string::npos);
-  EXPECT_NE(refusal(write("nul.yaml", std::string(100, '\0'))).find(":1:1: The byte 0x00"),
+  EXPECT_NE(refusal(write("nul.yaml", std::string(100, '\0'))).find(":1:1: Invalid byte 0x00"),
             std::string::npos);
   std::string elf =
       "\x7f"

@@ -115,7 +115,7 @@ const std::vector<Bad> kBad = {
     {"150", "^.inf", "finite"},
     {"max_torque_nm: 15", "max_torque_nm: ^-1", "'max_torque_nm' is -1"},
     {"5000", "^0", "'max_stiffness_n_per_m' is 0"},
-    {"[3, 6]", "^[6, 3]", "'mass_kg'|6 to 3"},
+    {"[3, 6]", "^[6, 3]", "'mass_kg'|[6, 3]"},
     {"[3, 6]", "^[0, 3]", "'mass_kg'|above 0"},
     {"[3, 6]", "^0", "'mass_kg'|above 0"},
     {"[3, 6]", "^heavy", "'mass_kg'|'heavy'"},
@@ -135,7 +135,7 @@ const std::vector<Bad> kBad = {
     {"lost_in_a_row: 3", "lost_in_a_row: ^1.5", "whole number"},
     {"lost_in_a_row: 3", "lost_in_a_row: ^1001", "'lost_in_a_row'|0 to 1000."},
     {"grip: arm", "grip: ^fist", "'grip'|'fist'|pen, arm"},
-    {"max_torque_nm: 15", "max_torque_nm: 0", "'rotation'|'max_torque_nm: 0'"},
+    {"max_torque_nm: 15", "max_torque_nm: 0", "'rotation'|'max_torque_nm'"},
     {"rotation: {", "rotation: ^1 #", "'rotation'|inertia_kg_m2,"},
     {"[0.1, 0.2]", "^[0, 0.2]", "'inertia_kg_m2' starts at 0"},
     {"[0.1, 0.2]", "^[0.3, 0.2]", "'inertia_kg_m2' is [0.3, 0.2]"},
@@ -146,8 +146,8 @@ const std::vector<Bad> kBad = {
     {"max_stiffness_nm_per_rad: 300", "max_stiffness_nm_per_rad: ^0",
      "'max_stiffness_nm_per_rad' is 0"},
     {"max_stiffness_nm_per_rad: 300", "^max_stiffness: 300", "'max_stiffness_nm_per_rad'"},
-    {"rate_hz: 2000", "rate_hz: ^!!int 2000", "tags"},
-    {"rate_hz: 2000", "rate_hz: ^&a 2000", "anchors"},
+    {"rate_hz: 2000", "rate_hz: ^!!int 2000", "Tags"},
+    {"rate_hz: 2000", "rate_hz: ^&a 2000", "Anchors"},
 };
 
 /// Names the place of `mark` in `text` as messages do.
@@ -248,7 +248,7 @@ TEST(DeviceFile, ReportsWhereAMotionLeavesTheWorkspace) {
   EXPECT_EQ(beyond_workspace(motion, {0.1, 0.05, 0.05}, "d"), "");
   const std::string beyond = beyond_workspace(motion, {0.05, 0.05, 0.05}, "d");
   for (const char* fact :
-       {" 0.1 x 0 x 0 m ", " d is 0.05 x 0.05 x 0.05 m", "position_scale", " 2 times "})
+       {" 0.1 x 0 x 0 m, ", " d is 0.05 x 0.05 x 0.05 m", "position_scale", "factor of 2"})
     EXPECT_TRUE(beyond.contains(fact)) << beyond;
   motion.circle_centre = Vec3(0.1, 0.1, 0);  // a circle of 0.1 m about it
   EXPECT_EQ(beyond_workspace(motion, {0.3, 0.3, 0.1}, "d"), "");
