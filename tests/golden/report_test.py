@@ -354,7 +354,7 @@ class Reports(unittest.TestCase):
         self.says(
             self.page,
             f"{figures['max_force_n']:.3g} N",
-            f"{figures['max_depth_mm']:.3g} mm deep",
+            f"{figures['max_depth_mm']:.3g} mm",
             "[N]",
             "[mm]",
             "[mJ]",
@@ -569,7 +569,7 @@ class Reports(unittest.TestCase):
         self.refused(self.at / "mcap", "read (")
         (self.at / "packed").mkdir()
         (self.at / "packed" / "x.db3.zstd").write_bytes(b"x")
-        self.refused(self.at / "packed", "compressed")
+        self.refused(self.at / "packed", "compression")
         (self.at / "broken").mkdir()
         (self.at / "broken" / "x.db3").write_text(
             "no database, but long enough to be read as one" * 100
