@@ -177,8 +177,7 @@ TEST(RestartOfUp, FailsTheRunByDefaultAndEndsAtASecondDeath) {
   const test::Finished end = pressed.end();
   EXPECT_EQ(end.status, 1);
   EXPECT_TRUE(pressed.has_problem("coupling ended by signal 9")) << end.out;
-  EXPECT_TRUE(pressed.has_problem("died and were started again is 1 restarts (rendering)"))
-      << end.out;
+  EXPECT_TRUE(pressed.has_problem("restarts of nodes: 1 restarts (rendering)")) << end.out;
   EXPECT_EQ(pressed.summary["limits"]["restarts"]["met"], false) << end.out;
 }
 

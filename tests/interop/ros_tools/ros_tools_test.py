@@ -205,7 +205,7 @@ class Pictures(unittest.TestCase):
         self.assertLessEqual(count, 20_000)
         note = looker.markers.of("note")[0]
         self.assertEqual(note.type, TEXT)
-        self.assertIn(f"{count} of its {12 * n * n} triangles", note.text)
+        self.assertIn(f"{count} of {12 * n * n} triangles", note.text)
         self.assertEqual(looker.errors(), [])
 
     def test_lockstep_has_simulated_time_and_a_clock(self):
