@@ -13,7 +13,7 @@
 
 namespace voxtouch::devices {
 
-/// KEY and VALUE as typed, in their order. What a device knows stands in its page of
+/// KEY and VALUE as typed, in their order. The keys of a device are on its page of
 /// deploy/devices.
 using DeviceSettings = std::vector<std::pair<std::string, std::string>>;
 

@@ -1,6 +1,6 @@
 #pragma once
 /// What a scene requires of a device in addition to its contact's stiffness, as plain numbers and
-/// names: so that who renders the scene can send it to the node that knows the device.
+/// names: so that the rendering can send it to the node that has the device.
 #include <span>
 #include <string>
 

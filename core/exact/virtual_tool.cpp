@@ -137,8 +137,8 @@ Vec6 VirtualTool::spring_to(const Pose& hand) const noexcept { return spring_bet
 
 /// Whether the spring gets shorter by a part of what a step `taken` promises (Armijo's rule).
 ///
-/// A step knows nothing of how rows curve: where they do strongly, steps of full length swing about
-/// the minimum and never end. Margins that are restored may cost energy.
+/// A step does not include the curvature of rows: where they do strongly, steps of full length
+/// swing about the minimum and never end. Margins that are restored may cost energy.
 bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
                            const Pose& hand) const noexcept {
   double missing = 0.0;

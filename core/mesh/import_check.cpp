@@ -277,7 +277,7 @@ void cut_behind_triangles(MeshFile& file, std::uint64_t whole) {
   file.bytes.resize(whole);
 }
 
-/// Assimp knows an STL text by its first byte.
+/// Assimp recognises an STL text by its first byte.
 void cut_blank_start(MeshFile& file) {
   file.bytes.erase(0, std::string_view(file.bytes).find_first_not_of(" \t\r\n"));
 }

@@ -171,7 +171,7 @@ class Rows:
         self.empty = numpy.empty(0, self.dtype)[list(fields)] if fields else None
 
     def take(self):
-        """Of many messages their fields, copied, so that the rest of them is let go."""
+        """Copies the fields of many messages, so that the messages can be freed."""
         if not self.fields:
             return
         size = self.dtype.itemsize

@@ -1,5 +1,5 @@
 #pragma once
-/// What a simulated device knows of its own pose: quantised positions, and a velocity made from
+/// The measured pose of a simulated device: quantised positions, and a velocity made from
 /// them.
 #include "core/types/geometry.hpp"
 

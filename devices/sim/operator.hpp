@@ -21,9 +21,9 @@ struct OperatorConfig {
   double inertia_kg_m2 = 0.0;      ///< the same three for rotation
   double damping_nms_per_rad = 0.0;
   double stiffness_nm_per_rad = 0.0;
-  /// The hand knows its tool: while its target moves it adds what the device's own damping and dry
-  /// friction will take, as people learn to. Without it an arm that drags 3 N would stay 15 mm
-  /// behind its target and never touch what it aims at.
+  /// The hand compensates its tool: while its target moves it adds what the device's own damping
+  /// and dry friction will take, as people learn to. Without it an arm that drags 3 N would stay 15
+  /// mm behind its target and never touch what it aims at.
   bool carries_tool = false;
   double tremor_n = 0.0;  ///< standard deviation of a random force on each axis; 0: none
   double tremor_bandwidth_hz = 10.0;  ///< of that force, first order

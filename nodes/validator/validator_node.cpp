@@ -32,7 +32,7 @@ const qos::Profile& contact_profile(const Options& options) {
 reference::ReportedContact to_report(const msg::ContactState& c) {
   reference::ReportedContact r;
   r.pose_WT = runtime::from_msg(c.object_pose);
-  r.wrench = runtime::from_msg(c.contact_wrench);  // the reference knows contact only
+  r.wrench = runtime::from_msg(c.contact_wrench);  // the reference covers contact only
   r.mean_normal = runtime::from_msg(c.mean_normal);
   r.deepest_depth_m = c.deepest_depth_m;
   r.coherence = c.coherence;

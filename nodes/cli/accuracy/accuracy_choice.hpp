@@ -11,7 +11,7 @@ namespace voxtouch::cli {
 /// As given on the command line, which has checked words and numbers; empty: the default.
 struct AccuracyChoice {
   std::vector<std::string> models = {};   ///< default: all
-  std::vector<std::string> weights = {};  ///< one, area; default: every one that the model knows
+  std::vector<std::string> weights = {};  ///< one, area; default: all that the model has
   std::vector<double> voxel_sizes_m =
       {};  ///< e; default: twice the scene's, the scene's, half of it
   std::vector<double> shell_densities =

@@ -1,5 +1,5 @@
 #pragma once
-/// What `up` knows of a run at its end, as values: the nodes' last reports, and what it saw itself.
+/// A run at its end, as values: the nodes' last reports, and the observations of `up`.
 #include <map>
 #include <optional>
 #include <set>

@@ -56,7 +56,7 @@ DeviceDescription measured(const Plans& plans, const DeviceDescription& descript
   notes.push_back(
       file.measured
           ? scene::measured_sentence(file) +
-                "; the mass is that of the start pose, and the certificate knows no lighter one"
+                "; the mass is that of the start pose, and the certificate covers no lighter one"
           : fmt::format("{} names no measurement: its figures are assumed",
                         plans.device_file.string()));
   return scene::measured_device(file, description);
