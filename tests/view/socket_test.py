@@ -303,7 +303,7 @@ class Large(unittest.TestCase):
             self.assertEqual(count[1], (1280, 1280), "what is small is drawn whole")
             self.assertGreater(count[0][1], 10_000)
             self.assertLessEqual(count[0][1] + count[1][1], 20_000)
-            self.assertIn(f"{count[0][1]} of its {count[0][0]} triangles", message["notes"][0])
+            self.assertIn(f"{count[0][1]} of {count[0][0]} triangles", message["notes"][0])
 
 
 class Together(unittest.TestCase):
