@@ -69,7 +69,7 @@ def main(program, domain):
             status, said = run(program, verb, bag)
             for words in (
                 "was recorded by voxtouch 0.0.9",
-                "voxtouch_msgs/msg/ContactState is laid out otherwise",
+                "voxtouch_msgs/msg/ContactState is laid out differently",
             ):
                 if status != 1 or words not in said:
                     wrong.append(f"{verb}: '{words}' is not said ({status}): {said}")
