@@ -92,20 +92,6 @@ VOXTOUCH_INLINE double one_where_zero(double length) noexcept {
   return length + (length > 0.0 ? 0.0 : 1.0);
 }
 
-VOXTOUCH_CLONES void divide(const FieldSamples& __restrict samples, std::size_t filled,
-                            FieldPlanes& __restrict planes) noexcept {
-  for (std::size_t n = 0; n < filled; ++n) {
-    const double gx = samples.gradient[0][n], gy = samples.gradient[1][n],
-                 gz = samples.gradient[2][n];
-    const double steepness = std::sqrt(dot(gx * gx, gy * gy, gz * gz));
-    const double divisor = one_where_zero(steepness);  // no plane there
-    planes.steepness[n] = steepness;
-    planes.normal[0][n] = gx / divisor, planes.normal[1][n] = gy / divisor,
-    planes.normal[2][n] = gz / divisor;
-    planes.gap_m[n] = samples.distance_m[n] / divisor;
-  }
-}
-
 /// `ends`: 1 if the force would not grow with depth, else 0.
 VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples& __restrict samples,
                            double depth_voxels, Pushes& __restrict normal,
@@ -141,10 +127,6 @@ void sample_block(const voxmap::DistanceField& field, const Vec3& local, const H
   find_places(block, local, edge, arrays, places);
   find_nodes(places, arrays, block.filled(), nodes);
   interpolate(places, nodes, block.filled(), edge, samples);
-}
-
-void find_planes(const HitBlock& block, const FieldSamples& samples, FieldPlanes& planes) noexcept {
-  divide(samples, block.filled(), planes);
 }
 
 bool push_by_field(const HitBlock& block, const FieldSamples& samples, double depth_voxels,

@@ -17,13 +17,6 @@ struct FieldSamples {
 void sample_block(const voxmap::DistanceField& field, const Vec3& local, const HitBlock& block,
                   FieldSamples& samples) noexcept;
 
-/// The plane of each sample: unit normal g / |g| and gap distance / |g|; undefined if |g| is 0.
-struct FieldPlanes {
-  alignas(64) double steepness[HitBlock::kHits], normal[3][HitBlock::kHits], gap_m[HitBlock::kHits];
-};
-/// Real-time safe.
-void find_planes(const HitBlock& block, const FieldSamples& samples, FieldPlanes& planes) noexcept;
-
 /// Forces of a block's hits in the model `field`: along their normals, with half of the stiffness
 /// along the normals and half along the gradients, which exert no force. `groups` are those with a
 /// force. Records the deepest hit. Real-time safe.

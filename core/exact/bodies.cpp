@@ -108,6 +108,19 @@ std::vector<Box> boxes_of_faces(const FeatureMesh& features) {
   return boxes;
 }
 
+std::vector<NormalCone> edge_cones(const FeatureMesh& features) {
+  std::vector<NormalCone> cones;
+  cones.reserve(features.row_edges.size());
+  for (const std::uint32_t e : features.row_edges) {
+    const Edge& edge = features.edges[e];
+    const Face& first = features.faces[edge.faces[0]];
+    const bool of_solid = edge.kind == EdgeKind::kConvex && !first.two_sided;
+    cones.push_back(of_solid ? NormalCone(first.normal, features.faces[edge.faces[1]].normal)
+                             : NormalCone::all());
+  }
+  return cones;
+}
+
 FeatureMesh free_features(const mesh::TriangleMesh& mesh) {
   FeatureMesh features = find_features(mesh);
   uncover_features(features);
@@ -116,8 +129,9 @@ FeatureMesh free_features(const mesh::TriangleMesh& mesh) {
 
 ObjectBody::ObjectBody(const mesh::TriangleMesh& mesh, std::span<const std::uint32_t> owners)
     : features_(free_features(mesh)),
+      edge_cones_(exact::edge_cones(features_)),
       faces_(boxes_of_faces(features_)),
-      edges_(edge_boxes(features_)),
+      edges_(edge_boxes(features_), edge_cones_),
       vertices_(vertex_boxes(features_)) {
   if (owners.empty())
     return;
@@ -146,7 +160,7 @@ ToolBody::ToolBody(const mesh::TriangleMesh& mesh)
     : features_(free_features(mesh)),
       vertices_(vertex_balls(features_), vertex_spread(features_)),
       faces_(face_balls(features_), face_spread(features_)),
-      edges_(edge_balls(features_), edge_spread(features_)),
+      edges_(edge_balls(features_), edge_spread(features_), edge_cones(features_)),
       face_boxes_(boxes_of_faces(features_)) {}
 
 }  // namespace voxtouch::exact

@@ -28,16 +28,19 @@ class ObjectBody {
   const BoxTree& faces() const noexcept { return faces_; }
   const BoxTree& edges() const noexcept { return edges_; }
   const BoxTree& vertices() const noexcept { return vertices_; }
+  /// Of each item of `edges`.
+  std::span<const NormalCone> edge_cones() const noexcept { return edge_cones_; }
   std::size_t owners() const noexcept { return owners_; }
   /// Of item `item` of the tree that pairs of this kind look at. Real-time safe.
   std::uint32_t owner_of(PairKind kind, std::uint32_t item) const noexcept;
   std::size_t bytes() const noexcept {
     return features_.bytes() + faces_.bytes() + edges_.bytes() + vertices_.bytes() +
-           owner_of_face_.size() * sizeof(std::uint32_t);
+           edge_cones_.size() * sizeof(NormalCone) + owner_of_face_.size() * sizeof(std::uint32_t);
   }
 
  private:
   FeatureMesh features_;
+  std::vector<NormalCone> edge_cones_;
   BoxTree faces_, edges_, vertices_;
   std::vector<std::uint32_t> owner_of_face_;  ///< empty: all have one
   std::size_t owners_ = 1;
@@ -68,6 +71,9 @@ class ToolBody {
 
 /// find_features, less what other parts of the mesh cover. Allocates, throws.
 FeatureMesh free_features(const mesh::TriangleMesh& mesh);
+
+/// The normals of each entry of row_edges.
+std::vector<NormalCone> edge_cones(const FeatureMesh& features);
 
 /// The boxes of all faces, in their order.
 std::vector<Box> boxes_of_faces(const FeatureMesh& features);

@@ -5,8 +5,10 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <type_traits>
 #include <vector>
 
+#include "core/exact/normal_cone.hpp"
 #include "core/exact/work.hpp"
 #include "core/types/geometry.hpp"
 
@@ -36,8 +38,8 @@ inline double distance(const Box& a, const Box& b) noexcept {
 /// boxes.
 class BoxTree {
  public:
-  /// Allocates.
-  explicit BoxTree(std::span<const Box> boxes);
+  /// `cones`: of each item's normals; empty: any direction. Allocates.
+  explicit BoxTree(std::span<const Box> boxes, std::span<const NormalCone> cones = {});
 
   bool empty() const noexcept { return nodes_.empty(); }
   std::size_t bytes() const noexcept {
@@ -65,9 +67,9 @@ class BoxTree {
   template <class Bound>
   Entry enter(const Bound& bound, double range_m, Entry from, Work& work) const noexcept;
 
-  /// Calls `visit(item)` for each item in nodes for which `bound(box)`, a lower bound of the
-  /// distance, is at most `range_m`, nearer nodes first; it ends where `visit` returns false. The
-  /// visitor may lower `range_m` meanwhile. Real-time safe.
+  /// Calls `visit(item)` for each item in nodes for which `bound(box)` or `bound(box, cone)`, a
+  /// lower bound of the distance, is at most `range_m`, nearer nodes first; it ends where `visit`
+  /// returns false. The visitor may lower `range_m` meanwhile. Real-time safe.
   template <class Bound, class Visit>
   Walked walk(const Bound& bound, const double& range_m, Visit&& visit, Work& work,
               const Entry& from) const noexcept;
@@ -79,6 +81,7 @@ class BoxTree {
  private:
   struct Node {
     Box box;
+    NormalCone cone;          ///< of all items under it
     std::uint32_t next = 0;   ///< the second child; the first follows its parent
     std::uint32_t first = 0;  ///< of the leaf's items
     std::uint32_t count = 0;  ///< 0: no leaf
@@ -86,7 +89,15 @@ class BoxTree {
   static constexpr std::uint32_t kLeafItems = 2;
   static constexpr std::size_t kMaxDepth = 64;
 
-  void build(std::span<const Box> boxes, std::uint32_t first, std::uint32_t last);
+  void build(std::span<const Box> boxes, std::span<const NormalCone> cones, std::uint32_t first,
+             std::uint32_t last);
+  template <class Bound>
+  double bound_of(const Bound& bound, std::uint32_t node) const noexcept {
+    if constexpr (std::is_invocable_v<Bound, const Box&, const NormalCone&>)
+      return bound(nodes_[node].box, nodes_[node].cone);
+    else
+      return bound(nodes_[node].box);
+  }
 
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> items_;
@@ -99,8 +110,8 @@ BoxTree::Entry BoxTree::enter(const Bound& bound, double range_m, Entry from,
     const Node& node = nodes_[from.node];
     if (node.count > 0)
       return from;
-    const double to_first = bound(nodes_[from.node + 1].box);
-    const double to_second = bound(nodes_[node.next].box);
+    const double to_first = bound_of(bound, from.node + 1);
+    const double to_second = bound_of(bound, node.next);
     work.add(2);
     if (to_first <= range_m && to_second <= range_m)
       return from;
@@ -121,7 +132,7 @@ BoxTree::Walked BoxTree::walk(const Bound& bound, const double& range_m, Visit&&
   walked.beyond_m = from.outside_m;
   if (nodes_.empty() || !from.near)
     return walked;
-  const double to_root = bound(nodes_[from.node].box);
+  const double to_root = bound_of(bound, from.node);
   work.add(1);
   if (to_root > range_m)
     return {std::min(to_root, from.outside_m), true};
@@ -142,7 +153,7 @@ BoxTree::Walked BoxTree::walk(const Bound& bound, const double& range_m, Visit&&
         return {0.0, false};
     } else {
       std::uint32_t near = at + 1, far = node.next;
-      double to_near = bound(nodes_[near].box), to_far = bound(nodes_[far].box);
+      double to_near = bound_of(bound, near), to_far = bound_of(bound, far);
       work.add(2);
       if (to_far < to_near) {
         std::swap(near, far);

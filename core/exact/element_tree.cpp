@@ -8,21 +8,26 @@
 
 namespace voxtouch::exact {
 
-ElementTree::ElementTree(std::span<const Ball> balls, const Spread& spread)
+ElementTree::ElementTree(std::span<const Ball> balls, const Spread& spread,
+                         std::span<const NormalCone> cones)
     : elements_(balls.size()) {
   std::vector<std::uint32_t> order(balls.size());
   std::iota(order.begin(), order.end(), 0U);
   nodes_.reserve(2 * balls.size());
   if (!balls.empty())
-    build(balls, spread, order);
+    build(balls, spread, cones, order);
 }
 
 void ElementTree::build(std::span<const Ball> balls, const Spread& spread,
-                        std::span<std::uint32_t> order) {
+                        std::span<const NormalCone> cones, std::span<std::uint32_t> order) {
   const std::size_t self = nodes_.size();
   nodes_.emplace_back();
+  NormalCone cone = cones.empty() ? NormalCone::all() : NormalCone();
+  if (!cones.empty())
+    for (const std::uint32_t element : order)
+      cone.add(cones[element]);
   if (order.size() == 1) {
-    nodes_[self] = {balls[order[0]], 0, order[0], 1, 0.0, true};
+    nodes_[self] = {balls[order[0]], cone, 0, order[0], 1, 0.0, true};
     return;
   }
   Box centres;
@@ -38,6 +43,7 @@ void ElementTree::build(std::span<const Ball> balls, const Spread& spread,
   };
   Node& node = nodes_[self];
   node.ball = ball;
+  node.cone = cone;
   node.element = *std::min_element(order.begin(), order.end(), nearer);
   node.count = static_cast<std::uint32_t>(order.size());
   node.spread_m = std::numeric_limits<double>::infinity();
@@ -55,9 +61,9 @@ void ElementTree::build(std::span<const Ball> balls, const Spread& spread,
   };
   std::nth_element(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(middle), order.end(),
                    before);
-  build(balls, spread, order.first(middle));
+  build(balls, spread, cones, order.first(middle));
   nodes_[self].next = static_cast<std::uint32_t>(nodes_.size());
-  build(balls, spread, order.subspan(middle));
+  build(balls, spread, cones, order.subspan(middle));
 }
 
 }  // namespace voxtouch::exact

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/exact/normal_cone.hpp"
 #include "core/types/geometry.hpp"
 
 namespace voxtouch::exact {
@@ -20,6 +21,7 @@ class ElementTree {
  public:
   struct Node {
     Ball ball;
+    NormalCone cone;            ///< of the normals of all elements
     std::uint32_t next = 0;     ///< the second child; the first follows its parent
     std::uint32_t element = 0;  ///< index of the ball in the middle; of a leaf the only one
     std::uint32_t count = 0;    ///< of elements
@@ -31,14 +33,17 @@ class ElementTree {
   using Spread = std::function<double(std::uint32_t from, std::uint32_t to)>;
   static constexpr std::size_t kSpreadElements = 16;
 
-  ElementTree(std::span<const Ball> balls, const Spread& spread);
+  /// `cones`: of each element's normals; empty: any direction.
+  ElementTree(std::span<const Ball> balls, const Spread& spread,
+              std::span<const NormalCone> cones = {});
 
   const std::vector<Node>& nodes() const noexcept { return nodes_; }
   std::size_t elements() const noexcept { return elements_; }
   std::size_t bytes() const noexcept { return nodes_.size() * sizeof(Node); }
 
  private:
-  void build(std::span<const Ball> balls, const Spread& spread, std::span<std::uint32_t> order);
+  void build(std::span<const Ball> balls, const Spread& spread, std::span<const NormalCone> cones,
+             std::span<std::uint32_t> order);
 
   std::size_t elements_;
   std::vector<Node> nodes_;

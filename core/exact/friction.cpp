@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/types/smoothstep.hpp"
+
 namespace voxtouch::exact {
 namespace {
 
@@ -11,6 +13,9 @@ constexpr double kMinPatch =
     1e-3;  // radius over lever: below, the contact is a point, free to turn
 constexpr double kAlongRowSine = 1e-6;  // a row that the step along m neither opens nor closes
 constexpr double kKeptM = 1e-10;
+/// Relative distance from its limit at which a friction force holds with the full stiffness of the
+/// spring.
+constexpr double kFirmSlack = 0.5;
 
 /// The contacts as one patch.
 struct Patch {
@@ -93,9 +98,14 @@ FrictionStep with_friction(std::span<const FrictionContact> contacts,
   const double needed = std::hypot(shift, twist), at_most = friction * force_sticking;
   if (needed <= at_most) {
     out.delta = sticking;
-    out.loose.topLeftCorner<3, 3>() = m * m.transpose();
+    Mat6 loose = Mat6::Identity();
+    loose.topLeftCorner<3, 3>() = m * m.transpose();
     if (turns_held)
-      out.loose.bottomRightCorner<3, 3>() -= m * m.transpose();
+      loose.bottomRightCorner<3, 3>() -= m * m.transpose();
+    // Near the limit the friction fades: encoder steps would make a sliding tool alternately stick
+    // and slip, and damping depends on the stiffness.
+    const double slack = at_most > 0.0 ? 1.0 - needed / at_most : 0.0;
+    out.loose -= smoothstep(0.0, kFirmSlack, slack) * (out.loose - loose);
     return out;
   }
   // needed (1 - slide) = friction (force_sticking + slide (patch.force_m - force_sticking))

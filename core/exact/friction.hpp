@@ -15,7 +15,8 @@ struct FrictionContact {
 
 struct FrictionStep {
   Vec6 delta = Vec6::Zero();
-  Mat6 loose = Mat6::Identity();  ///< projector on what friction does not hold
+  /// What friction does not hold: a projector, which fades to all where friction is near its limit.
+  Mat6 loose = Mat6::Identity();
 };
 
 /// The part of the step `free` that friction lets happen; `contacts` are its active rows, `rows`

@@ -93,11 +93,16 @@ inline constexpr int kAllRowsFrames = 4;
 /// their lists where it leaves this many reaches on the tool's side.
 inline constexpr double kPlaneRangeM = 1.5e-3;
 inline constexpr double kPlaneReaches = 1.2;
+/// Groups of the tool's features whose normals differ by more than this from their mean [rad] are
+/// not asked whether all near features of the object face away.
+inline constexpr double kWidestCone = 0.7;
 /// Where there is no such plane, none is looked for before the tool went so far [m].
 inline constexpr double kPlaneRetryM = 2.5e-4;
 
-/// In contact the tool goes at most as far as the hand went, and this ratio of the spring's length,
-/// or this far [m]: an edge that gives way becomes a ramp.
+/// In contact the tool goes at most this many times as far as the hand went, and this ratio of the
+/// spring's length, or this far [m]: an edge that gives way becomes a ramp. Round a cylinder of
+/// radius R with the hand at a depth d the tool has to go R / (R - d) times as far as the hand.
+inline constexpr double kFollowRatio = 2.0;
 inline constexpr double kCatchUpRatio = 0.01;
 inline constexpr double kCatchUpM = 4e-5;
 

@@ -34,7 +34,7 @@ class Opposite {
     face_vertex_.reset();
     edge_edge_.reset();
     start_check_.restart();
-    path_m_ = 0.0;
+    path_m_ = turn_m_ = 0.0;
   }
 
   /// Bound of the displacement of any point of the tool between two relative poses [m].
@@ -50,12 +50,14 @@ class Opposite {
 
   /// Takes the step that was tried.
   void accept() noexcept {
-    path_m_ += path_between(now_.pose(), next_.pose());
+    const double path = path_between(now_.pose(), next_.pose());
+    path_m_ += path;
+    turn_m_ += path - (next_.pose().position - now_.pose().position).norm();
     std::swap(now_, next_);
   }
 
   void renew(double need_m, double radius_m, Work& work) noexcept {
-    const Renewal renewal{path_m_, need_m, radius_m, need_m};
+    const Renewal renewal{path_m_, turn_m_, need_m, radius_m, need_m};
     vertex_face_.renew(now_, renewal, work);
     edge_edge_.renew(now_, renewal, work);
     face_vertex_.renew(now_, renewal, work);
@@ -63,7 +65,7 @@ class Opposite {
 
   /// Whether a pair farther than `seen_m` may touch on the step that is tried, of `length_m`.
   StepVerdict check_step(double length_m, double seen_m, Work& work) noexcept {
-    const Step step{path_m_, length_m, seen_m};
+    const Step step{path_m_, turn_m_, length_m, seen_m};
     StepVerdict verdict = vertex_face_.check_step(now_, next_, step, work);
     if (verdict == StepVerdict::kClear)
       verdict = edge_edge_.check_step(now_, next_, step, work);
@@ -74,9 +76,9 @@ class Opposite {
 
   /// So far may the tool go before something unlisted can touch it [m].
   double allowed_m() const noexcept {
-    const double until =
-        std::min({vertex_face_.until_m(), face_vertex_.until_m(), edge_edge_.until_m()});
-    return until - path_m_;
+    return std::min({vertex_face_.holds_for_m(path_m_, turn_m_),
+                     face_vertex_.holds_for_m(path_m_, turn_m_),
+                     edge_edge_.holds_for_m(path_m_, turn_m_)});
   }
   /// Nothing that is listed is nearer than this [m].
   double nearest_m() const noexcept {
@@ -107,7 +109,7 @@ class Opposite {
   PairLists<FaceProbe> face_vertex_;
   PairLists<EdgeProbe> edge_edge_;
   StartCheck start_check_;
-  double path_m_ = 0.0;
+  double path_m_ = 0.0, turn_m_ = 0.0;  ///< of the tool; of it, by its rotation
 };
 
 }  // namespace voxtouch::exact

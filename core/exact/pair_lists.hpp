@@ -26,6 +26,7 @@ namespace voxtouch::exact {
 /// What a renewal is asked for. All in metres of path.
 struct Renewal {
   double path_m = 0.0;  ///< of the tool so far
+  double turn_m = 0.0;  ///< likewise, by its rotation alone
   double need_m = 0.0;  ///< what is nearer than this must be listed
   double radius_m =
       0.0;  ///< what is nearer than this is listed by a leaf that is renewed; above `need_m`
@@ -35,6 +36,7 @@ struct Renewal {
 /// A step that is tried. All in metres of path.
 struct Step {
   double path_m = 0.0;    ///< of the tool so far
+  double turn_m = 0.0;    ///< likewise, by its rotation alone
   double length_m = 0.0;  ///< bound of the displacement of any of its points
   double seen_m = 0.0;    ///< pairs within it are known to the caller
 };
@@ -82,9 +84,11 @@ class PairLists {
       renew_node(0, {}, posed, renewal, work);
   }
 
-  /// The path until which everything that can touch is listed.
-  double until_m() const noexcept {
-    return tree_.nodes().empty() || items_.empty() ? kInfinity : states_[0].until_m;
+  /// For this much more of the path everything that can touch is listed.
+  double holds_for_m(double path_m, double turn_m) const noexcept {
+    if (tree_.nodes().empty() || items_.empty())
+      return kInfinity;
+    return std::min(states_[0].until_m - path_m, states_[0].turn_until_m - turn_m);
   }
   /// No listed pair touches before this path.
   double nearest_m() const noexcept {
@@ -119,13 +123,20 @@ class PairLists {
   struct State {
     double until_m = -kInfinity, nearest_m = kInfinity;
     double near_m = -kInfinity;  ///< a path less the ball's distance from some item then
+    /// What is left out as facing away may face the node from this path by rotation on.
+    double turn_until_m = kInfinity;
+
+    bool holds(double path_m, double turn_m, double need_m) const noexcept {
+      return until_m >= path_m + need_m && turn_until_m >= turn_m + need_m;
+    }
   };
   /// The item, or all of the object that is nearer than a path `until_m`, lies below a height.
   struct Plane {
     Vec3 normal = Vec3::Zero();  ///< unit or zero, from the object to the tool, in its frame
     double height_m = 0.0;
     double until_m = -kInfinity;
-    double retry_m = -kInfinity;  ///< none is looked for before this path
+    double retry_m = -kInfinity;       ///< none is looked for before this path
+    double retry_away_m = -kInfinity;  ///< likewise whether all faces away
   };
   struct Pair {
     double touches_m = 0.0;  ///< the path before which it does not touch
@@ -144,13 +155,16 @@ class PairLists {
   void renew_node(std::uint32_t at, BoxTree::Entry entry, PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
     State& state = states_[at];
-    if (state.until_m >= renewal.path_m + renewal.need_m || work.done())
+    if (state.holds(renewal.path_m, renewal.turn_m, renewal.need_m) || work.done())
       return;
     const ElementTree::Node& node = tree_.nodes()[at];
     if (kept_by_plane(at, posed, renewal, work))
       return;
-    if (node.leaf)
-      return renew_leaf(at, entry, true, posed, renewal, work);
+    if (node.leaf) {
+      if (!faces_away(at, entry, posed, renewal, work))
+        renew_leaf(at, entry, true, posed, renewal, work);
+      return;
+    }
     // Where a renewal that was cut short goes on, the node itself is known to be near.
     const double known = std::max(states_[at + 1].until_m, states_[node.next].until_m);
     if (known < renewal.path_m + renewal.need_m) {
@@ -158,12 +172,29 @@ class PairLists {
         return;
       if (std::isfinite(node.spread_m) && find_plane(at, entry, posed, renewal, work))
         return;
+      if (faces_away(at, entry, posed, renewal, work))
+        return;
     }
     renew_node(at + 1, entry, posed, renewal, work);
     renew_node(node.next, entry, posed, renewal, work);
     const State &first = states_[at + 1], &second = states_[node.next];
     state.until_m = std::min(first.until_m, second.until_m);
+    state.turn_until_m = std::min(first.turn_until_m, second.turn_until_m);
     state.nearest_m = std::min(first.nearest_m, second.nearest_m);
+  }
+
+  /// The normals of all elements of a node, in the object's frame.
+  auto turn_bound_of(std::uint32_t at, const PosedPoints& posed) const noexcept {
+    return typename Probe::TurnBoundOf(tree_.nodes()[at].cone, posed.rotation(),
+                                       tool_.features().reach_m);
+  }
+  /// `distance_m`, or the path before which the item's normals do not face the node's.
+  template <class TurnBoundOf>
+  double touches_after(double distance_m, double range_m, const TurnBoundOf& turn_bound,
+                       std::uint32_t item) const noexcept {
+    if (distance_m > range_m)
+      return distance_m;
+    return std::max(distance_m, turn_bound.path_m(Probe::cone(object_, item)));
   }
 
   /// Whether nothing of the object is within `radius_m` of the node; it then is kept for that.
@@ -198,6 +229,49 @@ class PairLists {
     return true;
   }
 
+  /// Whether all of the object near the node has normals that do not face the node's; it then is
+  /// kept for the path to what does, and until the tool has rotated.
+  bool faces_away(std::uint32_t at, const BoxTree::Entry& entry, const PosedPoints& posed,
+                  const Renewal& renewal, Work& work) noexcept {
+    if constexpr (std::is_same_v<typename Probe::TurnBoundOf, NoTurnBound>)
+      return false;
+    const ElementTree::Node& node = tree_.nodes()[at];
+    Plane& plane = planes_[at];
+    if (node.cone.half_rad() > limits::kWidestCone || renewal.path_m < plane.retry_away_m)
+      return false;
+    const Vec3 centre = posed.rotation() * node.ball.centre + posed.pose().position;
+    const auto turn_bound = turn_bound_of(at, posed);
+    const double near = limits::kPlaneReaches * renewal.need_m;
+    double range = plane_range(renewal.need_m), turn = kInfinity;
+    const auto away = [&](const NormalCone& cone) {
+      const double path = turn_bound.path_m(cone);
+      if (path > near)
+        turn = std::min(turn, path);
+      return path > near;
+    };
+    const auto bound = [&](const Box& box, const NormalCone& cone) {
+      const double distance =
+          (box.low - centre).cwiseMax(centre - box.high).cwiseMax(0.0).norm() - node.ball.radius;
+      return distance <= range && away(cone) ? kInfinity : distance;
+    };
+    const auto look = [&](std::uint32_t item) {
+      work.add(Work::kPair);
+      const double distance = Probe::distance(object_, item, centre) - node.ball.radius;
+      if (distance < range && !away(Probe::cone(object_, item)))
+        range = distance;
+      return range > near;
+    };
+    const auto walked = items_.walk(bound, range, look, work, entry);
+    const double beyond = std::min(range, walked.beyond_m);
+    if (!walked.whole || !(beyond > near)) {
+      plane.retry_away_m = renewal.path_m + limits::kPlaneRetryM;
+      return false;
+    }
+    keep_until(at, renewal.path_m + beyond);
+    states_[at].turn_until_m = renewal.turn_m + turn;
+    return true;
+  }
+
   /// Whether the node's plane holds for what is needed. All elements of the node are above it.
   bool kept_by_plane(std::uint32_t at, const PosedPoints& posed, const Renewal& renewal,
                      Work& work) noexcept {
@@ -215,6 +289,7 @@ class PairLists {
   /// Nothing touches the node before the path `until_m`.
   void keep_until(std::uint32_t at, double until_m) noexcept {
     states_[at].until_m = until_m;
+    states_[at].turn_until_m = kInfinity;
     states_[at].nearest_m = std::max(states_[at].nearest_m, until_m);
   }
 
@@ -292,7 +367,7 @@ class PairLists {
     const double beyond = std::min(range, walked.beyond_m);
     if (!walked.whole || !(beyond > near))
       return false;
-    planes_[at] = {n, height, renewal.path_m + beyond, -kInfinity};
+    planes_[at] = {n, height, renewal.path_m + beyond, -kInfinity, planes_[at].retry_away_m};
     keep_until(at, renewal.path_m + std::min(low - height, beyond));
     return true;
   }
@@ -303,6 +378,7 @@ class PairLists {
     const std::uint32_t element = tree_.nodes()[at].element;
     State& state = states_[at];
     const Probe probe(tool_, object_, posed, element);
+    const auto turn_bound = turn_bound_of(at, posed);
     const auto bound = [&](const Box& box) { return probe.bound(box); };
     const auto nearer = [](const Pair& a, const Pair& b) { return a.touches_m < b.touches_m; };
     double radius = renewal.radius_m;
@@ -339,8 +415,12 @@ class PairLists {
         if (plane && first != scratch_.end() &&
             make_plane(at, first->apart, probe, entry, posed, renewal, work))
           return;
+        for (Pair& pair : scratch_)
+          pair.touches_m = renewal.path_m + touches_after(pair.touches_m - renewal.path_m,
+                                                          kInfinity, turn_bound, pair.item);
         if (store(element, renewal.path_m)) {
           state.until_m = renewal.path_m + std::min({beyond, range, walked.beyond_m});
+          state.turn_until_m = kInfinity;
           state.nearest_m = kInfinity;
           for (const Pair& pair : scratch_)
             state.nearest_m = std::min(state.nearest_m, pair.touches_m);
@@ -434,6 +514,7 @@ class PairLists {
       return whole;
     }
     const Probe probe(tool_, object_, posed, node.element);
+    const auto turn_bound = turn_bound_of(at, posed);
     bool whole = true;
     state.nearest_m = kInfinity;
     for (std::uint32_t b = heads_[node.element]; b != kNone; b = blocks_[b].next) {
@@ -446,7 +527,7 @@ class PairLists {
           work.add(1);
           if (distance <= reach_m) {
             const Vec3 way = probe.apart(block.items[k]);
-            distance = way.norm();
+            distance = touches_after(way.norm(), reach_m, turn_bound, block.items[k]);
             work.add(Work::kPair);
             plane = plane_between(block.items[k], way);
           }
@@ -474,14 +555,14 @@ class PairLists {
                          Work& work) noexcept {
     const State& state = states_[at];
     const double end = step.path_m + step.length_m;
-    if (state.until_m >= end && state.nearest_m >= end)
+    if (state.holds(step.path_m, step.turn_m, step.length_m) && state.nearest_m >= end)
       return StepVerdict::kClear;
     if (work.done())
       return StepVerdict::kUnknown;
     if (stays_above(at, end, posed, next, work))
       return StepVerdict::kClear;
     const ElementTree::Node& node = tree_.nodes()[at];
-    const Renewal renewal{step.path_m, step.length_m,
+    const Renewal renewal{step.path_m, step.turn_m, step.length_m,
                           limits::kListReaches * step.length_m + limits::kListRestM,
                           limits::kMinReachM};
     if (!node.leaf) {
@@ -492,17 +573,20 @@ class PairLists {
         if (std::isfinite(node.spread_m) && find_plane(at, entry, posed, renewal, work) &&
             stays_above(at, end, posed, next, work))
           return StepVerdict::kClear;
+        if (faces_away(at, entry, posed, renewal, work))
+          return StepVerdict::kClear;
       }
       const StepVerdict first = check_node(at + 1, posed, next, step, work);
       return first == StepVerdict::kClear ? check_node(node.next, posed, next, step, work) : first;
     }
-    if (state.until_m < end) {
+    const auto holds = [&] { return state.holds(step.path_m, step.turn_m, step.length_m); };
+    if (!holds()) {
       renew_leaf(at, {}, true, posed, renewal, work);
       if (stays_above(at, end, posed, next, work))
         return StepVerdict::kClear;
-      if (state.until_m < end)
+      if (!holds())
         renew_leaf(at, {}, false, posed, renewal, work);
-      if (state.until_m < end)
+      if (!holds())
         return StepVerdict::kUnknown;
       if (state.nearest_m >= end)
         return StepVerdict::kClear;

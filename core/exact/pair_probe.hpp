@@ -20,6 +20,8 @@ struct SeparatingPlane {
 class VertexProbe {
  public:
   static constexpr PairKind kKind = PairKind::kVertexFace;
+  using TurnBoundOf = NoTurnBound;
+  static NormalCone cone(const ObjectBody&, std::uint32_t) noexcept { return {}; }
   static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.vertices(); }
   static const BoxTree& items(const ObjectBody& object) noexcept { return object.faces(); }
   /// Of a point in the object's frame from an item.
@@ -64,6 +66,8 @@ class VertexProbe {
 class FaceProbe {
  public:
   static constexpr PairKind kKind = PairKind::kFaceVertex;
+  using TurnBoundOf = NoTurnBound;
+  static NormalCone cone(const ObjectBody&, std::uint32_t) noexcept { return {}; }
   static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.faces(); }
   static const BoxTree& items(const ObjectBody& object) noexcept { return object.vertices(); }
   static double distance(const ObjectBody& object, std::uint32_t item, const Vec3& p) noexcept {
@@ -115,6 +119,10 @@ class FaceProbe {
 class EdgeProbe {
  public:
   static constexpr PairKind kKind = PairKind::kEdgeEdge;
+  using TurnBoundOf = TurnBound;
+  static const NormalCone& cone(const ObjectBody& object, std::uint32_t item) noexcept {
+    return object.edge_cones()[item];
+  }
   static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.edges(); }
   static const BoxTree& items(const ObjectBody& object) noexcept { return object.edges(); }
   static double distance(const ObjectBody& object, std::uint32_t item, const Vec3& p) noexcept {

@@ -540,7 +540,7 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
   double remaining = kInfinity;
   if (pressed_) {
     const double catch_up = limits::kCatchUpRatio * length_of(spring_to(sample.pose));
-    remaining = hand_path_m + std::max(catch_up, limits::kCatchUpM);
+    remaining = limits::kFollowRatio * hand_path_m + std::max(catch_up, limits::kCatchUpM);
   }
   Query query{.hand = sample.pose, .friction = sample.friction};
   query.rest_m = std::max(limits::kRestM, limits::kMovingRestRatio * hand_path_m);

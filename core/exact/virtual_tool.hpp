@@ -16,14 +16,15 @@
 #include "core/exact/opposite.hpp"
 #include "core/exact/projection.hpp"
 #include "core/exact/touches.hpp"
+#include "core/exact/work.hpp"
 
 namespace voxtouch::exact {
 
 struct VirtualToolOptions {
   double lever_m = 0.0;  ///< weighs rotations against shifts; 0: the tool's reach
   double fade_s = 0.2;   ///< after the tool was initialised the force comes in over this time
-  std::uint64_t max_work =
-      45000;  ///< of a frame, in units of Work; at the limit the tool has not converged
+  /// Of a frame, in units of Work; at the limit the tool has not converged.
+  std::uint64_t max_work = Work::kOfFrame;
   std::size_t pair_capacity = 1 << 16;  ///< pairs listed of each kind and object
 };
 

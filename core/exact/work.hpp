@@ -9,6 +9,8 @@ namespace voxtouch::exact {
 /// One unit is about one box test (some 10 ns on a processor of 2020). Real-time safe.
 class Work {
  public:
+  /// Default limit of a frame.
+  static constexpr std::uint64_t kOfFrame = 45000;
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
   /// Units of a pair's exact distance, of its rows, of its swept test, of a projection's look at 16
   /// rows, and of a row that comes or goes.

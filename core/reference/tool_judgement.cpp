@@ -9,10 +9,10 @@
 namespace voxtouch::reference {
 namespace {
 
-constexpr double kDeep = 0.1, kOff = 0.02, kFree = 0.2, kSettled = 0.02,
-                 kShortSpring = 0.25;  ///< in edges
-constexpr double kHalfWall =
-    0.0625;  ///< in edges: an open mesh repels as a wall of this thickness on either side
+/// Virtual tool and reference read the same triangles: this much is left for rounding, and for the
+/// margin at which the tool rests [m].
+constexpr double kSameSurface = 1e-5;
+constexpr double kSettled = 2e-5, kShortSpring = 5e-4;  ///< [m]
 constexpr double kDirection = 6.0 * std::numbers::pi / 180.0;
 constexpr double kAlongSpring = 1e-6;  ///< rad
 constexpr double kSamePose = 1e-12;    ///< m, and of a unit quaternion
@@ -58,36 +58,32 @@ std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const 
     return found;
   if (r.not_initialised || r.not_converged)
     return "";
-  const double e = s.edge_m, c = s.chord_error_m + s.shell_offset_m, g = s.shell_gap_m,
-               radius = at_tool.sphere_radius_m;
-  const double sag = radius > 0.0 ? g * g / (8.0 * radius) : 0.5 * g;
-  const bool force = !r.wrench.zero(), settled = r.residual_m <= kSettled * e;
+  const double near = kSameSurface + s.chord_error_m;
+  const bool force = !r.wrench.zero(), settled = r.residual_m <= kSettled;
   if (!force) {
-    if (-at_hand.gap_m > sag + kFree * e + c)
+    if (-at_hand.gap_m > near)
       return fmt::format("no force, but the hand's tool is {:.3g} mm inside",
                          in_mm(-at_hand.gap_m));
     return "";
   }
   const Vec3 shift = r.hand.position - r.tool.position;
   out.depth_error_m = -at_tool.gap_m;
-  if (-at_tool.gap_m > kDeep * e + c)
+  if (-at_tool.gap_m > near)
     return fmt::format("the virtual tool is {:.3g} mm inside, limit {:.3g} mm",
-                       in_mm(-at_tool.gap_m), in_mm(kDeep * e + c));
-  const double off =
-      ((at_tool.unique_face ? kOff : 1.0) + (at_tool.inside_known ? 0.0 : kHalfWall)) * e + sag +
-      c + r.residual_m;
+                       in_mm(-at_tool.gap_m), in_mm(near));
+  const double off = near + r.residual_m;
   if (at_tool.gap_m > off)
     return fmt::format(
         "a force of {:.3g} N, but the virtual tool is {:.3g} mm off the surface, limit {:.3g} mm",
         r.wrench.force.norm(), in_mm(at_tool.gap_m), in_mm(off));
   const double displacement = shift.norm() + tool.reach_m * turn_between(r.tool, r.hand);
-  if (settled && at_hand.gap_m > displacement + kFree * e + c)
+  if (settled && at_hand.gap_m > displacement + near)
     return fmt::format(
         "a force of {:.3g} N, but nothing is between virtual tool and hand, which is {:.3g} mm off "
         "the surface",
         r.wrench.force.norm(), in_mm(at_hand.gap_m));
   if (!at_tool.unique_face || at_tool.direction.isZero() || tool.rubs || !settled ||
-      shift.norm() < kShortSpring * e)
+      shift.norm() < kShortSpring)
     return "";
   out.direction_error_rad = angle_between(r.wrench.force, at_tool.direction);
   if (out.direction_error_rad > kDirection)

@@ -35,42 +35,31 @@ void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& 
       add(contact.rotation, counts.contact.rotation);
 }
 
-/// The edges of each object in the tool.
-void add_edges(BuiltParts& parts) {
-  for (auto& object : parts.objects)
-    if (parts.tool_body && object->edge_points.size() > 0)
-      object->edges = std::make_unique<EdgeContacts>(
-          contact::ContactQuery(parts.tool_body->voxmap, std::move(object->edge_points)),
-          &parts.tool_body->field);
-}
-
 /// One spring, independent of what it touches.
 void add_virtual_tool(const PartsRequest& request, const contact::ContactRenderer& renderer,
                       EffectGround& ground, BuildCounts& counts) {
-  if (!request.virtual_tool())
+  if (!ground.bodies)
     return;
+  counts.virtual_tool_bytes = ground.bodies->bytes();
   const scene::Scene& scene = request.scene;
-  ground.virtual_tool_lever_m = scene.lever_m.value_or(0.0);
   const double reach = renderer.query().reach_m(), lever = scene.lever_m.value_or(reach);
   if (!(reach > 0.0))
     throw std::invalid_argument(scene.file.string() +
                                 ": the tool is a point; a virtual tool needs a tool with extent");
   counts.contact = spring_of_any_device(lever);
-  counts.virtual_tool_lever_m = lever;
+  ground.virtual_tool_lever_m = counts.virtual_tool_lever_m = lever;
 }
 
 }  // namespace
 
-BuiltScene::BuiltScene(std::unique_ptr<ToolBody> tool_body,
-                       std::vector<std::unique_ptr<StaticObject>> objects,
+BuiltScene::BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects,
                        std::vector<effects::EffectSpec> effects, EffectGround ground, Plan plan,
                        double largest_shell_gap_m)
-    : tool_body_(std::move(tool_body)),
-      contacts_(std::move(objects)),
+    : contacts_(std::move(objects)),
       ground_(std::move(ground)),
       scene_(contacts_, std::move(effects),
              {ground_.proximity ? &*ground_.proximity : nullptr, ground_.tool.points, ground_.body,
-              ground_.virtual_tool_lever_m, ground_.watch.get(), ground_.bodies.get()}),
+              ground_.bodies.get(), ground_.virtual_tool_lever_m}),
       plan_(std::move(plan)),
       largest_shell_gap_m_(largest_shell_gap_m) {}
 
@@ -84,17 +73,13 @@ std::unique_ptr<BuiltScene> build_scene(const scene::Scene& scene, const Paralle
   BuiltParts parts = build_parts(request, parallel_for, progress);
   for (auto& object : parts.objects)
     add_contact_law(request, parts.shell, *object, parts.counts);
-  add_edges(parts);
   EffectGround ground{.proximity = std::move(parts.proximity),
                       .tool = std::move(parts.tool_points),
                       .body = parts.body,
-                      .watch = std::move(parts.watch),
-                      .bodies = std::move(parts.bodies),
-                      .virtual_tool_lever_m = {}};
+                      .bodies = std::move(parts.bodies)};
   parts.counts.tool_reach_m = parts.objects.front()->renderer->query().reach_m();
   add_virtual_tool(request, *parts.objects.front()->renderer, ground, parts.counts);
-  return std::make_unique<BuiltScene>(std::move(parts.tool_body), std::move(parts.objects),
-                                      scene.effects, std::move(ground),
+  return std::make_unique<BuiltScene>(std::move(parts.objects), scene.effects, std::move(ground),
                                       make_plan(scene, parts.counts), parts.largest_gap_m);
 }
 

@@ -21,18 +21,15 @@ struct EffectGround {
   std::optional<ProximityField> proximity;
   ToolPoints tool;
   std::optional<effects::BodyShape> body;  ///< of a dynamic object with its own motion
-  std::unique_ptr<WallWatch> watch;        ///< exists if a virtual tool might pass a wall
-  std::unique_ptr<ExactBodies> bodies;     ///< exists if a virtual tool uses triangles
-  /// Present for a scene with a virtual tool; 0: the tool's reach.
-  std::optional<double> virtual_tool_lever_m;
+  std::unique_ptr<ExactBodies> bodies;     ///< of a virtual tool
+  double virtual_tool_lever_m = 0.0;       ///< with `bodies`, above 0
 };
 
 /// All data of one built scene. It must not move, since the renderer refers to it.
 class BuiltScene {
  public:
   /// Called by `build_scene`.
-  BuiltScene(std::unique_ptr<ToolBody> tool_body,
-             std::vector<std::unique_ptr<StaticObject>> objects,
+  BuiltScene(std::vector<std::unique_ptr<StaticObject>> objects,
              std::vector<effects::EffectSpec> effects, EffectGround ground, Plan plan,
              double largest_shell_gap_m);
   BuiltScene(const BuiltScene&) = delete;
@@ -59,7 +56,6 @@ class BuiltScene {
   double largest_shell_gap_m() const noexcept { return largest_shell_gap_m_; }
 
  private:
-  std::unique_ptr<ToolBody> tool_body_;  ///< the objects' edges refer to it
   ObjectContacts contacts_;
   EffectGround ground_;
   SceneRenderer scene_;
@@ -69,9 +65,6 @@ class BuiltScene {
 
 /// Called with a short sentence at the start of each step, to report progress.
 using Progress = std::function<void(const std::string&)>;
-
-/// Geometry for the virtual tool: distances on voxels (core/contact) or triangles (core/exact).
-enum class ToolMeets : std::uint8_t { kVoxels, kTriangles };
 
 /// Deviations from the scene, for comparisons, and the reader of the meshes.
 struct BuildChoices {
@@ -83,7 +76,6 @@ struct BuildChoices {
   /// A field with depth down to this [voxels] instead of the default of DistanceFieldOptions. It is
   /// bit-identical down to this depth and takes less time. For a tool that goes no deeper.
   std::optional<double> field_depth_voxels = {};
-  ToolMeets tool_meets = ToolMeets::kVoxels;
   /// Programs pass a reader that isolates the process from broken files (nodes/mesh_import).
   mesh::TriangleReader read = mesh::read_triangles;
 };

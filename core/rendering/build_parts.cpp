@@ -6,7 +6,6 @@
 
 #include "core/mesh/mass_properties.hpp"
 #include "core/pointshell/build_shell.hpp"
-#include "core/pointshell/edge_points.hpp"
 #include "core/rendering/built_parts.hpp"
 #include "core/rendering/one_solid.hpp"
 #include "core/scene/mesh_parts.hpp"
@@ -18,11 +17,6 @@
 
 namespace voxtouch::rendering {
 namespace {
-
-/// Voxel edge of the distances to the tool relative to the scene's, their depth in these voxels,
-/// and their largest memory: edges justify no more.
-constexpr double kToolVoxels = 0.5, kToolDepthVoxels = 4.0;
-constexpr std::uint64_t kToolBodyBytes = std::uint64_t{256} << 20;
 
 /// Imports the mesh that the scene was read with, and refuses a file that has changed since.
 mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene,
@@ -70,7 +64,7 @@ struct BuildContext {
   const BuildChoices& choices;
   const Progress& progress;
   contact::ContactModelKind model;
-  bool meets_triangles;  ///< whether the virtual tool uses triangles
+  bool virtual_tool;
   BuildCounts& counts;
 
   void step(const std::string& text) const {
@@ -115,20 +109,17 @@ auto with_hints(const BuildCounts& counts, Build&& build) {
 }
 
 /// Penalty forces need a body with an interior; a virtual tool is constrained by any surface.
-/// `edges` receives the points of its sharp edges if a virtual tool needs them.
 voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh& fixed,
-                                  const voxmap::Voxmap& voxmap, pointshell::Pointshell& edges) {
+                                  const voxmap::Voxmap& voxmap) {
   const scene::Scene& scene = context.scene;
   BuildCounts& counts = context.counts;
   const ParallelFor& parallel_for = context.parallel_for;
   voxmap::DistanceFieldOptions options;
   options.depth_voxels = context.choices.field_depth_voxels.value_or(options.depth_voxels);
-  if (scene.virtual_tool())
-    options.open_wall_voxels = voxmap::kOpenWallVoxels;
   const voxmap::ClosedMesh closed(fixed.mesh, voxmap.grid());
   voxmap::DistanceField field = with_hints(
       counts, [&] { return voxmap::build_distance_field(closed, voxmap, options, parallel_for); });
-  if (!(scene.virtual_tool() ? field.stored_nodes() > 0 : field.has_inside()))
+  if (!context.virtual_tool && !field.has_inside())
     throw std::invalid_argument(fmt::format(
         "{}: contact model 'field' needs depth inside a static mesh, but {}. Close the mesh, use a "
         "smaller voxel_size, or rendering: virtual_tool.",
@@ -136,11 +127,11 @@ voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh&
         fixed.open == fixed.specs.size()
             ? "no static mesh is closed"
             : fmt::format("at {:g} m no voxel corner is inside one", scene.voxel_size_m)));
-  if (scene.virtual_tool())
-    edges = pointshell::edge_points(closed, voxmap.grid());
   counts.field_bytes += field.bytes();
   counts.field_nodes += field.stored_nodes();
   counts.field_depth_m = field.depth_m();
+  if (context.virtual_tool)
+    return field;
   const voxmap::ThinnestWall thinnest = voxmap::thinnest_wall(closed, voxmap.grid(), parallel_for);
   if (!(thinnest.thickness_m < counts.thinnest_m))
     return field;
@@ -166,68 +157,6 @@ effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMes
         "{}: effect 'body' needs the mass of the dynamic object {}, but {}.", scene.file.string(),
         scene.dynamic_mesh.path.filename().string(), error.what()));
   }
-}
-
-/// The tool for the edges of the objects. Null if it cannot be built; no edges are then used, and
-/// the counts contain the reason.
-std::unique_ptr<ToolBody> build_tool_body(const BuildContext& context,
-                                          const mesh::ImportedMesh& moving) {
-  BuildCounts& counts = context.counts;
-  const auto skipped = [&](const std::string& why) {
-    counts.skipped_edges = why;
-    return nullptr;
-  };
-  if (!moving.report.closed)
-    return skipped("the dynamic mesh is not closed");
-  context.step("distances to the dynamic mesh");
-  try {
-    const voxmap::Grid grid =
-        voxmap::object_grid(moving.mesh, kToolVoxels * context.scene.voxel_size_m);
-    voxmap::Voxmap voxmap =
-        voxmap::voxelise(moving.mesh, grid, context.parallel_for, kToolBodyBytes);
-    voxmap::DistanceField field =
-        voxmap::build_distance_field(moving.mesh, voxmap, {.depth_voxels = kToolDepthVoxels},
-                                     context.parallel_for, kToolBodyBytes);
-    if (!field.has_inside())
-      return skipped("the dynamic mesh is too thin: no corner of half a voxel is inside");
-    return std::make_unique<ToolBody>(std::move(voxmap), std::move(field));
-  } catch (const voxmap::VoxelBudgetError&) {
-    return skipped("distances to the dynamic mesh need more than " + bytes_text(kToolBodyBytes));
-  }
-}
-
-/// Builds and counts the objects' edges in the tool.
-void build_edges(const BuildContext& context, const mesh::ImportedMesh& moving, BuiltParts& parts) {
-  BuildCounts& counts = context.counts;
-  for (const auto& object : parts.objects)
-    counts.edge_points += object->edge_points.size();
-  if (counts.edge_points == 0)
-    return;
-  parts.tool_body = build_tool_body(context, moving);
-  if (parts.tool_body) {
-    counts.edge_bytes = parts.tool_body->voxmap.bytes() + parts.tool_body->field.bytes();
-    return;
-  }
-  counts.edge_points = 0;
-  for (const auto& object : parts.objects)
-    object->edge_points = {};
-}
-
-/// Builds the watch only if neither walls nor tool are thick enough to exclude tunnelling.
-void build_watch(const BuildContext& context, const mesh::ImportedMesh& moving, BuiltParts& parts) {
-  const double edge = context.scene.voxel_size_m;
-  const bool thin =
-      parts.counts.thinnest_m < kHoldingWallVoxels * edge || !parts.counts.open_meshes.empty();
-  if (thin && !parts.walls.empty() && moving.report.closed) {
-    const voxmap::Grid grid = voxmap::default_grid(moving.mesh, edge);
-    const double tool_m =
-        voxmap::thinnest_wall(voxmap::ClosedMesh(moving.mesh, grid), grid, context.parallel_for)
-            .thickness_m;
-    if (tool_m < kHeldToolVoxels * edge)
-      parts.watch = std::make_unique<WallWatch>(std::move(parts.walls), parts.shell,
-                                                0.5 * std::min(tool_m, edge));
-  }
-  parts.walls = {};
 }
 
 /// Surface of the volume that the mesh encloses, in W.
@@ -335,12 +264,8 @@ void build_tool(const BuildContext& context, const std::vector<ObjectMesh>& obje
                     ? pointshell::make_exact_shell(points, grid)
                     : pointshell::make_naive_shell(points, grid);
   context.counts.shell_points = parts.shell.size();
-  if (context.meets_triangles) {
+  if (context.virtual_tool)
     parts.bodies = build_bodies(context, moving.mesh, objects, solids);
-  } else {
-    build_edges(context, moving, parts);
-    build_watch(context, moving, parts);
-  }
   if (effects::needs_of(scene.effects).body)
     parts.body = body_shape(scene, moving.mesh);
 }
@@ -382,11 +307,9 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
       .voxmap = with_hints(
           context.counts, [&] { return voxmap::voxelise(fixed.mesh, grid, context.parallel_for); }),
       .field = {},
-      .edge_points = {},
       .solid = solid != nullptr ? std::optional(members.front()) : std::nullopt,
       .moves = id == 0 ? std::nullopt : scene.objects[id - 1].moves,
-      .renderer = {},
-      .edges = {}});
+      .renderer = {}});
   voxmap::Voxmap all;  // of the solid: the distances are computed from it
   if (solid != nullptr) {
     all = std::move(object->voxmap);
@@ -398,10 +321,7 @@ std::unique_ptr<StaticObject> build_object(const BuildContext& context, std::uin
   context.counts.voxmap_bytes += object->voxmap.bytes();
   if (context.model == contact::ContactModelKind::kField) {
     context.step("distance field");
-    object->field =
-        build_field(context, fixed, solid != nullptr ? all : object->voxmap, object->edge_points);
-    if (solid != nullptr && id != solid->members.front())
-      object->edge_points = {};  // the first member has those of all
+    object->field = build_field(context, fixed, solid != nullptr ? all : object->voxmap);
   }
   return object;
 }
@@ -448,9 +368,8 @@ BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_
   const scene::Scene& scene = request.scene;
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   BuiltParts parts;
-  const BuildContext context{scene,       parallel_for,  request.choices,
-                             progress,    request.model, request.meets_triangles(),
-                             parts.counts};
+  const BuildContext context{scene,         parallel_for,           request.choices, progress,
+                             request.model, request.virtual_tool(), parts.counts};
   std::vector<ObjectMesh> fixed;
   for (std::uint32_t id = 0; id <= scene.objects.size(); ++id) {
     context.step(id == 0 ? "reading the static meshes"
@@ -468,9 +387,6 @@ BuiltParts build_parts(const PartsRequest& request, const ParallelFor& parallel_
   for (std::uint32_t id = 0; id < fixed.size(); ++id) {
     if (auto object = build_object(context, id, fixed, solid_with(id)))
       parts.objects.push_back(std::move(object));
-    if (scene.virtual_tool() && !context.meets_triangles &&
-        (id == 0 || !scene.objects[id - 1].moves))
-      append(parts.walls, fixed[id].mesh);
   }
   parts.counts.objects = parts.objects.size();
   build_tool(context, fixed, solids, parts);

@@ -11,7 +11,6 @@
 #include "core/rendering/object_contacts.hpp"
 #include "core/rendering/plan.hpp"
 #include "core/rendering/proximity_field.hpp"
-#include "core/rendering/wall_watch.hpp"
 #include "core/scene/scene.hpp"
 
 namespace voxtouch::rendering {
@@ -26,22 +25,14 @@ struct PartsRequest {
   bool virtual_tool() const noexcept {
     return scene.virtual_tool() && model == contact::ContactModelKind::kField;
   }
-  bool meets_triangles() const noexcept {
-    return virtual_tool() && choices.tool_meets == ToolMeets::kTriangles;
-  }
 };
 
 struct BuiltParts {
   std::vector<std::unique_ptr<StaticObject>>
-      objects;  ///< Without their renderers and edge queries; objects with meshes, in the order of
-                ///< their ids.
+      objects;  ///< without their renderers; objects with meshes, in the order of their ids
   pointshell::Pointshell shell;
-  double largest_gap_m = 0.0;           ///< of the shell
-  std::unique_ptr<ToolBody> tool_body;  ///< exists for a virtual tool, if it can be built
-  mesh::TriangleMesh walls;             ///< with a virtual tool: of all resting objects, in W
-  /// Exists if a wall is too thin to hold the tool for certain.
-  std::unique_ptr<WallWatch> watch;
-  std::unique_ptr<ExactBodies> bodies;      ///< exists if a virtual tool uses triangles
+  double largest_gap_m = 0.0;               ///< of the shell
+  std::unique_ptr<ExactBodies> bodies;      ///< of a virtual tool
   std::optional<effects::BodyShape> body;   ///< exists if an effect needs it
   std::optional<ProximityField> proximity;  ///< exists if an effect needs it
   ToolPoints tool_points;                   ///< with `proximity`

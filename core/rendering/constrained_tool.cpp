@@ -3,34 +3,35 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/rendering/exact_tool.hpp"
-#include "core/rendering/voxel_tool.hpp"
 #include "core/types/motion.hpp"
 #include "core/types/rotation_vector.hpp"
 
 namespace voxtouch::rendering {
 namespace {
 
-std::unique_ptr<ToolSolver> solver_for(const ObjectContacts& objects, double lever_m,
-                                       const ExactBodies* bodies) {
-  if (bodies == nullptr)
-    return std::make_unique<VoxelTool>(objects, lever_m);
-  const double reach_m = objects.object(0).renderer->query().reach_m();
-  return std::make_unique<ExactTool>(*bodies, objects.size(), lever_m > 0.0 ? lever_m : reach_m);
+contact::PoseStatus status_of(exact::PoseStatus status) noexcept {
+  switch (status) {
+    case exact::PoseStatus::kUsable:
+      return contact::PoseStatus::kUsable;
+    case exact::PoseStatus::kNotAPose:
+      return contact::PoseStatus::kNotAPose;
+    case exact::PoseStatus::kOutOfRange:
+      break;
+  }
+  return contact::PoseStatus::kOutOfRange;
 }
 
 /// Converts a frame to a contact, with a spring of `k` [N/m]. Real-time safe.
-contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double k,
+contact::ContactResult contact_of(const exact::VirtualToolFrame& frame, double k,
                                   bool displayed) noexcept {
   contact::ContactResult contact;
-  contact.pose_status = frame.pose_status;
-  contact.surface_hits = frame.surface_hits, contact.interior_hits = frame.interior_hits;
-  contact.points_tested = frame.points_tested;
+  contact.pose_status = status_of(frame.pose_status);
+  contact.surface_hits = frame.rows;
+  contact.points_tested = frame.pairs_seen;
   if (frame.constrained) {
-    contact.deepest_point = frame.contact_point, contact.deepest_depth_m = frame.worst_depth_m;
+    contact.deepest_point = frame.contact_point;
     contact.mean_normal = frame.contact_normal;
     contact.coherence = frame.contact_normal.isZero(0.0) ? 0.0 : 1.0;
-    contact.saturated = frame.saturated;
   }
   if (displayed) {
     contact.wrench = frame.wrench(k);
@@ -40,11 +41,19 @@ contact::ContactResult contact_of(const contact::VirtualToolFrame& frame, double
   return contact;
 }
 
+/// Whether the tool lags: it is not where hand and objects ask for, and may still go on.
+bool lags(const exact::VirtualToolFrame& frame) noexcept {
+  if (frame.not_initialised)
+    return frame.passed_through;
+  const bool free = frame.not_converged && !frame.constrained;
+  return free || frame.cut_short || frame.object_delay_m > 0.0 || frame.passed_through;
+}
+
 }  // namespace
 
-ConstrainedTool::ConstrainedTool(ObjectContacts& objects, double lever_m, const ExactBodies* bodies)
+ConstrainedTool::ConstrainedTool(ObjectContacts& objects, const ExactBodies& bodies, double lever_m)
     : objects_(objects),
-      solver_(solver_for(objects, lever_m, bodies)),
+      tool_(bodies, objects.size(), lever_m),
       displacements_(objects.size(), Vec3::Zero()),
       results_(objects.size()) {
   for (std::size_t n = 0; n < objects.size(); ++n)
@@ -75,36 +84,37 @@ void ConstrainedTool::put_objects(double time_s) noexcept {
 
 contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, double dt_s,
                                                double friction, ToolFrame& out) noexcept {
-  const bool was_placed = solver_->placed() && !fresh_;
+  const bool was_placed = tool_.placed() && !fresh_;
   const Pose before = frame_.tool;
   put_objects(time_s);
   if (hand_lost_ || (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s))
-    find_hand(hand);
-  frame_ = solver_->frame({.pose = hand, .period_s = dt_s, .friction = friction}, displacements_);
+    find_hand();
+  frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, displacements_);
   out = {.constrained = frame_.constrained,
-         .not_converged = frame_.not_converged || frame_.moved_too_far,
+         .not_converged = lags(frame_),
          .not_initialised = frame_.not_initialised ||
-                            frame_.pose_status != contact::PoseStatus::kUsable ||
+                            frame_.pose_status != exact::PoseStatus::kUsable ||
                             (frame_.constrained && target_n_per_m_ == 0.0),
          .residual_m = frame_.residual_m,
          .queries = static_cast<std::uint32_t>(std::max(frame_.queries, 0)),
-         .iterations = static_cast<std::uint32_t>(std::max(frame_.iterations, 0))};
+         .work = frame_.work,
+         .at_work_limit = frame_.cut_short};
   if (frame_.not_initialised)
     frame_.tool = hand;
-  if (frame_.pose_status == contact::PoseStatus::kUsable) {
+  if (frame_.pose_status == exact::PoseStatus::kUsable) {
     hand_ = hand;
     fresh_ = false;
   }
-  const double k = spring_.advance(dt_s), displayed = k * frame_.fraction;
+  const double k = spring_.advance(dt_s), displayed = k * frame_.ratio;
   const bool displays_force = frame_.constrained && displayed > 0.0;
   contact::ContactResult contact = contact_of(frame_, k, displays_force);
   if (!contact.wrench.finite() ||
       !contact.stiffness.allFinite()) {  // NaN and infinity are not passed on
     contact.wrench = {}, contact.stiffness.setZero(), contact.stiffness_bound_n_per_m = 0.0;
-    solver_->reset();
+    tool_.reset();
     out.not_initialised = true;
   }
-  const bool follows = was_placed && solver_->placed() && dt_s > 0.0;
+  const bool follows = was_placed && tool_.placed() && dt_s > 0.0;
   twist_ = {};
   if (follows) {
     twist_.linear = (frame_.tool.position - before.position) / dt_s;
@@ -118,33 +128,32 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   return contact;
 }
 
-/// Handles the return of the hand at `hand`, perhaps behind a wall that the tool has not passed.
-void ConstrainedTool::find_hand(const Pose& hand) noexcept {
+/// Handles the return of the hand, perhaps behind a wall that the tool has not passed.
+void ConstrainedTool::find_hand() noexcept {
   hand_lost_ = false;
-  if (!solver_->placed())
+  if (!tool_.placed())
     return;
-  solver_->relocate(hand, displacements_);
+  tool_.relocate();
   spring_ = coupling::Ramp(0.0);
   spring_.head_for(target_n_per_m_, kSpringRampS);
 }
 
 double ConstrainedTool::depth_of_spring2() const noexcept {
   return frame_.constrained ? frame_.shift.squaredNorm() +
-                                  frame_.lever_m * frame_.lever_m * frame_.turn.squaredNorm()
+                                  frame_.lever_m * frame_.lever_m * frame_.rotation.squaredNorm()
                             : 0.0;
 }
 
 void ConstrainedTool::give_parts(double displayed_n_per_m) noexcept {
   power_w_ = 0.0;
-  const std::span<const Wrench> pushes = solver_->forces();
+  const std::span<const Wrench> pushes = tool_.forces();
   for (std::size_t n = 0; n < results_.size(); ++n) {
     contact::ContactResult& part = results_[n];
     part = {};
     if (n >= pushes.size() || !(displayed_n_per_m > 0.0) || pushes[n].zero())
       continue;
     part.wrench = {displayed_n_per_m * pushes[n].force, displayed_n_per_m * pushes[n].torque};
-    part.deepest_point = n == frame_.contact_object ? frame_.contact_point : frame_.tool.position;
-    part.deepest_depth_m = frame_.worst_depth_m;
+    part.deepest_point = n == frame_.contact_owner ? frame_.contact_point : frame_.tool.position;
     part.stiffness_bound_n_per_m = displayed_n_per_m;
     power_w_ += part.wrench.force.dot(parts_[n].twist.linear);
   }
@@ -153,13 +162,13 @@ void ConstrainedTool::give_parts(double displayed_n_per_m) noexcept {
 void ConstrainedTool::start_from(const Pose& tool, double time_s) noexcept {
   reset();
   put_objects(time_s);
-  solver_->start_at(tool, displacements_);
-  if (solver_->placed())
+  tool_.start_at(tool);
+  if (tool_.placed())
     frame_.tool = tool;
 }
 
 void ConstrainedTool::reset() noexcept {
-  solver_->reset();
+  tool_.reset();
   frame_ = {};
   twist_ = {};
   spring_ = coupling::Ramp(target_n_per_m_);

@@ -1,17 +1,14 @@
 #pragma once
 /// The virtual tool in a scene: against all objects at their present positions, with the spring
 /// that the coupling is certified for.
-#include <memory>
 #include <span>
 #include <vector>
 
 #include "core/coupling/ramp.hpp"
+#include "core/rendering/exact_tool.hpp"
 #include "core/rendering/object_contacts.hpp"
-#include "core/rendering/tool_solver.hpp"
 
 namespace voxtouch::rendering {
-
-class ExactBodies;
 
 /// Results of a virtual tool's frame in addition to its contact.
 struct ToolFrame {
@@ -22,8 +19,10 @@ struct ToolFrame {
   /// There is no tool: the hand has not been outside or its pose is invalid; or there is no spring
   /// yet.
   bool not_initialised = false;
-  double residual_m = 0.0;                    ///< remaining path of its last step
-  std::uint32_t queries = 0, iterations = 0;  ///< of all steps
+  double residual_m = 0.0;  ///< remaining path of its last step
+  std::uint32_t queries = 0;
+  std::uint64_t work = 0;      ///< in units of exact::Work
+  bool at_work_limit = false;  ///< the limit of work ended the frame
 };
 
 /// No hand moves faster than this in W [m/s]: the pose has jumped (ConstrainedTool::lose_hand).
@@ -35,9 +34,8 @@ class ConstrainedTool {
   /// Duration of a change of the spring's stiffness [s].
   static constexpr double kSpringRampS = 0.2;
 
-  /// `lever_m` 0: the tool's reach. With `bodies` it uses triangles. Without, it uses voxels, and
-  /// every object must have its field. The arguments must outlive it.
-  ConstrainedTool(ObjectContacts& objects, double lever_m, const ExactBodies* bodies = nullptr);
+  /// `lever_m`: above 0. The objects and bodies must outlive it.
+  ConstrainedTool(ObjectContacts& objects, const ExactBodies& bodies, double lever_m);
 
   /// Sets the stiffness of the spring [N/m] in W. It ramps linearly over kSpringRampS; after
   /// `reset` it changes at once. NaN, infinity and negative values count as 0. Real-time safe.
@@ -50,10 +48,10 @@ class ConstrainedTool {
 
   /// The virtual tool of the last `render`, and its motion since the previous one.
   const Pose& pose() const noexcept { return frame_.tool; }
-  bool placed() const noexcept { return solver_->placed(); }
+  bool placed() const noexcept { return tool_.placed(); }
   const Twist& twist() const noexcept { return twist_; }
   /// The object that supports it, as StaticObject::id.
-  std::uint32_t leans_on() const noexcept { return parts_[frame_.contact_object].object; }
+  std::uint32_t leans_on() const noexcept { return parts_[frame_.contact_owner].object; }
   /// The part of each object; refers to this object.
   std::span<const effects::ObjectContact> parts() const noexcept { return parts_; }
   /// Power of moving objects [W], and energy that an increase of the spring's stiffness gave the
@@ -66,7 +64,7 @@ class ConstrainedTool {
   void start_from(const Pose& tool, double time_s) noexcept;
   /// The hand may be anywhere in the next frame. If it is in free space the tool is placed there,
   /// otherwise the tool stays in place. The force fades in over kSpringRampS. Real-time safe.
-  void lose_hand() noexcept { hand_lost_ = solver_->placed(); }
+  void lose_hand() noexcept { hand_lost_ = tool_.placed(); }
   /// Removes the virtual tool until the hand is outside. Real-time safe.
   void reset() noexcept;
 
@@ -74,12 +72,12 @@ class ConstrainedTool {
   void put_objects(double time_s) noexcept;
   void give_parts(double displayed_n_per_m) noexcept;
   double depth_of_spring2() const noexcept;
-  void find_hand(const Pose& hand) noexcept;
+  void find_hand() noexcept;
 
   ObjectContacts& objects_;
-  std::unique_ptr<ToolSolver> solver_;
+  ExactTool tool_;
   std::vector<Vec3> displacements_;  ///< of each object
-  contact::VirtualToolFrame frame_;
+  exact::VirtualToolFrame frame_;
   coupling::Ramp spring_;
   double target_n_per_m_ = 0.0,
          displayed_n_per_m_ =

@@ -16,32 +16,16 @@
 
 namespace voxtouch::rendering {
 
-/// The tool's voxels and distances in T, in which the edges of static objects are queried.
-struct ToolBody {
-  voxmap::Voxmap voxmap;
-  voxmap::DistanceField field;
-};
-
-/// The edge points of an object (core/pointshell/edge_points.hpp), queried in the tool's voxmap.
-/// Voxmap and field must outlive it.
-struct EdgeContacts {
-  contact::ContactQuery query;
-  const voxmap::DistanceField* tool_field;
-};
-
 /// Data of one object. It must not move, since the renderer refers to it.
 struct StaticObject {
   std::uint32_t id = 0;  ///< 0: the static scene; n: Scene::objects[n - 1]
   std::string name;
   voxmap::Voxmap voxmap;
   std::optional<voxmap::DistanceField> field;
-  /// With a virtual tool, relative to the grid's origin; empty once `edges` contains them.
-  pointshell::Pointshell edge_points;
   /// The first of the resting objects that form one solid with it.
   std::optional<std::size_t> solid;
   std::optional<Motion> moves;  ///< displacement in W of the whole object over the scene's time
   std::optional<contact::ContactRenderer> renderer;
-  std::unique_ptr<EdgeContacts> edges;  ///< null without edges
 };
 
 /// Sums the contacts of all objects. A moving object is queried at its rest position, with the tool

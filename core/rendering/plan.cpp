@@ -15,9 +15,6 @@ namespace {
 
 /// In a body of this thickness the force grows with depth down to ten voxels.
 constexpr double kThickVoxels = 25.0;
-/// Walls between about one voxel and this many bend the distances for a virtual tool if they are
-/// oblique to the grid (README of core/contact, limits).
-constexpr double kAskewVoxels = 1.5;
 
 std::string counted(std::uint64_t n, const char* one, const char* many) {
   return fmt::format("{} {}", n, n == 1 ? one : many);
@@ -209,23 +206,13 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   say_parts(scene, n, plan);
   if (n.virtual_tool_lever_m > 0.0)
     plan.built.push_back(fmt::format(
-        "Virtual tool: it stays outside the scene, and its spring to the hand has the certified "
-        "stiffness. Rotation counts with a lever of {:g} mm. At most {} queries and {} steps of {} "
-        "iterations per frame; it follows {:.3g} mm per sample. Walls from {:.3g} mm hold any tool "
-        "at any speed; thinner walls hold tools that are nowhere thinner than {:.3g} mm. A run in "
-        "which a tool passes a wall fails.",
-        1e3 * n.virtual_tool_lever_m, contact::limits::kMaxQueries, contact::limits::kMaxQueries,
-        contact::limits::kMaxIterations,
-        1e3 * contact::limits::kMaxQueries * contact::limits::kToolStepEdges * scene.voxel_size_m,
-        1e3 * kHoldingWallVoxels * scene.voxel_size_m, 1e3 * kHeldToolVoxels * scene.voxel_size_m));
+        "Virtual tool: it stays outside the meshes, and its spring to the hand has the certified "
+        "stiffness. Contacts are between the {} of the tool and those of the scene; the voxel size "
+        "does not affect them. Rotation counts with a lever of {:g} mm. The work of a frame is "
+        "limited; at the limit the tool lags behind the hand. No wall is passed at any speed.",
+        counted(n.dynamic_triangles, "triangle", "triangles"), 1e3 * n.virtual_tool_lever_m));
   else
     say_forces_of_depth(scene, plan);
-  if (n.edge_points > 0)
-    plan.built.push_back(fmt::format(
-        "Sharp edges and rims of the static meshes: {} at most half a voxel apart, {}. The virtual "
-        "tool looks them up in its own distance field on voxels of half the size, {}.",
-        counted(n.edge_points, "point", "points"), bytes_text(edge_lookup_bytes(n.edge_points)),
-        bytes_text(n.edge_bytes)));
   plan.built.push_back(scene.design ? design_sentence(*scene.design)
                                     : coupling_sentence(scene.coupling));
   for (const effects::EffectSpec& effect : scene.effects)
@@ -244,11 +231,6 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
 void report_skipped(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.field_bytes == 0)
     plan.skipped.push_back("Signed distance field: only the contact model 'field' uses it.");
-  if (!n.skipped_edges.empty())
-    plan.skipped.push_back(fmt::format(
-        "Sharp edges and rims of the static meshes: {}. At a convex edge the depth is 1/3 to 1/2 "
-        "voxel too small, and a rim thinner than a voxel may enter between the tool's points.",
-        n.skipped_edges));
   const effects::EffectNeeds needs = effects::needs_of(scene.effects);
   if (!(needs.proximity_m > 0.0))
     plan.skipped.push_back("Distances outside the surface: no effect uses them.");
@@ -263,31 +245,15 @@ void report_skipped(const scene::Scene& scene, const BuildCounts& n, Plan& plan)
     plan.skipped.push_back("Clutch: the scene names no button.");
 }
 
-/// A virtual tool is held at walls of any thickness, but not everywhere equally well.
-void say_virtual_tool_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+void say_virtual_tool_warnings(const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
-        fmt::format("{}: the mesh is open. Its open parts hold a virtual tool from either side, "
-                    "like a wall of {:.2g} mm. A tool can pass around rims and through holes.",
-                    mesh, 1e3 * voxmap::kOpenWallVoxels * scene.voxel_size_m));
-  const double voxels = n.thinnest_m / scene.voxel_size_m;
-  if (voxels < 1.0)
-    plan.warnings.push_back(
-        fmt::format("{}: the thinnest wall is about {:.3g} mm, less than a voxel. It holds a "
-                    "virtual tool that is nowhere thinner than {:g} voxels. The direction error is "
-                    "at most 0.7 degrees (95 % of places, a ball on plates of 1/4 to 1 voxel).",
-                    n.thinnest_mesh, 1e3 * n.thinnest_m, kHeldToolVoxels));
-  else if (voxels < kAskewVoxels)
-    plan.warnings.push_back(fmt::format(
-        "{}: the thinnest wall is about {:.3g} mm, {:.3g} voxels. It holds a virtual tool. Where a "
-        "wall of 1.1 to {:g} voxels is tilted against the grid, the direction error reaches 8 "
-        "degrees; half the voxel_size reduces it to 0.2 degrees.",
-        n.thinnest_mesh, 1e3 * n.thinnest_m, voxels, kAskewVoxels));
+        fmt::format("{}: the mesh is open. It holds a virtual tool from either side. A tool can "
+                    "pass around rims and through holes.",
+                    mesh));
 }
 
 void say_field_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
-  if (n.virtual_tool_lever_m > 0.0)
-    return say_virtual_tool_warnings(scene, n, plan);
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(fmt::format(
         "{}: the mesh is open. The contact model 'field' gives no force at its open parts.", mesh));
@@ -313,7 +279,9 @@ void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
     plan.warnings.push_back("The voxmap is empty: there is nothing to touch.");
   if (n.shell_points == 0)
     plan.warnings.push_back("The pointshell is empty: the tool touches nothing.");
-  if (n.field_bytes > 0)
+  if (n.virtual_tool_lever_m > 0.0)
+    say_virtual_tool_warnings(n, plan);
+  else if (n.field_bytes > 0)
     say_field_warnings(scene, n, plan);
   if (n.proximity_bytes > 0)
     say_proximity_warnings(n, plan);
@@ -360,7 +328,7 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   const StiffnessBounds bounds = with_effects(plan.of_contact_alone, scene.effects);
   plan.contact_n_per_m = bounds.translation, plan.contact_nm_per_rad = bounds.rotation;
   plan.bytes = counts.voxmap_bytes + counts.shell_bytes + counts.field_bytes +
-               counts.proximity_bytes + counts.edge_bytes + edge_lookup_bytes(counts.edge_points);
+               counts.proximity_bytes + counts.virtual_tool_bytes;
   plan.parts = plan_parts(scene, counts);
   for (const PlanPart& part : plan.parts)
     if (part.node == "rendering")

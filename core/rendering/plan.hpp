@@ -41,7 +41,7 @@ struct BuildCounts {
   std::uint64_t field_bytes = 0,
                 field_nodes = 0;  ///< of the signed distance field; 0: not built
   double field_depth_m = 0.0;     ///< its largest depth [m]
-  /// Thinnest wall of the static meshes; available with a field.
+  /// Thinnest wall of the static meshes; available with penalty forces of a field.
   double thinnest_m = std::numeric_limits<double>::infinity();
   std::string thinnest_mesh;  ///< mesh of that wall
   std::uint64_t proximity_bytes = 0,
@@ -53,11 +53,9 @@ struct BuildCounts {
   std::vector<std::string> open_meshes;  ///< open static meshes
   double virtual_tool_lever_m = 0.0;     ///< [m]; 0: no virtual tool
   double tool_reach_m = 0.0;             ///< farthest point of the tool's shell from its origin [m]
-  /// Points of sharp edges that a virtual tool queries, and the memory of that query; 0: none.
-  std::uint64_t edge_points = 0, edge_bytes = 0;
-  std::string skipped_edges;  ///< reason if edges could not be built
-  StiffnessBounds contact;    ///< without effects; see contact_range.hpp
-  bool closed = true;         ///< all static meshes are closed; an open one has no interior
+  std::uint64_t virtual_tool_bytes = 0;  ///< features of both meshes, with their trees
+  StiffnessBounds contact;               ///< without effects; see contact_range.hpp
+  bool closed = true;  ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;  ///< defects of the meshes, as sentences
 };
 
@@ -90,10 +88,6 @@ inline bool is_spring(const StiffnessBounds& bounds) noexcept {
 StiffnessBounds with_effects(const StiffnessBounds& contact,
                              std::span<const effects::EffectSpec> effects);
 
-/// Walls of at least the first thickness hold any virtual tool. Any wall holds a tool that is at
-/// least as thick as the second everywhere [voxels] (tests/hard/faults/foil_rows_test.cpp).
-inline constexpr double kHoldingWallVoxels = 1.5, kHeldToolVoxels = 3.0;
-
 struct Plan {
   std::string scene, scene_hash, contact_model;
   double voxel_size_m = 0.0;
@@ -117,8 +111,8 @@ inline constexpr double kNsPerPoint = 6.0, kNsPerFrame = 150.0;
 /// Cost of a point in contact, with its stiffness sums and the latching in the stage [ns]:
 /// `original` and `adapted`; `field`, eight nodes.
 inline constexpr double kNsPerPlainPoint = 12.0, kNsPerFieldPoint = 35.0;
-/// Cost of one iteration of a virtual tool's step with the largest number of rows [ns].
-inline constexpr double kNsPerIteration = 3000.0;
+/// Cost of one unit of a virtual tool's work (core/exact/work.hpp) [ns].
+inline constexpr double kNsPerWork = 11.0;
 /// Cost of an effect's gate and sum in addition to its own law, of a disabled effect, and of a
 /// coupling step with cap, law, damping and observer [ns].
 inline constexpr double kNsPerEffect = 60.0, kNsPerEffectOff = 15.0, kNsPerCoupling = 300.0;
@@ -137,8 +131,6 @@ std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& c
 double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points) noexcept;
 /// Cost of one point in contact [ns]; `contact_model` as spelled in scenes.
 double ns_per_contact_point(std::string_view contact_model) noexcept;
-/// Memory of the sharp edges of all objects, without the distances to the tool.
-std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept;
 /// For example "812 bytes", "96.0 kB", "2.5 MB".
 std::string bytes_text(std::uint64_t bytes);
 

@@ -3,10 +3,9 @@
 
 #include <algorithm>
 
-#include "core/contact/constraint_rows.hpp"
 #include "core/contact/contact_model.hpp"
 #include "core/contact/contact_query.hpp"
-#include "core/contact/limits.hpp"
+#include "core/exact/work.hpp"
 #include "core/rendering/plan.hpp"
 
 namespace voxtouch::rendering {
@@ -68,22 +67,15 @@ void add_static_objects(std::vector<PlanPart>& parts, const BuildCounts& n) {
 void add_pointshell(std::vector<PlanPart>& parts, const BuildCounts& n, double points) {
   parts.push_back({.name = "pointshell",
                    .node = kRendering,
-                   .why = "Points of the tool; at most all are transformed and looked up.",
+                   .why = points > 0.0
+                              ? "Points of the tool; at most all are transformed and looked up."
+                              : "Points of the tool for pictures; the virtual tool uses none.",
                    .bytes = n.shell_bytes,
                    .expected_ns = kNsPerPoint * points});
   parts.push_back({.name = "culling tree",
                    .node = kRendering,
                    .why = "Skips points far from the scene; holds points in single precision.",
                    .bytes = contact::ContactQuery::lookup_bytes(n.shell_points)});
-}
-
-/// Cost of querying all edge points of all objects in the tool [ns], with as many in contact as a
-/// step has rows.
-double edge_ns(std::uint64_t objects, std::uint64_t edge_points) {
-  const auto touching =
-      static_cast<double>(std::min<std::uint64_t>(edge_points, contact::limits::kMaxRows));
-  return static_cast<double>(objects) * kNsPerFrame +
-         kNsPerPoint * static_cast<double>(edge_points) + kNsPerFieldPoint * touching;
 }
 
 /// Processing of the `points` in contact.
@@ -97,30 +89,17 @@ void add_contact(std::vector<PlanPart>& parts, const scene::Scene& scene, const 
                   : "Set in the scene; without memory of points that crossed a wall.",
        .bytes = n.shell_points * (2 * sizeof(std::uint32_t) + stage_bytes_per_point(scene.contact)),
        .expected_ns = kNsPerFrame + ns_per_contact_point(scene.contact.model) * points});
-  if (n.virtual_tool_lever_m > 0.0)
-    parts.push_back(
-        {.name = "virtual tool",
-         .node = kRendering,
-         .why = "Set in the scene: the hand feels a spring to a tool that stays outside.",
-         .bytes = 2 * (n.objects * n.shell_points + n.edge_points) * sizeof(contact::ConstraintRow),
-         .expected_ns = contact::limits::kMaxQueries *
-                        (kNsPerFrame + (kNsPerPoint + kNsPerFieldPoint) * points +
-                         contact::limits::kMaxIterations * kNsPerIteration)});
-  if (n.edge_points > 0)
-    parts.push_back(
-        {.name = "sharp edges",
-         .node = kRendering,
-         .why = "For the virtual tool, whose points may straddle an edge.",
-         .bytes = n.edge_bytes + edge_lookup_bytes(n.edge_points),
-         .expected_ns = contact::limits::kMaxQueries * edge_ns(n.objects, n.edge_points)});
+}
+
+PlanPart virtual_tool_part(const BuildCounts& n) {
+  return {.name = "virtual tool",
+          .node = kRendering,
+          .why = "Set in the scene: the hand feels a spring to a tool that stays outside.",
+          .bytes = n.virtual_tool_bytes,
+          .expected_ns = kNsPerWork * static_cast<double>(exact::Work::kOfFrame)};
 }
 
 }  // namespace
-
-std::uint64_t edge_lookup_bytes(std::uint64_t edge_points) noexcept {
-  return edge_points * (8 * sizeof(double) + sizeof(std::uint32_t)) +
-         contact::ContactQuery::lookup_bytes(edge_points);
-}
 
 double ns_per_contact_point(std::string_view contact_model) noexcept {
   return contact_model == "field" ? kNsPerFieldPoint : kNsPerPlainPoint;
@@ -137,9 +116,13 @@ double expected_ns(const effects::EffectSpec& effect, std::uint64_t tool_points)
 std::vector<PlanPart> plan_parts(const scene::Scene& scene, const BuildCounts& n) {
   std::vector<PlanPart> parts;
   add_static_objects(parts, n);
-  const double points = static_cast<double>(n.objects * n.shell_points);
+  const bool virtual_tool = n.virtual_tool_lever_m > 0.0;
+  const double points = virtual_tool ? 0.0 : static_cast<double>(n.objects * n.shell_points);
   add_pointshell(parts, n, points);
-  add_contact(parts, scene, n, points);
+  if (virtual_tool)
+    parts.push_back(virtual_tool_part(n));
+  else
+    add_contact(parts, scene, n, points);
   for (const effects::EffectSpec& effect : scene.effects)
     parts.push_back(effect_part(effect, n));
   parts.push_back(coupling_part(scene));

@@ -20,8 +20,8 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
       throw std::invalid_argument("the effect 'body' needs the shape of the dynamic object");
     body_.emplace(BodyPart{effects::RigidBody(*resources.body), n});
   }
-  if (resources.virtual_tool_lever_m)
-    constrained_.emplace(contact, *resources.virtual_tool_lever_m, resources.bodies);
+  if (resources.bodies != nullptr)
+    constrained_.emplace(contact, *resources.bodies, resources.virtual_tool_lever_m);
 }
 
 /// The contact acts on the tool at the pose of the hand.
@@ -44,11 +44,7 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
   SceneFrame frame;
   const double friction =
       effects_.friction_at(constrained_->pose().position, constrained_->leans_on());
-  const bool followed = constrained_->placed();
-  const Pose before = constrained_->pose();
   frame.touch.contact = constrained_->render(tool.pose, time_s, dt_s, friction, frame.tool);
-  if (resources_.watch != nullptr && followed && constrained_->placed())
-    frame.touch.passed_through = resources_.watch->passed(before, constrained_->pose());
   const contact::ContactResult& contact = frame.touch.contact;
   frame.object = constrained_->pose();
   frame.wrench = contact.wrench;

@@ -10,7 +10,6 @@
 #include "core/rendering/exact_bodies.hpp"
 #include "core/rendering/object_contacts.hpp"
 #include "core/rendering/series_spring.hpp"
-#include "core/rendering/wall_watch.hpp"
 
 namespace voxtouch::rendering {
 
@@ -42,10 +41,8 @@ struct EffectResources {
   std::span<const effects::ToolPoint> tool_points = {};
   std::optional<effects::BodyShape> body =
       {};  ///< of the dynamic object, for scenes with the effect of that name
-  std::optional<double> virtual_tool_lever_m =
-      {};  ///< present with a virtual tool: its lever; 0: the tool's reach
-  const WallWatch* watch = nullptr;     ///< with a virtual tool
-  const ExactBodies* bodies = nullptr;  ///< with a virtual tool on triangles
+  const ExactBodies* bodies = nullptr;  ///< with a virtual tool
+  double virtual_tool_lever_m = 0.0;    ///< with a virtual tool, above 0
 };
 
 /// Renders a scene. One thread at a time. `contact` and the referenced `resources` must outlive it.

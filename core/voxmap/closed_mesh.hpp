@@ -27,10 +27,6 @@ struct ClosedMesh {
 
   /// The surface for distances: that of all closed parts together.
   const DistanceTree& surface() const noexcept { return solid.whole ? tree : *left_tree; }
-  /// The open triangles that are not inside a solid.
-  DistanceTree open_surface() const {
-    return solid.whole ? DistanceTree(in_grid, shells.open) : DistanceTree(*left, solid.open);
-  }
 
   GridMesh in_grid;
   ClosedShells shells;

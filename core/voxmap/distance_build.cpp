@@ -54,10 +54,7 @@ class DistanceFieldBuilder {
         mesh_(mesh.in_grid),
         shells_(mesh.shells),
         tree_(mesh.surface()),
-        rays_(mesh.tree),
-        half_wall_(0.5 * options.open_wall_voxels),
-        has_walls_(half_wall_ > 0.0 && !shells_.open.empty()),
-        walls_(has_walls_ ? mesh.open_surface() : DistanceTree(mesh_, {})) {
+        rays_(mesh.tree) {
     field_.grid_ = voxmap.grid(), field_.base_ = voxmap.base(), field_.cells_ = voxmap.cells();
     field_.depth_voxels_ = static_cast<float>(options.depth_voxels);  // in the precision of the
                                                                       // nodes
@@ -70,7 +67,7 @@ class DistanceFieldBuilder {
     const std::size_t cells =
         static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1] * field_.cells_[2]);
     field_.table_.assign(cells, DistanceField::kFree);
-    if (shells_.closed_parts == 0 && !has_walls_)
+    if (shells_.closed_parts == 0)
       return std::move(field_);
     const auto layer = static_cast<std::size_t>(field_.cells_[0] * field_.cells_[1]);
     std::vector<std::vector<Requested>> of_layer(cells / layer);
@@ -122,10 +119,7 @@ class DistanceFieldBuilder {
       return DistanceField::kFree;
     // No surface is that near, so the voxel at the centre gives the side of the whole cell.
     const VoxelKind kind = voxmap_.at({v.i + 4, v.j + 4, v.k + 4});
-    std::uint32_t wall = DistanceTree::kNoPlace;
-    const double walls = has_walls_ ? outer + half_wall_ : 0.0;
-    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer, place) >= outer &&
-        walls_.nearest(centre, walls, wall) >= walls)
+    if (kind == VoxelKind::kFree && tree_.nearest(centre, outer, place) >= outer)
       return DistanceField::kFree;
     if (kind == VoxelKind::kInterior && tree_.nearest(centre, inner, place) >= inner)
       return DistanceField::kDeep;
@@ -194,23 +188,6 @@ class DistanceFieldBuilder {
           limit[own_node(x, y, z)] = inside ? -field_.depth_voxels_ : field_.band_voxels_;
         }
     signed_distances(tree_, Vec3(first.i, first.j, first.k), limit, place, brick);
-    if (has_walls_)
-      add_walls(first, brick);
-  }
-
-  /// Union of the own nodes with the walls of open parts.
-  void add_walls(const VoxelIndex& first, DistanceField::Brick& brick) const {
-    BrickLimits limit;
-    limit.fill(field_.band_voxels_ + half_wall_);
-    DistanceField::Brick open;
-    signed_distances(walls_, Vec3(first.i, first.j, first.k), limit, DistanceTree::kNoPlace, open);
-    for (int z = 0; z < kEdge; ++z)
-      for (int y = 0; y < kEdge; ++y)
-        for (int x = 0; x < kEdge; ++x) {
-          float& distance = brick[node_of_brick(x, y, z)];
-          distance =
-              std::min(distance, open[node_of_brick(x, y, z)] - static_cast<float>(half_wall_));
-        }
   }
 
   /// Copies the nodes that belong to the next bricks. A cell without a brick is cut off throughout,
@@ -258,9 +235,6 @@ class DistanceFieldBuilder {
   const ClosedShells& shells_;
   const DistanceTree& tree_;  ///< of the surface
   const DistanceTree& rays_;  ///< of all triangles that a ray crosses
-  double half_wall_;          ///< of open parts [voxels]
-  bool has_walls_;
-  DistanceTree walls_;
   DistanceField field_;
 };
 
@@ -273,10 +247,6 @@ DistanceField build_distance_field(const ClosedMesh& mesh, const Voxmap& voxmap,
       throw std::invalid_argument(
           "distance field: depth and band are " + std::to_string(options.depth_voxels) + " and " +
           std::to_string(options.band_voxels) + " voxels; limits 2 to 10000");
-  if (!(options.open_wall_voxels >= 0.0 && options.open_wall_voxels <= 1.0))
-    throw std::invalid_argument("distance field: walls of open parts are " +
-                                std::to_string(options.open_wall_voxels) +
-                                " voxels thick; limits 0 to 1");
   return DistanceFieldBuilder(mesh, voxmap, options).build(parallel_for, memory_limit_bytes);
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/voxmap/interpolation.hpp"
-#include "core/voxmap/smooth_block.hpp"
 
 namespace voxtouch::voxmap {
 
@@ -41,74 +40,6 @@ FieldSample DistanceField::at(const Vec3& u) const noexcept {
   sample.known = least < band;
   sample.saturated = least <= deep;
   return sample;
-}
-
-/// The nodes of a brick or, without stored nodes, their common cut-off value.
-struct DistanceField::Nodes {
-  const float* stored;
-  double all;
-  double operator[](std::int64_t n) const noexcept { return stored != nullptr ? stored[n] : all; }
-};
-
-DistanceField::Nodes DistanceField::nodes_of(
-    const std::array<std::int64_t, 3>& cell) const noexcept {
-  const std::int32_t entry = entry_at(cell[0], cell[1], cell[2]);
-  return {entry >= 0 ? bricks_[static_cast<std::size_t>(entry)].data() : nullptr,
-          entry == kDeep ? -depth_voxels_ : band_voxels_};
-}
-
-/// The corners of the point's voxel are in one brick. The nodes beyond them on one axis are in that
-/// brick or the next one on this axis.
-void DistanceField::put_smooth(const Vec3& u, std::size_t lane, SmoothBlock& block) const noexcept {
-  constexpr std::int64_t kStride[3] = {1, kNodeEdge, kNodeEdge * kNodeEdge};
-  constexpr std::size_t kPlace[3] = {1, 4, 16};
-  const VoxelIndex voxel = Grid::voxel_of(u);
-  const std::int64_t at[3] = {std::int64_t{voxel.i} - base_.i, std::int64_t{voxel.j} - base_.j,
-                              std::int64_t{voxel.k} - base_.k};
-  block.t[0][lane] = u.x() - voxel.i, block.t[1][lane] = u.y() - voxel.j,
-  block.t[2][lane] = u.z() - voxel.k;
-  const std::array<std::int64_t, 3> cell = {at[0] >> 3, at[1] >> 3, at[2] >> 3};
-  const std::int64_t in[3] = {at[0] & 7, at[1] & 7, at[2] & 7},
-                     first = in[0] + kStride[1] * in[1] + kStride[2] * in[2];
-  const Nodes own = nodes_of(cell);
-  for (std::int64_t k = 0; k < 8; ++k)
-    block.node[21 + (k & 1) + 4 * (k >> 1 & 1) + 16 * (k >> 2)][lane] =
-        own[first + (k & 1) + kStride[1] * (k >> 1 & 1) + kStride[2] * (k >> 2)];
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t second = (axis + 1) % 3, third = (axis + 2) % 3;
-    const auto put = [&](const Nodes& nodes, std::int64_t from, std::size_t to) noexcept {
-      for (std::size_t k = 0; k < 4; ++k)
-        block.node[to + kPlace[second] * (1 + (k & 1)) + kPlace[third] * (1 + (k >> 1))][lane] =
-            nodes[from + kStride[second] * static_cast<std::int64_t>(k & 1) +
-                  kStride[third] * static_cast<std::int64_t>(k >> 1)];
-    };
-    std::array<std::int64_t, 3> next = cell;
-    if (in[axis] == 0) {
-      --next[axis];
-      put(nodes_of(next), first + (kBrickEdge - 1) * kStride[axis], 0);
-    } else {
-      put(own, first - kStride[axis], 0);
-    }
-    next = cell;
-    if (in[axis] == kBrickEdge - 1) {
-      ++next[axis];
-      put(nodes_of(next), first - (kBrickEdge - 2) * kStride[axis], 3 * kPlace[axis]);
-    } else {
-      put(own, first + 2 * kStride[axis], 3 * kPlace[axis]);
-    }
-  }
-}
-
-void DistanceField::smooth_gradients(std::size_t count, const Vec3* u,
-                                     Vec3* gradients) const noexcept {
-  SmoothBlock block;
-  if (count < kSmoothTogether)
-    block = {};
-  for (std::size_t n = 0; n < count; ++n)
-    put_smooth(u[n], n, block);
-  find_smooth(block, band_voxels_);
-  for (std::size_t n = 0; n < count; ++n)
-    gradients[n] = {block.gradient[0][n], block.gradient[1][n], block.gradient[2][n]};
 }
 
 double DistanceField::node(const VoxelIndex& voxel) const noexcept {

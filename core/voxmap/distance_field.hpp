@@ -13,9 +13,8 @@
 /// inside. Between eight surface voxels the exact winding number decides (winding.hpp). The planes
 /// of triangles are not used, so an inverted facet gives no wrong sign.
 ///
-/// Open parts have no interior. They give no distance and no force, unless the options turn them
-/// into thin walls. The distance to such a wall is the unsigned one minus half its thickness.
-/// Overlapping closed parts and walls form one body; surfaces buried in it limit the depth there.
+/// Open parts have no interior. They give no distance and no force. Overlapping closed parts form
+/// one body; surfaces buried in it limit the depth there.
 ///
 /// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup reads one
 /// brick. Nodes on common faces are bit-identical, so the interpolation is continuous. Distances
@@ -35,7 +34,6 @@
 namespace voxtouch::voxmap {
 
 struct ClosedMesh;
-struct SmoothBlock;
 
 /// Sample of the field at one point.
 struct FieldSample {
@@ -54,13 +52,7 @@ struct DistanceFieldOptions {
   /// Range outside; at least 2, more than a voxel's diagonal. A band above 2 extends the table
   /// beyond the voxmap's, so that it is complete on every side.
   double band_voxels = 2.0;
-  /// Thickness of the walls that represent open parts, half of it on either side of their
-  /// triangles; 0: open parts give no distance.
-  double open_wall_voxels = 0.0;
 };
-/// Their thickness for a virtual tool, which they hold from either side; the force begins half of
-/// that early.
-inline constexpr double kOpenWallVoxels = 0.125;
 
 class DistanceField {
  public:
@@ -72,22 +64,6 @@ class DistanceField {
   /// Sample at the grid coordinates u = (x - origin) / e of the voxmap's grid. Continuous in u.
   /// Non-finite coordinates give an unknown sample. Real-time safe.
   FieldSample at(const Vec3& u) const noexcept;
-
-  static constexpr std::size_t kSmoothTogether =
-      8;  ///< largest number of positions for `smooth_gradients`
-  /// Gradients at `count` positions `u` (grid coordinates, finite, within int32), W axes, that are
-  /// continuous from voxel to voxel. Real-time safe.
-  /// They are differences over two voxels at the corners of the point's voxel, interpolated, and
-  /// exact for polynomials of second degree. A distance that is cut off outside is extrapolated
-  /// from inner nodes. The result for a position is bit-identical for any other positions in the
-  /// call and on every processor.
-  void smooth_gradients(std::size_t count, const Vec3* u, Vec3* gradients) const noexcept;
-  /// For one position.
-  Vec3 smooth_gradient(const Vec3& u) const noexcept {
-    Vec3 gradient;
-    smooth_gradients(1, &u, &gradient);
-    return gradient;
-  }
 
   /// The stored distance [voxels] of the node at the lower corner of `voxel`, cut off at the band
   /// outside and the depth inside; the band if no node is stored. Real-time safe.
@@ -113,7 +89,7 @@ class DistanceField {
   std::size_t bytes() const noexcept;
   /// Number of stored nodes; those on common faces count once for each brick.
   std::size_t stored_nodes() const noexcept { return bricks_.size() * Brick().size(); }
-  /// Whether any node is inside. False for an open mesh without walls, and for one so thin that no
+  /// Whether any node is inside. False for an open mesh, and for one so thin that no
   /// voxel corner lies in it.
   bool has_inside() const noexcept { return has_inside_; }
   /// Depth at which the distance stops growing [m].
@@ -127,9 +103,6 @@ class DistanceField {
 
   /// The table's entry, or kFree outside the table.
   std::int32_t entry_at(std::int64_t x, std::int64_t y, std::int64_t z) const noexcept;
-  struct Nodes;
-  Nodes nodes_of(const std::array<std::int64_t, 3>& cell) const noexcept;
-  void put_smooth(const Vec3& u, std::size_t lane, SmoothBlock& block) const noexcept;
 
   Grid grid_;
   VoxelIndex base_;                      ///< first voxel of the table, a multiple of 8

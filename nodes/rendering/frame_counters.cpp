@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "core/contact/limits.hpp"
-
 namespace voxtouch::rendering_node {
 namespace {
 
@@ -40,10 +38,8 @@ void count(FrameCounters& counters, const rendering::SceneFrame& frame,
   count_if(kSaturated, c.saturated);
   count_if(kNotConverged, frame.tool.not_converged);
   count_if(kNotInitialised, frame.tool.not_initialised);
-  count_if(kMostQueries, frame.tool.queries >= contact::limits::kMaxQueries);
+  count_if(kAtWorkLimit, frame.tool.at_work_limit);
   counters.note(kResidual, frame.tool.residual_m);
-  if (frame.tool.constrained)
-    counters.note(kPenetration, c.deepest_depth_m);
 }
 
 Shown shown_of(const rendering::SceneFrame& frame, const msg::ContactState& m,

@@ -20,9 +20,8 @@ enum class FrameCounter : std::uint8_t {
   kSaturated,
   kNotConverged,
   kNotInitialised,
-  kMostQueries,
-  kResidual,
-  kPenetration  // with a virtual tool
+  kAtWorkLimit,
+  kResidual
 };
 inline constexpr auto kFrameTable = [] {
   using enum FrameCounter;
@@ -41,9 +40,8 @@ inline constexpr auto kFrameTable = [] {
       {kSaturated, "saturated_samples", "samples"},
       {kNotConverged, "not_converged_samples", "samples"},
       {kNotInitialised, "not_initialised_samples", "samples"},
-      {kMostQueries, "samples_at_most_queries", "samples"},
+      {kAtWorkLimit, "samples_at_work_limit", "samples"},
       {kResidual, "most_residual_m", "m", kMaximum},
-      {kPenetration, "most_penetration_m", "m", kMaximum},
   });
 }();
 using FrameCounters = runtime::Counters<kFrameTable>;

@@ -4,7 +4,6 @@
 #include <numbers>
 
 #include "core/contact/contact_renderer.hpp"
-#include "core/contact/virtual_tool.hpp"
 #include "core/voxmap/distance_field.hpp"
 #include "core/voxmap/voxelise.hpp"
 #include "tests/bench/bench_mesh.hpp"
@@ -111,28 +110,6 @@ std::vector<Pose> slide(double too_deep_voxels) {
   return out;
 }
 
-void virtual_tool(benchmark::State& state, std::size_t points) {
-  const Ground& ground = ground_of_mesh();
-  const contact::ContactQuery query(ground.map, tool(Place::kLight, points));
-  contact::VirtualTool tool({.points = points, .reach_m = query.reach_m(), .edge_m = kEdge});
-  const contact::ToolGround grounds[] = {{.query = &query, .field = &ground.field}};
-  const std::vector<Pose> poses = slide(4.0);
-  Pose hand = poses.front();
-  hand.position.z() += kEdge * 6.0;
-  while (hand.position.z() > poses.front().position.z())
-    tool.frame({.pose = hand}, grounds), hand.position.z() -= 0.2 * kEdge;
-  double tested = 0.0, hit = 0.0, queries = 0.0;
-  std::size_t n = 0;
-  for (auto _ : state) {
-    const contact::VirtualToolFrame frame =
-        tool.frame({.pose = poses[n++ % poses.size()]}, grounds);
-    tested += frame.points_tested, hit += frame.surface_hits + frame.interior_hits,
-        queries += frame.queries;
-  }
-  count(state, points, tested, hit);
-  state.counters["queries"] = queries / static_cast<double>(state.iterations());
-}
-
 void add_all() {
   using contact::ContactModelKind;
   for (const std::size_t points : {1000U, 10'000U, 100'000U, 1'000'000U}) {
@@ -165,8 +142,6 @@ void add_all() {
     benchmark::RegisterBenchmark(("find/slide" + size).c_str(), [=](benchmark::State& state) {
       find(state, ground_of_mesh().map, Place::kLight, slide(0.0), points);
     });
-    benchmark::RegisterBenchmark(("virtual tool/slide" + size).c_str(),
-                                 [=](benchmark::State& state) { virtual_tool(state, points); });
   }
 }
 

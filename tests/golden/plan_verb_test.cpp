@@ -90,8 +90,7 @@ TEST(PlanVerb, TimesAVirtualToolDuringASlidingMotion) {
     EXPECT_LE(m["frame_median_ns"], m["frame_p95_ns"]);
     EXPECT_GT(part(j, "virtual tool")["measured_ns"], 0.0);
     EXPECT_GT(part(j, "virtual tool")["expected_ns"], 0.0);
-    EXPECT_TRUE(part(j, "contact model field")["measured_ns"].is_null())
-        << "counted with the virtual tool";
+    EXPECT_EQ(j.dump().find("contact model field"), std::string::npos) << "the tool needs none";
   }
 }
 

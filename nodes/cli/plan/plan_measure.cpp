@@ -150,7 +150,7 @@ class Stopwatch {
 
 struct Samples {
   std::vector<double> find, rest, frame, tested, hits, coupling;
-  std::vector<double> queries, iterations;  ///< of a virtual tool
+  std::vector<double> queries, work;  ///< of a virtual tool
   std::vector<std::vector<double>> effects;
 };
 
@@ -224,22 +224,15 @@ class Measurement {
     if (frame.tool.constrained && out.touching++ == 0)
       begin_contact();
     const bool counts = frame.tool.constrained || out.touching == 0;
-    double find = 0.0, effects = 0.0, tested = 0.0, hits = 0.0;
+    double effects = 0.0;
     if (counts) {
       rendering::ObjectContacts& contacts = built_.contacts();
-      for (std::size_t o = 0; o < contacts.size(); ++o) {
-        find += watch_.ns([&] { contacts.object(o).renderer->query().find(frame.object, hits_); });
-        hits += static_cast<double>(hits_.surface.size() + hits_.interior.size()),
-            tested += hits_.tested;
-      }
       const effects::EffectFrame in =
           renderer.look(hand, kDefaultS, time_s_, contacts.parts(contacts.render(hand.pose, 0.0)));
       for (std::size_t e = 0; e < alone_.size(); ++e) {
         samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
         effects += samples_.effects[e].back();
       }
-      samples_.find.push_back(find), samples_.tested.push_back(tested),
-          samples_.hits.push_back(hits);
       if (coupling_) {
         const coupling::CouplingInput input = device_fit::coupling_input(frame, hand.pose);
         samples_.coupling.push_back(watch_.ns([&] { coupling_->step(input, kDefaultS); }));
@@ -256,8 +249,10 @@ class Measurement {
       }
       samples_.frame.push_back(ns);
       samples_.queries.push_back(frame.tool.queries),
-          samples_.iterations.push_back(frame.tool.iterations);
-      samples_.rest.push_back(std::max(0.0, ns - frame.tool.queries * find - effects));
+          samples_.work.push_back(static_cast<double>(frame.tool.work));
+      samples_.tested.push_back(frame.touch.contact.points_tested),
+          samples_.hits.push_back(frame.touch.contact.surface_hits);
+      samples_.rest.push_back(std::max(0.0, ns - effects));
     }
   }
 
@@ -284,25 +279,26 @@ class Measurement {
     free_.push_back(watch_.ns([&] { built_.scene_renderer().render(tool, time_s += kDefaultS); }));
   }
 
+  void add_model(PlanTimes& out) {
+    out.parts.push_back(
+        {"pointshell", rendering::kNsPerPoint * out.points_tested, median(samples_.find)});
+    const std::string& model = built_.plan().contact_model;
+    out.parts.push_back({"contact model " + model,
+                         rendering::kNsPerFrame + rendering::ns_per_contact_point(model) * out.hits,
+                         median(samples_.rest)});
+  }
+
   void sum_up(PlanTimes& out) {
     out.along = path_.name();
     out.points_tested = median(samples_.tested), out.hits = median(samples_.hits);
     out.slides = scene_.virtual_tool();
     if (out.slides)
       out.queries_per_frame = mean(samples_.queries);
-    const double queries = out.queries_per_frame;
-    out.parts.push_back({"pointshell", queries * rendering::kNsPerPoint * out.points_tested,
-                         queries * median(samples_.find)});
-    const std::string& model = built_.plan().contact_model;
-    const double weighed =
-        rendering::kNsPerFrame + rendering::ns_per_contact_point(model) * out.hits;
     if (out.slides)
       out.parts.push_back(
-          {"virtual tool",
-           queries * weighed + rendering::kNsPerIteration * mean(samples_.iterations),
-           median(samples_.rest)});
+          {"virtual tool", rendering::kNsPerWork * median(samples_.work), median(samples_.rest)});
     else
-      out.parts.push_back({"contact model " + model, weighed, median(samples_.rest)});
+      add_model(out);
     for (std::size_t e = 0; e < alone_.size(); ++e) {
       const effects::EffectSpec& effect = scene_.effects[e];
       out.parts.push_back(

@@ -40,10 +40,9 @@ struct PlanTimes {
 
 /// Each frame's parts are timed in batches of the same frame and what asking for the time costs is
 /// taken off; the contact model is what a whole contact takes above finding its hits. A virtual
-/// tool makes no query while its hand rests or goes straight on in: so from each place the hand
-/// slides sideways (accuracy::kSlideEdges a frame, kBatch frames), each of these frames is timed by
-/// itself, and the virtual tool is what they take above their queries and effects. Leaves the
-/// renderer reset.
+/// tool makes no query while its hand rests. So from each place the hand slides sideways
+/// (accuracy::kSlideEdges a frame, kBatch frames), each of these frames is timed by itself, and the
+/// virtual tool is what they take above their effects. Leaves the renderer reset.
 PlanTimes measure_plan(const scene::Scene& scene, rendering::BuiltScene& built,
                        const MeasureOptions& options);
 

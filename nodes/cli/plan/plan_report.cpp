@@ -88,15 +88,16 @@ std::string times_text(const PlanReport& report) {
   std::string text = fmt::format(
       "  Measured frame {}: {:.0f} ns (median), {:.0f} ns (95 %), {:.0f} ns (worst); out of "
       "contact: {}.\n"
-      "  In contact: {} of {} frames {}. Points after culling: {:.0f} of {}; in contact: {:.0f} "
-      "(medians).\n"
+      "  In contact: {} of {} frames {}. {}: {:.0f}; in contact: {:.0f} (medians).\n"
       "  CPU time of one thread with warm caches, without DDS; {}; load {:.1f}: compare ratios "
       "only.\n",
       t.touching > 0 ? "in contact" : "out of contact", t.frame_median_ns, t.frame_p95_ns,
       t.frame_worst_ns, t.frame_free_ns > 0.0 ? fmt::format("{:.0f} ns", t.frame_free_ns) : "never",
       t.touching, t.frames,
       t.along.empty() ? "at seeded places on the surface" : fmt::format("along '{}'", t.along),
-      t.points_tested, report.plan.shell_points, t.hits, report.machine.processor, report.load);
+      t.slides ? "Pairs of features near each other"
+               : fmt::format("Points of {} after culling", report.plan.shell_points),
+      t.points_tested, t.hits, report.machine.processor, report.load);
   if (t.slides)
     text += fmt::format(
         "  Virtual tool: the hand slides {:g} e a frame sideways from each place, {:.2f} queries a "

@@ -64,10 +64,9 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
 void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
   const Reports& r = s.reports;
   if (has_virtual_tool(s)) {
-    add_numbers(j["virtual_tool"], r, "rendering",
-                {"spring_n_per_m", "most_penetration_m", "most_residual_m"});
+    add_numbers(j["virtual_tool"], r, "rendering", {"spring_n_per_m", "most_residual_m"});
     add_counts(j["virtual_tool"], r, "rendering",
-               {"samples_at_most_queries", "not_converged_samples", "not_initialised_samples"});
+               {"samples_at_work_limit", "not_converged_samples", "not_initialised_samples"});
   }
   if (!word(r, "rendering", "external").empty()) {
     j["external"] = {{"topic", word(r, "rendering", "external_topic")},
@@ -164,12 +163,10 @@ std::string figures(const RunSummary& s) {
     text += fmt::format("  {}: {}\n", word(r, "coupling", "design_status"), means);
   if (has_virtual_tool(s))
     text += fmt::format(
-        "  virtual     spring {:.4g} N/m; penetration max {:.3g} mm; residual max {:.3g} mm\n"
-        "              samples: {} at the query limit, {} not converged, {} not initialised\n",
-        number(r, "rendering", "spring_n_per_m"),
-        1e3 * number(r, "rendering", "most_penetration_m"),
-        1e3 * number(r, "rendering", "most_residual_m"),
-        count(r, "rendering", "samples_at_most_queries"),
+        "  virtual     spring {:.4g} N/m; residual max {:.3g} mm\n"
+        "              samples: {} at the work limit, {} not converged, {} not initialised\n",
+        number(r, "rendering", "spring_n_per_m"), 1e3 * number(r, "rendering", "most_residual_m"),
+        count(r, "rendering", "samples_at_work_limit"),
         count(r, "rendering", "not_converged_samples"),
         count(r, "rendering", "not_initialised_samples"));
   if (!s.bag.empty())

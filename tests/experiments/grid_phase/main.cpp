@@ -1,9 +1,6 @@
-// What the place of the voxel grid does to each contact model and to the virtual tool: planes,
+// What the place of the voxel grid does to each contact model: planes,
 // corners and thin walls along the grid, moved by random fractions of a voxel, on the grid whose
 // borders are multiples of e and on the grid that a scene gives an object.
-//
-// A virtual tool is held next to the exact ball that is drawn to the same hand, which goes in from
-// a voxel outside and rests.
 //
 //   grid_phase [--phases N] [--places N] [--seed S]        20 s; a row a model and ground
 #include <fmt/core.h>
@@ -14,9 +11,7 @@
 #include <cstdio>
 #include <string>
 
-#include "core/contact/virtual_tool.hpp"
 #include "core/voxmap/object_grid.hpp"
-#include "tests/experiments/virtual_tool/rig.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 #include "tests/unit/contact/fixtures.hpp"
 
@@ -129,32 +124,6 @@ Figures measure(contact::ContactRenderer renderer, const std::vector<Touch>& tou
       [](const Touch& touch) { return touch.truth; });
 }
 
-Figures measure_tool(const mesh::TriangleMesh& mesh, const test::Ground& ground,
-                     const mesh::TriangleMesh& ball, const pointshell::Pointshell& shell,
-                     const std::vector<Touch>& touches, const Vec3& shift) {
-  const contact::ContactQuery query(ground.voxmap, shell);
-  const virtual_tool::EdgeLookup edges(mesh, ground.field.grid(), ball);
-  contact::VirtualTool tool({.points = shell.size(),
-                             .edge_points = edges.query.shell().size(),
-                             .reach_m = query.reach_m(),
-                             .edge_m = kEdge});
-  const std::array grounds = {edges.with({&query, &ground.field, Vec3::Zero()})};
-  const auto force_at = [&](const Touch& touch) {
-    constexpr int kPathFrames = 12, kRestFrames = 50;
-    const Vec3 hand = touch.pose.position + shift,
-               begin = touch.out + kEdge * touch.out.normalized();
-    if (!tool.place({hand + begin, touch.pose.orientation}, grounds))
-      return Vec3(Vec3::Zero());
-    contact::VirtualToolFrame frame;
-    for (int n = 1; n <= kPathFrames + kRestFrames; ++n) {
-      const double left = std::max(0.0, 1.0 - static_cast<double>(n) / kPathFrames);
-      frame = tool.frame({.pose = {hand + left * begin, touch.pose.orientation}}, grounds);
-    }
-    return frame.wrench(1.0).force;
-  };
-  return judge(touches, force_at, [](const Touch& touch) { return touch.out; });
-}
-
 /// Median and worst over the phases.
 std::string summary(const std::vector<Figures>& all) {
   std::vector<double> missed, size, direction;
@@ -217,7 +186,7 @@ int main(int argc, char** argv) {
           {pose, test::integral_over(ball.mesh, pose, place.depth).force, place.out(centre)});
     }
     const auto over = [&](const std::vector<Vec3>& moved, auto&& grid_of) {
-      std::array<std::vector<Figures>, kModels.size() + 1> figures;  // the virtual tool's last
+      std::array<std::vector<Figures>, kModels.size()> figures;
       for (const Vec3& shift : moved) {
         mesh::TriangleMesh mesh = place.mesh;
         for (Vec3& v : mesh.vertices)
@@ -225,17 +194,16 @@ int main(int argc, char** argv) {
         const test::Ground ground(mesh, grid_of(mesh, kEdge), 12.0);
         for (std::size_t m = 0; m < kModels.size(); ++m)
           figures[m].push_back(measure(ground.renderer(shell, kModels[m]), touches, shift));
-        figures.back().push_back(measure_tool(mesh, ground, ball.mesh, shell, touches, shift));
       }
       return figures;
     };
     const auto borders = over(on_borders, voxmap::default_grid),
                before = over(shifts, voxmap::default_grid),
                after = over(shifts, voxmap::object_grid);
-    for (std::size_t m = 0; m <= kModels.size(); ++m)
+    for (std::size_t m = 0; m < kModels.size(); ++m)
       fmt::print("{:26} {:12} | faces on borders {} || multiples of e {} || clear of faces {}\n",
-                 place.name, m < kModels.size() ? contact::name_of(kModels[m]) : "virtual tool",
-                 summary(borders[m]), summary(before[m]), summary(after[m]));
+                 place.name, contact::name_of(kModels[m]), summary(borders[m]), summary(before[m]),
+                 summary(after[m]));
     std::fflush(stdout);
   }
 }

@@ -95,11 +95,11 @@ LeverFigures lever(double edge, std::uint64_t seed) {
   LeverFigures figures;
   for (int n = 0; n < 10; ++n) {
     Rig rig(block, edge, bar);
-    const double aside = uniform(random, -1e-3, 1e-3), lever_m = rig.tool.options().lever_m;
+    const double aside = uniform(random, -1e-3, 1e-3), lever_m = rig.lever_m;
     const auto hand_at = [&](int k) { return Vec3(aside, 0, 0.005 - 5e-5 * k); };
     rig.place({hand_at(0), Quat::Identity()});
     Vec3 last = Vec3::Zero();
-    contact::VirtualToolFrame f;
+    exact::VirtualToolFrame f;
     for (int k = 0; k <= 250; ++k) {
       f = rig.frame(hand_at(k));
       const Vec3 torque = f.wrench(kStiffness).torque;
@@ -155,7 +155,7 @@ PegFigures peg(double edge, double clearance_m, bool turned) {
   double z = kPegLong / 2 + 0.003;
   if (!rig.place({Vec3(0, 0, z), Quat::Identity()}))
     return figures;
-  contact::VirtualToolFrame f;
+  exact::VirtualToolFrame f;
   const auto go = [&](double to, const Vec3& aside, const Quat& turn) {
     for (; z > to; z -= 5e-5) {
       f = rig.frame(Pose{Vec3(aside.x(), aside.y(), z), turn});

@@ -136,11 +136,6 @@ int main(int argc, char** argv) {
                  "edge, stability, torque or all");
   app.add_option("--seed", seed, "of the random places");
   app.add_option("--places", places, "of each press");
-  app.add_option("--shell-voxel", shell_ratio,
-                 "edge of the voxels of the tool's shell over the scene's");
-  app.add_option(
-      "--tool-voxel", tool_ratio,
-      "edge of the voxels of the tool's distances over the scene's; 0: edges are not looked up");
   CLI11_PARSE(app, argc, argv);
   fmt::print("seed {}\n", seed);
   const bool all = what == "all";
@@ -188,18 +183,16 @@ int main(int argc, char** argv) {
   if (all || what == "walls") {
     int runs = 0, passed = 0;
     for (const double thick : {0.0, 0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 5.0})
-      for (const bool askew : {false, true})
-        for (const double phase : {0.0, 0.25, 0.5}) {
-          const WallFigures f =
-              walls({.thick_edges = thick, .askew = askew, .phase_edges = phase, .seed = seed});
-          runs += f.runs, passed += f.passed;
-          fmt::print(
-              "wall {:4} e {:5} phase {:4} | passed {} of {} | depth {:.3f} e | rest {:.4f} {:.4f} "
-              "{:.4f} N | queries {:.2f}\n",
-              thick, askew ? "askew" : "", phase, f.passed, f.runs, f.depth_worst, f.rest_median,
-              f.rest_95, f.rest_worst, f.queries_mean);
-          std::fflush(stdout);
-        }
+      for (const bool askew : {false, true}) {
+        const WallFigures f = walls({.thick_edges = thick, .askew = askew, .seed = seed});
+        runs += f.runs, passed += f.passed;
+        fmt::print(
+            "wall {:4} e {:5} | passed {} of {} | depth {:.3f} e | rest {:.4f} {:.4f} "
+            "{:.4f} N | queries {:.2f}\n",
+            thick, askew ? "askew" : "", f.passed, f.runs, f.depth_worst, f.rest_median, f.rest_95,
+            f.rest_worst, f.queries_mean);
+        std::fflush(stdout);
+      }
     fmt::print("walls: passed {} of {}\n", passed, runs);
   }
   if (all || what == "starts")

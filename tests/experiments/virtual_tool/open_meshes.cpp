@@ -180,7 +180,7 @@ DriveFigures drive(const DriveOptions& o) {
       bool at_rim = false;
       const auto step = [&](const Vec3& by) {
         hand += by;
-        const contact::VirtualToolFrame frame = rig.frame(Pose{hand, orientation});
+        const exact::VirtualToolFrame frame = rig.frame(Pose{hand, orientation});
         if (const double near = truth.distance(frame.tool.position); near < nearest) {
           if (nearest > radius - e && near <= radius - e)
             at_rim = rims.distance(frame.tool.position) < near + e;
@@ -197,7 +197,7 @@ DriveFigures drive(const DriveOptions& o) {
       go(in, 2.0 * o.radius_edges + 4.0);
       go(along, 5.0);
       Vec3 force = Vec3::Zero();
-      for (int rest = 0; rest < 150; ++rest)
+      for (int rest = 0; rest < 600; ++rest)  // past a rim the tool goes on by a hundredth a frame
         force = step(Vec3::Zero());
       figures.touched += force.norm() > 0.0;
       double worst = 0.0;

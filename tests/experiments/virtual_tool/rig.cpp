@@ -1,53 +1,58 @@
 #include "rig.hpp"
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "core/mesh/import.hpp"
-#include "core/pointshell/edge_points.hpp"
-#include "core/voxmap/object_grid.hpp"
 #include "open_meshes.hpp"
 #include "tests/support/exact_shell.hpp"
 
 namespace voxtouch::virtual_tool {
 
-EdgeLookup::EdgeLookup(const mesh::TriangleMesh& fixed, const voxmap::Grid& grid,
-                       const mesh::TriangleMesh& tool_mesh)
-    : tool(tool_mesh,
-           voxmap::object_grid(tool_mesh, (tool_ratio > 0.0 ? tool_ratio : 1.0) * grid.edge), 4.0),
-      query(tool.voxmap, pointshell::edge_points(voxmap::ClosedMesh(fixed, grid), grid)) {}
+namespace {
 
-contact::ToolGround EdgeLookup::with(const contact::ToolGround& ground) const {
-  contact::ToolGround both = ground;
-  if (tool_ratio > 0.0 && query.shell().size() > 0)
-    both.edges = &query, both.tool_field = &tool.field;
-  return both;
+double reach_of(const mesh::TriangleMesh& tool) {
+  double reach = 0.0;
+  for (const Vec3& v : tool.vertices)
+    reach = std::max(reach, v.norm());
+  return reach;
 }
 
-Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const mesh::TriangleMesh& tool_mesh,
-         double lever_m)
-    : Rig(of, edge_m, tool_mesh, shell_of(tool_mesh, edge_m), lever_m) {}
+}  // namespace
 
 Rig::Rig(const mesh::TriangleMesh& of, double edge_m, const mesh::TriangleMesh& tool_mesh,
-         const pointshell::Pointshell& shell, double lever_m)
+         double lever)
     : mesh(of),
-      ground(mesh, edge_m, 12.0, voxmap::kOpenWallVoxels),
-      query(ground.voxmap, shell),
-      edges(mesh, ground.field.grid(), tool_mesh),
-      tool({.points = shell.size(),
-            .edge_points = edges.query.shell().size(),
-            .reach_m = query.reach_m(),
-            .edge_m = edge_m,
-            .lever_m = lever_m}),
-      grounds{edges.with({&query, &ground.field, Vec3::Zero()})},
-      edge(edge_m) {}
+      bodies(tool_mesh,
+             std::array{rendering::ExactBodies::Object{.mesh = of, .objects = {0}, .owners = {}}},
+             edge_m),
+      tool(bodies, 1, lever > 0.0 ? lever : reach_of(tool_mesh)),
+      lever_m(lever > 0.0 ? lever : reach_of(tool_mesh)) {}
 
-pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge) {
-  return test::exact_shell(mesh, shell_ratio * edge);
+bool Rig::place(const Pose& at) {
+  constexpr int kMostFrames = 100;  // the check of a start may take some frames
+  tool.reset();
+  tool.start_at(at);
+  for (int n = 0; n < kMostFrames && !tool.placed(); ++n)
+    frame(at);
+  return tool.placed();
 }
+
+bool inside(const mesh::TriangleMesh& mesh, const Vec3& x) {
+  double angle = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 a = mesh.corner(t, 0) - x, b = mesh.corner(t, 1) - x, c = mesh.corner(t, 2) - x;
+    const double la = a.norm(), lb = b.norm(), lc = c.norm();
+    angle += 2.0 * std::atan2(a.dot(b.cross(c)),
+                              la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  }
+  return std::abs(angle) > 2.0 * std::numbers::pi;
+}
+
 mesh::TriangleMesh ball_mesh(double radius_m) { return test::sphere_mesh(radius_m, 4); }
 pointshell::Pointshell ball_shell(double edge, double radius_m) {
-  return shell_of(ball_mesh(radius_m), edge);
+  return test::exact_shell(ball_mesh(radius_m), edge);
 }
 
 Quat tilt() { return Quat(0.961463877, 0.169532022, 0.213151410, -0.037584345).normalized(); }

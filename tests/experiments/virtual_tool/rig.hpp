@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/contact/virtual_tool.hpp"
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/pointshell/pointshell.hpp"
+#include "core/rendering/exact_tool.hpp"
 #include "tests/unit/contact/field_scenes.hpp"
 
 namespace voxtouch::virtual_tool {
@@ -16,55 +16,34 @@ inline constexpr double kStiffness = 300.0;  ///< [N/m]
 inline constexpr double kPeriod = 1e-3;      ///< [s]
 inline constexpr double kBall = 0.01;        ///< [m], radius of the ball that is usual
 
-/// Edge of the voxels of the tool's distances over the scene's; 0: edges are not looked up.
-inline double tool_ratio = 0.5;
-
-/// The edges of a static mesh in `grid` as points, looked up in the tool. Stays where it is: the
-/// query points into it.
-struct EdgeLookup {
-  test::Ground tool;
-  contact::ContactQuery query;
-  EdgeLookup(const mesh::TriangleMesh& fixed, const voxmap::Grid& grid,
-             const mesh::TriangleMesh& tool);
-  EdgeLookup(const EdgeLookup&) = delete;
-  /// A ground with the edges too, unless `tool_ratio` says none.
-  contact::ToolGround with(const contact::ToolGround& ground) const;
-};
-
-/// A static mesh and a tool in it. Stays where it is: the query points into it.
+/// A static mesh and a tool in it, as a scene has them. Stays where it is: the tool refers to it.
 struct Rig {
   mesh::TriangleMesh mesh;
-  test::Ground ground;
-  contact::ContactQuery query;
-  EdgeLookup edges;
-  contact::VirtualTool tool;
-  std::vector<contact::ToolGround> grounds;
-  double edge;
-  Rig(const mesh::TriangleMesh& mesh, double edge, const mesh::TriangleMesh& tool_mesh,
+  rendering::ExactBodies bodies;
+  rendering::ExactTool tool;
+  Vec3 displacement = Vec3::Zero();  ///< of the static mesh
+  double lever_m;
+  /// `edge_m`: the scene's voxel size, which no result depends on; `lever_m` 0: the tool's reach.
+  Rig(const mesh::TriangleMesh& mesh, double edge_m, const mesh::TriangleMesh& tool_mesh,
       double lever_m = 0.0);
-  /// With another shell of the tool than `shell_of`.
-  Rig(const mesh::TriangleMesh& mesh, double edge, const mesh::TriangleMesh& tool_mesh,
-      const pointshell::Pointshell& shell, double lever_m = 0.0);
   Rig(const Rig&) = delete;
 
-  contact::VirtualToolFrame frame(const Pose& hand, double friction = 0.0) {
-    return tool.frame({hand, kPeriod, friction}, grounds);
+  exact::VirtualToolFrame frame(const Pose& hand, double friction = 0.0) {
+    return tool.frame({hand, kPeriod, friction}, {&displacement, 1});
   }
-  contact::VirtualToolFrame frame(const Vec3& hand, const Quat& turn = Quat::Identity(),
-                                  double friction = 0.0) {
+  exact::VirtualToolFrame frame(const Vec3& hand, const Quat& turn = Quat::Identity(),
+                                double friction = 0.0) {
     return frame(Pose{hand, turn}, friction);
   }
-  /// Forgets the tool and places it anew, with the whole force. The caller sees to it that the pose
-  /// is free.
-  bool place(const Pose& at) { return tool.place(at, grounds); }
+  /// Forgets the tool and places it anew, with the whole force. False where `at` is no start.
+  bool place(const Pose& at);
 };
 
-/// Edge of the voxels on which the tool's shell is made, over the scene's.
-inline double shell_ratio = 1.0;
+/// Whether `x` is inside the closed parts of a mesh, by the angles of all triangles.
+bool inside(const mesh::TriangleMesh& mesh, const Vec3& x);
+
 mesh::TriangleMesh ball_mesh(double radius_m = kBall);
 pointshell::Pointshell ball_shell(double edge, double radius_m = kBall);
-/// The shell of `mesh`, on a grid of `edge` times `shell_ratio`.
-pointshell::Pointshell shell_of(const mesh::TriangleMesh& mesh, double edge);
 
 /// "plane", "tilted", "cylinder", "cylinder:<sides>", "cup", "edge" (a block's right angle, askew),
 /// "corner" (three walls that meet at the origin, along the grid), or "plate:<thickness in

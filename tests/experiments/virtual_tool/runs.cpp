@@ -23,26 +23,6 @@ double now_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-constexpr double kLooseUs = 20.0;  ///< frames below are of no interest
-constexpr int kRepeats = 9;
-
-/// CPU time of a frame: the least of several from the same state where it is long, so that
-/// interruptions do not count.
-contact::VirtualToolFrame timed_frame(Rig& rig, const Pose& hand, std::vector<double>& us) {
-  const contact::VirtualTool before = rig.tool;
-  double from = now_us();
-  const contact::VirtualToolFrame frame = rig.frame(hand);
-  double least = now_us() - from;
-  for (int n = 0; n < kRepeats && least > kLooseUs; ++n) {
-    rig.tool = before;
-    from = now_us();
-    rig.frame(hand);
-    least = std::min(least, now_us() - from);
-  }
-  us.push_back(least);
-  return frame;
-}
-
 struct Clock {
   std::vector<double> us;
   template <class F>
@@ -85,7 +65,7 @@ PressFigures press(const PressOptions& o) {
     if (!rig.place({start, turn}))
       continue;
     ++figures.places;
-    contact::VirtualToolFrame frame;
+    exact::VirtualToolFrame frame;
     Vec3 hand = start, god = start;
     const int steps = static_cast<int>((0.004 + o.depth_m) / 5e-5);
     for (int n = 1; n <= steps; ++n) {
@@ -105,7 +85,8 @@ PressFigures press(const PressOptions& o) {
         worst = std::max(worst, (next - force).norm());
         queries += frame.queries, ++frames;
         figures.queries_most = std::max(figures.queries_most, frame.queries);
-        figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / o.edge);
+        figures.depth_worst =
+            std::max(figures.depth_worst, (kBall - truth.distance(frame.tool.position)) / o.edge);
       }
       force = next;
     }
@@ -168,7 +149,7 @@ SlideFigures slide(const SlideOptions& o) {
   for (int n = 0; n <= 2 * steps; ++n) {
     const Pose at = touching(round * n / steps);
     const Vec3 hand = at.position - o.depth_m * (at.orientation * Vec3::UnitZ());
-    const contact::VirtualToolFrame frame =
+    const exact::VirtualToolFrame frame =
         clock.time([&] { return rig.frame(hand, Quat::Identity(), o.friction); });
     const Vec3 force = frame.wrench(kStiffness).force;
     if (n >= steps) {  // the first round is the approach
@@ -203,26 +184,7 @@ WallFigures walls(const WallOptions& o) {
   const double e = o.edge, thick = o.thick_edges * e;
   const Quat turn = o.askew ? tilt() : Quat::Identity();
   const Vec3 normal = turn * Vec3::UnitZ();
-  // The grid's phase is the mesh's lower corner: a block far away fixes it, so that the plate's
-  // place in its voxel is chosen.
-  const mesh::TriangleMesh mesh = test::plate_mesh(40 * e, thick, {Vec3::Zero(), turn});
-  voxmap::Grid grid = voxmap::default_grid(mesh, e);
-  grid.origin += o.phase_edges * e * Vec3::Ones();
-  const pointshell::Pointshell shell = ball_shell(e, 5 * e);
-  struct {
-    test::Ground ground;
-    contact::ContactQuery query;
-    EdgeLookup edges;
-    contact::VirtualTool tool;
-  } wall{test::Ground(mesh, grid, 12.0, voxmap::kOpenWallVoxels),
-         contact::ContactQuery(wall.ground.voxmap, shell),
-         {mesh, grid, ball_mesh(5 * e)},
-         contact::VirtualTool({.points = shell.size(),
-                               .edge_points = wall.edges.query.shell().size(),
-                               .reach_m = 5.1 * e,
-                               .edge_m = e})};
-  const contact::ToolGround ground =
-      wall.edges.with({&wall.query, &wall.ground.field, Vec3::Zero()});
+  Rig rig(test::plate_mesh(40 * e, thick, {Vec3::Zero(), turn}), e, ball_mesh(5 * e));
   const double k = kStiffness * 0.002 / e;
   WallFigures figures;
   std::vector<double> jitter;
@@ -237,7 +199,7 @@ WallFigures walls(const WallOptions& o) {
       Quat orientation(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random)));
       const double spin = uniform(random, 0.0, 0.3) * speed / 5.0;
       const Vec3 axis = random_direction(random);
-      if (!wall.tool.place({hand, orientation}, {&ground, 1}))
+      if (!rig.place({hand, orientation}))
         continue;
       ++figures.runs;
       bool passed = false;
@@ -245,13 +207,12 @@ WallFigures walls(const WallOptions& o) {
         hand += by;
         if (rotation)
           orientation = (Quat(Eigen::AngleAxisd(spin, axis)) * orientation).normalized();
-        const contact::VirtualToolFrame frame =
-            wall.tool.frame({{hand, orientation}, kPeriod, 0.0}, {&ground, 1});
-        figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / e);
+        const exact::VirtualToolFrame frame = rig.frame(Pose{hand, orientation});
         queries += frame.queries, ++frames;
         figures.queries_most = std::max(figures.queries_most, frame.queries);
         const double height = side * normal.dot(frame.tool.position);
         passed = passed || height < 4.0 * e;  // the ball's radius is 5 e
+        figures.depth_worst = std::max(figures.depth_worst, 5.0 + 0.5 * o.thick_edges - height / e);
         return frame;
       };
       for (double gone = 0.0; gone < 14.0; gone += speed)
@@ -286,8 +247,7 @@ StartFigures starts(const StartOptions& o) {
   const Vec3 half = 0.5 * e * o.box;
   const double radius = o.radius_edges * e, reach = ball ? radius : half.norm();
   const mesh::TriangleMesh tool_mesh = ball ? ball_mesh(radius) : test::box_mesh(e * o.box);
-  const pointshell::Pointshell shell = shell_of(tool_mesh, e);
-  const mesh::TriangleMesh mesh = test::plate_mesh(wide, thick, {Vec3::Zero(), lie});
+  Rig rig(test::plate_mesh(wide, thick, {Vec3::Zero(), lie}), e, tool_mesh);
   const auto out_of_tool = [&](const Vec3& x) {
     if (ball)
       return x.norm() - radius;
@@ -295,17 +255,7 @@ StartFigures starts(const StartOptions& o) {
     return beyond.cwiseMax(0.0).norm() + std::min(0.0, beyond.maxCoeff());
   };
   StartFigures figures;
-  for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
-    voxmap::Grid grid = voxmap::default_grid(mesh, e);
-    grid.origin += phase * e * Vec3::Ones();
-    const test::Ground ground(mesh, grid, 12.0, voxmap::kOpenWallVoxels);
-    const contact::ContactQuery query(ground.voxmap, shell);
-    const EdgeLookup edges(mesh, grid, tool_mesh);
-    contact::VirtualTool tool({.points = shell.size(),
-                               .edge_points = edges.query.shell().size(),
-                               .reach_m = query.reach_m(),
-                               .edge_m = e});
-    const contact::ToolGround at_rest = edges.with({&query, &ground.field, Vec3::Zero()});
+  for (int quarter = 0; quarter < 4; ++quarter) {
     for (int n = 0; n < o.tries; ++n) {  // in the plate's own frame
       const Quat turn =
           o.turned ? Quat(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random)))
@@ -337,8 +287,7 @@ StartFigures starts(const StartOptions& o) {
       for (int bisection = 0; bisection < 12; ++bisection)
         (depth(0.5 * (low + high)) > expected ? low : high) = 0.5 * (low + high);
       ++figures.runs;
-      figures.placed +=
-          tool.place({lie * (nearest + high * away), (lie * turn).normalized()}, {&at_rest, 1});
+      figures.placed += rig.place({lie * (nearest + high * away), (lie * turn).normalized()});
     }
   }
   return figures;
@@ -370,13 +319,11 @@ TumbleFigures tumble(const TumbleOptions& o) {
   double contacts = 0.0, not_converged_frames = 0.0;
   for (int n = 0; n < o.frames; ++n) {
     const Pose& hand = tumbling.next();
-    const contact::VirtualToolFrame frame = timed_frame(rig, hand, clock.us);
+    const exact::VirtualToolFrame frame = clock.time([&] { return rig.frame(hand); });
     contacts += frame.constrained, not_converged_frames += frame.not_converged;
-    figures.depth_worst = std::max(figures.depth_worst, frame.worst_depth_m / o.edge);
     figures.queries_mean += frame.queries / static_cast<double>(o.frames);
     figures.iterations_mean += frame.iterations / static_cast<double>(o.frames);
-    const Vec3 u = (frame.tool.position - rig.ground.field.grid().origin) / o.edge;
-    figures.inside += rig.ground.field.at(u).distance_m < 0.0;
+    figures.inside += inside(rig.mesh, frame.tool.position);
     if (!frame.constrained && !frame.not_converged)
       figures.not_exact += frame.tool.position != hand.position ||
                            frame.tool.orientation.coeffs() != hand.orientation.coeffs() ||

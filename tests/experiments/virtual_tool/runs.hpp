@@ -58,7 +58,6 @@ SlideFigures slide(const SlideOptions& options);
 struct WallOptions {
   double thick_edges = 1.0, edge = 0.002;
   bool askew = false;
-  double phase_edges = 0.0;  ///< where the plate's middle lies in its voxel
   int tries = 5;
   std::vector<double> edges_per_frame = {0.02, 0.1, 0.5, 1.0, 2.0, 4.0};
   std::uint64_t seed = 1;

@@ -29,7 +29,8 @@ ThrowFigures thrown(const ThrowOptions& o) {
   std::mt19937_64 random(o.seed);
   const pointshell::Pointshell shell = ball_shell(o.edge);
   Rig rig(wall_mesh(o), o.edge, ball_mesh());
-  contact::ContactRenderer renderer = rig.ground.renderer(
+  const test::Ground ground(rig.mesh, o.edge);
+  contact::ContactRenderer renderer = ground.renderer(
       shell, o.holder.model.value_or(contact::ContactModelKind::kAdapted), !o.holder.remembers);
   const auto force_at = [&](const Pose& pose) -> Vec3 {
     if (!o.holder.model)

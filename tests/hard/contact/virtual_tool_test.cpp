@@ -15,20 +15,18 @@
 namespace voxtouch::virtual_tool {
 namespace {
 
-TEST(VirtualToolWalls, FromQuarterToFiveVoxelsHoldAndRest) {
+TEST(VirtualToolWalls, FromFoilsToFiveVoxelsHoldAndRest) {
   const std::uint64_t seed = testing::seed(21);
   SCOPED_TRACE(testing::seed_trace(seed));
   int runs = 0;
-  for (const double thick : {0.25, 0.5, 1.0, 2.0, 5.0})
-    for (const bool askew : {false, true})
-      for (const double phase : {0.0, 0.5}) {
-        const WallFigures f = walls(
-            {.thick_edges = thick, .askew = askew, .phase_edges = phase, .tries = 2, .seed = seed});
-        EXPECT_EQ(f.passed, 0) << thick << " e" << (askew ? ", askew" : "") << ", phase " << phase;
-        EXPECT_LT(f.depth_worst, 0.3) << thick;
-        EXPECT_LT(f.rest_worst, thick < 2.0 ? 0.03 : 1e-3) << thick;
-        runs += f.runs;
-      }
+  for (const double thick : {0.01, 0.25, 0.5, 1.0, 2.0, 5.0})
+    for (const bool askew : {false, true}) {
+      const WallFigures f = walls({.thick_edges = thick, .askew = askew, .tries = 4, .seed = seed});
+      EXPECT_EQ(f.passed, 0) << thick << " e" << (askew ? ", askew" : "");
+      EXPECT_LT(f.depth_worst, 0.01) << thick;
+      EXPECT_LT(f.rest_worst, 1e-3) << thick;
+      runs += f.runs;
+    }
   std::printf("%d runs\n", runs);
   EXPECT_GT(runs, 200);
 }
@@ -45,10 +43,10 @@ TEST(VirtualToolWalls, HoldAgainstAHandFarBehind) {
     for (int k = 0; k < 400; ++k)
       rig.frame((0.015 - 5e-4 * k) * n);
     for (int k = 0; k < 20000; ++k) {
-      const contact::VirtualToolFrame f =
+      const exact::VirtualToolFrame f =
           rig.frame(-100 * kEdge * n + 1e-4 * random_direction(random));
       ASSERT_GT(n.dot(f.tool.position), 0.009) << k;
-      ASSERT_TRUE(f.saturated);
+      ASSERT_TRUE(f.constrained);
     }
   }
 }
@@ -60,7 +58,7 @@ TEST(VirtualToolWalls, AllowAPathAroundARim) {
   ASSERT_TRUE(rig.place({tilt() * Vec3(0, 0, 0.03), Quat::Identity()}));
   for (int n = 0; n <= 2000; ++n) {
     const double angle = 2 * std::numbers::pi * n / 2000;
-    const contact::VirtualToolFrame f =
+    const exact::VirtualToolFrame f =
         rig.frame(Vec3(tilt() * Vec3(0.05 * std::sin(angle), 0, 0.03 * std::cos(angle))));
     expect_sound(f);
   }
@@ -73,7 +71,7 @@ TEST(VirtualToolWalls, AllowAPathAroundARim) {
 TEST(VirtualToolSlots, NarrowerThanTheToolKeepItOut) {
   Rig rig(slot_mesh(0.016), kEdge, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.02), Quat::Identity()}));
-  contact::VirtualToolFrame f;
+  exact::VirtualToolFrame f;
   for (int n = 0; n < 800; ++n) {
     f = rig.frame(Vec3(1e-3, 0, 0.02 - 5e-5 * n));
     expect_sound(f);
@@ -87,7 +85,7 @@ TEST(VirtualToolSlots, WiderThanTheToolExertNoForce) {
   Rig rig(slot_mesh(0.026), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.02), Quat::Identity()}));
   for (int n = 0; n < 600; ++n) {
-    const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 5e-5 * n));
+    const exact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 5e-5 * n));
     ASSERT_FALSE(f.constrained) << n;
   }
 }
@@ -101,7 +99,7 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
   };
   Rig rig(test::joined(wall(1), wall(-1)), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.05), Quat::Identity()}));
-  contact::VirtualToolFrame f;
+  exact::VirtualToolFrame f;
   for (int n = 0; n < 900; ++n) {
     f = rig.frame(Vec3(2e-4, 0, 0.05 - 5e-5 * n));
     expect_sound(f);
@@ -173,70 +171,91 @@ TEST(VirtualToolLoop, IsStableUpToTheStiffnessOfALinearWall) {
   }
 }
 
-/// Rows that oppose each other with no room between: halfway, finite, no way out.
-TEST(VirtualToolSlots, PinchedBetweenTwoObjectsTheToolStaysHalfway) {
-  const pointshell::Pointshell shell = ball_shell(0.001);
+/// Objects of a scene, each with a displacement of its own, and a ball.
+struct Moving {
+  rendering::ExactBodies bodies;
+  rendering::ExactTool tool;
+  std::vector<Vec3> displacements;
+  explicit Moving(const std::vector<mesh::TriangleMesh>& meshes)
+      : bodies(ball_mesh(), objects_of(meshes), kEdge),
+        tool(bodies, meshes.size(), kBall),
+        displacements(meshes.size(), Vec3::Zero()) {}
+  exact::VirtualToolFrame frame(const Vec3& hand) {
+    return tool.frame({{hand, Quat::Identity()}, kPeriod, 0.0}, displacements);
+  }
+  static std::vector<rendering::ExactBodies::Object> objects_of(
+      const std::vector<mesh::TriangleMesh>& meshes) {
+    std::vector<rendering::ExactBodies::Object> objects;
+    for (std::size_t n = 0; n < meshes.size(); ++n)
+      objects.push_back({.mesh = meshes[n], .objects = {n}, .owners = {}});
+    return objects;
+  }
+};
+
+/// Two blocks close in on a ball until there is no room: it stays between them, and comes free as
+/// they open again.
+TEST(VirtualToolSlots, PinchedBetweenTwoObjectsTheToolStaysBetween) {
   const mesh::TriangleMesh block = test::box_mesh(Vec3(0.04, 0.04, 0.02));
-  test::Ground ground(block, 0.001);
-  contact::ContactQuery query(ground.voxmap, shell);
-  contact::VirtualTool tool(
-      {.points = shell.size(), .objects = 2, .reach_m = query.reach_m(), .edge_m = 0.001});
-  std::array<contact::ToolGround, 2> grounds{
-      contact::ToolGround{&query, &ground.field, Vec3(0, 0, -0.022)},
-      contact::ToolGround{&query, &ground.field, Vec3(0, 0, 0.022)}};
-  ASSERT_TRUE(tool.place({Vec3::Zero(), Quat::Identity()}, grounds));
-  contact::VirtualToolFrame f;
+  Moving scene({block, block});
+  scene.displacements = {Vec3(0, 0, -0.022), Vec3(0, 0, 0.022)};
+  const Vec3 hand(0, 0, 1e-4);
+  exact::VirtualToolFrame f;
+  for (int n = 0; n < 50; ++n)
+    f = scene.frame(Vec3::Zero());
+  ASSERT_FALSE(f.not_initialised);
   for (int n = 0; n < 60; ++n) {  // closes to 18 mm for a ball of 20 mm
-    grounds[0].displacement.z() += 5e-5, grounds[1].displacement.z() -= 5e-5;
-    f = tool.frame({{Vec3(0, 0, 1e-4), Quat::Identity()}, kPeriod, 0.0}, grounds);
+    scene.displacements[0].z() += 5e-5, scene.displacements[1].z() -= 5e-5;
+    f = scene.frame(hand);
     expect_sound(f);
   }
-  EXPECT_NEAR(f.tool.position.z(), 0.0, 2e-4);
-  EXPECT_NEAR(f.worst_depth_m, 1e-3, 3e-4);
-  EXPECT_GT(tool.pushes()[0].force.z(), 0.0);
-  EXPECT_LT(tool.pushes()[1].force.z(), 0.0);
+  EXPECT_LT(std::abs(f.tool.position.z()), 1.1e-3);
+  EXPECT_LT(f.wrench(kStiffness).force.norm(), kStiffness * 1.2e-3);
+  EXPECT_TRUE(f.not_converged || f.object_delay_m > 0.0) << "the blocks are in the ball";
+  for (int n = 0; n < 60; ++n) {
+    scene.displacements[0].z() -= 5e-5, scene.displacements[1].z() += 5e-5;
+    f = scene.frame(hand);
+    expect_sound(f);
+  }
+  EXPECT_EQ(f.tool.position, hand);
 }
 
 TEST(VirtualToolObjects, ThatMoveCarryATool) {
-  const pointshell::Pointshell shell = ball_shell(kEdge);
-  test::Ground ground(scene_mesh("plane"), kEdge);
-  contact::ContactQuery query(ground.voxmap, shell);
-  contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
   for (const double speed : {0.05, 0.5, 0.9}) {
-    contact::ToolGround moving{&query, &ground.field, Vec3::Zero()};
-    ASSERT_TRUE(tool.place({Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, {&moving, 1}));
+    Moving scene({scene_mesh("plane")});
+    const Vec3 hand(0, 0, kBall + 2e-4);
+    for (int n = 0; n < 50; ++n)
+      scene.frame(hand);
+    ASSERT_TRUE(scene.tool.placed());
     for (int n = 0; n < 100; ++n) {
-      moving.displacement = Vec3(0, 0, speed * kPeriod * n);
-      const contact::VirtualToolFrame f =
-          tool.frame({{Vec3(0, 0, kBall + 2e-4), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
+      scene.displacements[0] = Vec3(0, 0, speed * kPeriod * n);
+      const exact::VirtualToolFrame f = scene.frame(hand);
       expect_sound(f);
-      ASSERT_FALSE(f.moved_too_far);
-      if (moving.displacement.z() > 1e-3) {
-        // The spring, up to 45 mm long, over rho.
-        ASSERT_NEAR(f.tool.position.z() - moving.displacement.z(), kBall, 2e-4)
+      ASSERT_FALSE(f.passed_through);
+      if (scene.displacements[0].z() > 1e-3) {
+        ASSERT_NEAR(f.tool.position.z() - scene.displacements[0].z(), kBall, 2e-5)
             << speed << " m/s, frame " << n;
-        ASSERT_LE(f.queries, 8);
       }
     }
   }
 }
 
-TEST(VirtualToolObjects, FasterThanHalfAVoxelPerFrameAreReported) {
-  const pointshell::Pointshell shell = ball_shell(kEdge);
-  test::Ground ground(test::box_mesh(Vec3(0.06, 0.06, 0.5 * kEdge)), kEdge);
-  contact::ContactQuery query(ground.voxmap, shell);
-  contact::VirtualTool tool({.points = shell.size(), .reach_m = query.reach_m(), .edge_m = kEdge});
-  contact::ToolGround moving{&query, &ground.field, Vec3(0, 0, -0.02)};
-  ASSERT_TRUE(tool.place({Vec3::Zero(), Quat::Identity()}, {&moving, 1}));
+/// A plate of 1 mm that goes 1.2 mm a frame carries the tool, or says that it passed it.
+TEST(VirtualToolObjects, AreNeverFastEnoughToPassUnreported) {
+  Moving scene({test::box_mesh(Vec3(0.06, 0.06, 0.5 * kEdge))});
+  scene.displacements[0] = Vec3(0, 0, -0.02);
+  for (int n = 0; n < 50; ++n)
+    scene.frame(Vec3::Zero());
   bool reported = false;
+  exact::VirtualToolFrame f;
   for (int n = 0; n < 20; ++n) {
-    moving.displacement.z() += 0.6 * kEdge;
-    const contact::VirtualToolFrame f =
-        tool.frame({{Vec3::Zero(), Quat::Identity()}, kPeriod, 0.0}, {&moving, 1});
+    scene.displacements[0].z() += 0.6 * kEdge;
+    f = scene.frame(Vec3::Zero());
     expect_sound(f);
-    reported = reported || f.moved_too_far;
+    reported = reported || f.passed_through;
+    if (!reported) {
+      ASSERT_GT(f.tool.position.z(), scene.displacements[0].z() + kBall - 5e-3) << n;
+    }
   }
-  EXPECT_TRUE(reported);
 }
 
 TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
@@ -245,14 +264,14 @@ TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
   double first_force = 0.0;
   for (int n = 0; n < 600; ++n) {
     const double z = -0.02 + 1e-4 * n;  // from 30 mm deep to free
-    const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, z));
+    const exact::VirtualToolFrame f = rig.frame(Vec3(0, 0, z));
     expect_sound(f);
     if (f.not_initialised) {
       ASSERT_TRUE(f.wrench(kStiffness).zero());
-      ASSERT_LT(z, kBall);
+      ASSERT_LT(z, kBall + 5e-4);  // the check takes some frames
     } else if (!placed) {
       placed = true;
-      EXPECT_GT(z, kBall - 1.1 * kEdge);  // no point deeper than half a voxel
+      EXPECT_GT(z, kBall - 5e-5);  // the facets of the ball
     }
     first_force = std::max(first_force, f.wrench(kStiffness).force.norm());
   }
@@ -263,17 +282,17 @@ TEST(VirtualToolStart, InsideGivesNoForceUntilTheHandIsOut) {
 TEST(VirtualToolStart, InsideRejectsTheToolOfAnEarlierScene) {
   Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   EXPECT_FALSE(rig.place({Vec3(0, 0, -0.01), Quat::Identity()}));
-  EXPECT_FALSE(rig.place({Vec3(0, 0, kBall - kEdge), Quat::Identity()}));
-  EXPECT_TRUE(rig.place({Vec3(0, 0, kBall - 0.1 * kEdge), Quat::Identity()}));
-  EXPECT_EQ(rig.frame(Vec3(0, 0, kBall - 0.005)).fraction, 1.0);
+  EXPECT_FALSE(rig.place({Vec3(0, 0, kBall - 0.05 * kEdge), Quat::Identity()}));
+  EXPECT_TRUE(rig.place({Vec3(0, 0, kBall + 1e-5), Quat::Identity()}));
+  EXPECT_EQ(rig.frame(Vec3(0, 0, kBall - 0.005)).ratio, 1.0);
 }
 
 TEST(VirtualToolStart, FadesInAfterAReset) {
   Rig rig(scene_mesh("plane"), kEdge, ball_mesh());
   rig.frame(Vec3(0, 0, 0.02));
   for (int n = 0; n < 120; ++n) {
-    const contact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 1e-4 * n));
-    EXPECT_NEAR(f.fraction, (n + 1) * kPeriod / 0.2, 1e-9);
+    const exact::VirtualToolFrame f = rig.frame(Vec3(0, 0, 0.02 - 1e-4 * n));
+    EXPECT_NEAR(f.ratio, (n + 1) * kPeriod / 0.2, 1e-9);
   }
   rig.tool.reset();
   EXPECT_TRUE(

@@ -1,4 +1,4 @@
-// What the plan says of walls that hold a virtual tool.
+// No wall is passed by a virtual tool, whatever its size and speed.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace voxtouch::faults {
 namespace {
 
 struct Outcome {
-  int passed = 0, seen = 0, unseen = 0;  ///< unseen: passed, and never reported
+  int passed = 0, reported = 0;  ///< reported: as having passed a wall
 };
 
 /// `attempts` balls pushed at a foil, both in mm, the voxel 2 mm, and 15 mm beyond it.
@@ -38,44 +38,32 @@ Outcome foils(double radius_mm, double foil_mm, double step_mm, int attempts) {
     live.set_spring_target(300.0);
     const Vec3 aside(0.004 * uniform(random), 0.004 * uniform(random), 0.0);
     double last = 0.0;
-    bool seen = false;
     int n = 0;
     for (double z = radius + 0.008; z > -0.015; z -= 1e-3 * step_mm) {
       rendering::ToolState hand;
       hand.pose.position = tilt * (aside + Vec3(0, 0, z));
       const rendering::SceneFrame frame = live.render(hand, 1e-3 * n++);
       last = (tilt.conjugate() * frame.object.position).z();
-      seen |= frame.touch.passed_through;
-      if (last < -radius) {
-        EXPECT_TRUE(seen) << "before the whole of it is behind";
-      }
+      out.reported += frame.touch.passed_through;
     }
-    out.passed += last < 0.0, out.seen += seen;
-    out.unseen += last < 0.0 && !seen;
+    EXPECT_TRUE(
+        live.render({.pose = {tilt * (aside + Vec3(0, 0, -0.015)), Quat::Identity()}, .twist = {}},
+                    1e-3 * n)
+            .tool.constrained);
+    out.passed += last < 0.0;
   }
   return out;
 }
 
-/// As `voxtouch plan` says: at least 1.5 voxels of wall, or a tool of 3 voxels.
-TEST(ThinFoils, HoldAsThePlanPredicts) {
-  for (const double step : {0.02, 0.5}) {
-    for (const double radius : {0.5, 1.5})
-      EXPECT_EQ(foils(radius, 3.0, step, 5).passed, 0) << radius;
-    for (const double foil : {0.02, 0.5})
-      EXPECT_EQ(foils(3.0, foil, step, 5).passed, 0) << foil;
-  }
-}
-
-/// A ball of 1.5 mm in foils of 0.2 and 0.5 mm is beyond that: such a sample is reported.
-TEST(ThinFoils, MissedFoilsAreReported) {
-  int passed = 0;
-  for (const double foil : {0.02, 0.2, 0.5}) {
-    const Outcome out = foils(1.5, foil, 0.05, 10);
-    passed += out.passed;
-    EXPECT_EQ(out.unseen, 0) << foil;
-  }
-  EXPECT_GT(passed, 0) << "or nothing is shown";
-  EXPECT_EQ(foils(1.5, 3.0, 0.05, 5).seen, 0) << "and no other run is";
+/// Balls of 0.5 to 3 mm at 0.02 to 3 m/s.
+TEST(ThinFoils, HoldToolsOfAnySizeAtAnySpeed) {
+  for (const double step : {0.02, 0.5, 3.0})
+    for (const double radius : {0.5, 1.5, 3.0})
+      for (const double foil : {0.02, 0.2, 0.5, 3.0}) {
+        const Outcome out = foils(radius, foil, step, 3);
+        EXPECT_EQ(out.passed + out.reported, 0)
+            << "ball of " << radius << " mm, foil of " << foil << " mm, " << step << " m/s";
+      }
 }
 
 }  // namespace

@@ -169,20 +169,19 @@ TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutEncoder) {
                                      {.encoder = true, .friction = false}),
                     no_friction = slide("sim-lwr", sim::sim_lwr(), ground, "shaping_filter",
                                         {.encoder = false, .friction = true});
-    EXPECT_LE(as_it_is.total, cup ? 0.11 : 0.04);
-    EXPECT_LE(no_friction.total, cup ? 0.11 : 0.04) << "nor does dry friction hide it";
-    EXPECT_LE(no_steps.total, cup ? 0.09 : 0.003);
+    EXPECT_LE(as_it_is.total, cup ? 0.145 : 0.04);
+    EXPECT_LE(no_friction.total, cup ? 0.145 : 0.04) << "nor does dry friction hide it";
+    EXPECT_LE(no_steps.total, cup ? 0.135 : 0.003);
     EXPECT_LE(of_steps(as_it_is, no_steps), cup ? 0.06 : 0.04);
-    EXPECT_LE(as_it_is.moved, cup ? 0.04 : 0.003);
+    EXPECT_LE(as_it_is.moved, cup ? 0.056 : 0.003);
     EXPECT_LE(as_it_is.encoder, 0.025);
     EXPECT_LE(as_it_is.rendered, 0.002);
   }
 }
 
-/// What is left on the cup is what the arm feels of its 64 sides and of the points of its own ball,
-/// 2 mm apart: on a tube of 512 sides it is less, and with a ball of finer points less again; with
-/// these the 64 sides alone are displayed most.
-TEST(ToolSlides, ArmNoiseOnTheCupComesFromFacetsAndPoints) {
+/// What is left on the cup is what the arm feels of its 64 sides: on a tube of 512 sides it is a
+/// third. Voxels have no part in it.
+TEST(ToolSlides, ArmNoiseOnTheCupComesFromItsFacets) {
   const auto noise_of = [](int sides, double voxel_m, const LeftOut& skipped) {
     const TemporaryFolder folder;
     const Ground round{"tube.obj", grounds().back().motion, 4.5, {}};
@@ -193,12 +192,11 @@ TEST(ToolSlides, ArmNoiseOnTheCupComesFromFacetsAndPoints) {
   };
   const LeftOut no_steps{.encoder = true, .friction = false};
   const double cup = noise_of(64, 2e-3, no_steps), round = noise_of(512, 2e-3, no_steps),
-               fine = noise_of(512, 5e-4, no_steps), sides = noise_of(64, 5e-4, no_steps);
-  EXPECT_LE(fine, 0.025);
-  EXPECT_GE(round, 2.0 * fine);
-  EXPECT_GE(cup, round);
-  EXPECT_GE(sides, 3.0 * fine);
-  EXPECT_LE(noise_of(512, 5e-4, {}), 0.065);
+               fine = noise_of(512, 5e-4, no_steps);
+  EXPECT_LE(fine, 0.037);
+  EXPECT_NEAR(round, fine, 1e-6);
+  EXPECT_GE(cup, 3.0 * fine);
+  EXPECT_LE(noise_of(512, 5e-4, {}), 0.067);
 }
 
 /// Its law damps a motion between hand and object, not the encoder's steps. Its swings along last
@@ -209,8 +207,8 @@ TEST(ToolSlides, SpringDamperHidesTheArmsEncoder) {
                     no_steps = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper",
                                      {.encoder = true, .friction = false});
     EXPECT_LE(of_steps(as_it_is, no_steps), 0.03);
-    EXPECT_LE(as_it_is.total, 0.045);
-    EXPECT_LE(no_steps.total, 0.045);
+    EXPECT_LE(as_it_is.total, 0.055);
+    EXPECT_LE(no_steps.total, 0.05);
   }
 }
 

@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kDepths = 10, kMaxFrames = 4000;
 constexpr double kDepthStepM = 0.001, kPressStepM = 5e-5, kBehindApproachS = 4.0, kSettlesInS = 0.7;
+constexpr int kStartFrames = 20;
 
 /// Where the hand touches first, and the way on against the push there.
 struct Touch {
@@ -46,16 +47,19 @@ class Hand {
   Pose pose_at(double time_s) const {
     return {motion_at(motion_, time_s).position, turn_at(motion_, time_s).orientation};
   }
-  Vec3 contact_at(double time_s) {
-    return renderer_.render({.pose = pose_at(time_s), .twist = {}}, time_s)
-        .touch.contact.wrench.force;
+  Vec3 contact_at(double time_s) { return contact_at(time_s, pose_at(time_s)); }
+  Vec3 contact_at(double time_s, const Pose& pose) {
+    return renderer_.render({.pose = pose, .twist = {}}, time_s).touch.contact.wrench.force;
   }
 
   /// The last time without contact, as near as a thousandth of the step.
   double bisect(double free_s, double touching_s) {
+    const double before_s = free_s;
     for (int n = 0; n < 10; ++n) {
       const double middle_s = 0.5 * (free_s + touching_s);
       renderer_.reset();
+      for (int start = 0; start < kStartFrames; ++start)  // a virtual tool starts in free space
+        contact_at(before_s + start * rendering::SceneRenderer::kLongestStepS, pose_at(before_s));
       (contact_at(middle_s).isZero(0.0) ? free_s : touching_s) = middle_s;
     }
     return free_s;
@@ -97,7 +101,7 @@ std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& sce
   free.tool = tool.pose;
   running.step(free, period_s);  // the contact begins from here
   if (scene.virtual_tool())      // it has to begin outside, and its spring fades in
-    for (int n = 0; n < 20; ++n)
+    for (int n = 0; n < kStartFrames; ++n)
       renderer.render(tool, time_s += rendering::SceneRenderer::kLongestStepS);
   for (int depth = 1; depth <= kDepths; ++depth) {
     rendering::SceneFrame frame;

@@ -7,12 +7,9 @@
 #include <chrono>
 #include <cmath>
 
-#include "core/contact/constraint_rows.hpp"
-#include "core/contact/equilibrium_step.hpp"
 #include "core/contact/field_samples.hpp"
 #include "field_scenes.hpp"
 #include "fixtures.hpp"
-#include "plain_rows.hpp"
 
 namespace voxtouch::test {
 namespace field_model_test {
@@ -112,134 +109,6 @@ TEST(FieldModel, BatchedLookupIsBitIdenticalToSingle) {
   }
   EXPECT_GT(deep, 100);
   EXPECT_GT(unknown, 1000);
-}
-
-/// Counts the rows at random places of a ball over the block, and what of them is of walls' faces.
-void expect_rows_as_one_by_one(const Scene& s, int& rows, int& faces) {
-  std::mt19937_64 random(34);
-  const contact::ContactQuery& query = s.renderer.query();
-  contact::HitList hits;
-  hits.reserve(query.shell().size());
-  std::vector<contact::ConstraintRow> many;
-  for (int n = 0; n < 300; ++n) {
-    query.find(s.random_pose(random), hits);
-    const contact::RowFrame frame{hits.pose_WT.position - s.ground.field.grid().origin, 0.01, 3};
-    for (const bool in_surface : {true, false}) {
-      const contact::Hits& list = in_surface ? hits.surface : hits.interior;
-      many.clear();
-      contact::add_rows(list, in_surface, s.ground.field, frame, many);
-      std::size_t next = 0;
-      contact::ConstraintRow one;
-      for (const contact::Hit& hit : list) {
-        if (!plain_row(hit, in_surface, s.ground.field, frame, one, faces))
-          continue;
-        ASSERT_LT(next, many.size());
-        const contact::ConstraintRow& row = many[next++];
-        ASSERT_EQ(row.point, one.point);
-        ASSERT_EQ(row.object, one.object);
-        ASSERT_EQ(row.arm, one.arm);
-        if (row.of_face) {  // fitted in another order
-          ASSERT_NEAR(row.gap_m, one.gap_m, 1e-14);
-          ASSERT_LT((row.jacobian - one.jacobian).norm(), 1e-11);
-        } else {
-          ASSERT_EQ(row.gap_m, one.gap_m);
-          ASSERT_EQ(row.jacobian, one.jacobian);
-        }
-      }
-      ASSERT_EQ(next, many.size());
-      rows += static_cast<int>(next);
-    }
-  }
-}
-
-TEST(ConstraintRows, OfManyHitsAreThoseOfEach) {
-  int rows = 0, faces = 0;
-  expect_rows_as_one_by_one(Scene(), rows, faces);
-  EXPECT_GT(rows, 5000);
-  rows = faces = 0;
-  for (const double voxels : {0.5, 1.2, 2.0})
-    expect_rows_as_one_by_one(Scene{voxels * kEdge}, rows, faces);
-  std::printf("%d rows, %d of walls' faces\n", rows, faces);
-  EXPECT_GT(rows, 5000);
-  EXPECT_GT(faces, 1000);
-}
-
-TEST(ConstraintRows, KeepTheSameNearestRowsAsOneByOne) {
-  std::mt19937_64 random(35);
-  for (const std::size_t count : {97U, 128U, 333U, 1000U})
-    for (int n = 0; n < 20; ++n) {
-      const bool flat = n % 2 == 0;  // as those of a box on a plane, where many are alike
-      std::vector<contact::ConstraintRow> rows(count);
-      for (std::size_t k = 0; k < count; ++k) {
-        const Vec3 normal =
-            flat ? Vec3(Vec3::UnitZ()) : Vec3(random_rotation(random) * Vec3::UnitX());
-        rows[k].arm =
-            0.01 * Vec3(uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1));
-        rows[k].jacobian << normal, rows[k].arm.cross(normal);
-        rows[k].gap_m = flat && k % 3 == 0 ? 0.0 : uniform(random, -1e-4, 5e-4);
-        if (flat && k % 5 == 4)
-          rows[k] = rows[k - 1];  // as near as the one before it
-        rows[k].point = static_cast<std::uint32_t>(k);
-      }
-      std::vector<contact::ConstraintRow> plain = rows;
-      contact::keep_nearest(rows, 0.05);
-      keep_nearest_plainly(plain, 0.05);
-      ASSERT_EQ(rows.size(), plain.size());
-      for (std::size_t k = 0; k < rows.size(); ++k)
-        ASSERT_EQ(rows[k].point, plain[k].point) << count << " rows, kept row " << k;
-    }
-}
-
-/// Rows of any number, some of which push: at a step that converged the spring's pull is what these
-/// push with, and the hessian is theirs.
-TEST(EquilibriumStep, BalancesSpringAndRowsOfAnyNumber) {
-  constexpr double kRho = contact::limits::kRowStiffness, kPull = 1e-3;
-  std::mt19937_64 random(36);
-  int most = 0, steps = 0, converged = 0;
-  double iterations = 0.0;
-  for (std::size_t count = 1; count <= contact::limits::kMaxRows; ++count)
-    for (int n = 0; n < 20; ++n, ++steps) {
-      const auto number = [&] { return uniform(random, -1.0, 1.0); };
-      const Vec3 face =
-          Vec3(number(), number(), number()).normalized();  // most rows lean towards it
-      std::vector<contact::ConstraintRow> rows(count);
-      for (contact::ConstraintRow& row : rows) {
-        const Vec3 normal = (face + 0.7 * Vec3(number(), number(), number())).normalized(),
-                   arm(number(), number(), number());
-        row.jacobian << normal, arm.cross(normal);
-        row.gap_m = 0.5 * kPull * (0.9 + number());
-      }
-      Vec6 spring;
-      for (int k = 0; k < 6; ++k)
-        spring[k] = kPull * number();
-      spring.head<3>() -= kPull * face;
-      const contact::EquilibriumStep step = contact::equilibrium_step(rows, spring);
-      Vec6 left = spring - step.delta;
-      Mat6 hessian = Mat6::Identity();
-      int pushing = 0;
-      for (const contact::ConstraintRow& row : rows) {
-        const double depth = contact::depth_after(row, step.delta);
-        left += kRho * depth * row.jacobian;
-        if (depth > 0.0)
-          hessian += kRho * row.jacobian * row.jacobian.transpose(), ++pushing;
-      }
-      iterations += step.iterations;
-      most = std::max(most, pushing);
-      ASSERT_EQ(step.pushed, pushing > 0);
-      ASSERT_TRUE(step.hessian.isApprox(hessian, 1e-9)) << count << " rows";
-      if (!step.converged)
-        continue;
-      ++converged;
-      ASSERT_LT(left.norm(), 1e-9 * kPull) << count << " rows";
-      if (!step.pushed) {
-        ASSERT_EQ(step.delta, spring);
-      }
-    }
-  std::printf("%.3f iterations a step, %d of %d converged, at most %d rows pushed\n",
-              iterations / steps, converged, steps, most);
-  EXPECT_GT(most, 6);
-  EXPECT_GT(converged, 1200);
-  EXPECT_LT(iterations / steps, 6.3);
 }
 
 TEST(FieldModel, StiffnessBoundsHowTheForceChangesWithThePose) {

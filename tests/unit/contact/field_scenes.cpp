@@ -123,17 +123,13 @@ mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh) {
   return mesh;
 }
 
-Ground::Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels,
-               double open_wall_voxels)
-    : Ground(mesh, voxmap::default_grid(mesh, edge), depth_voxels, open_wall_voxels) {}
+Ground::Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels)
+    : Ground(mesh, voxmap::default_grid(mesh, edge), depth_voxels) {}
 
-Ground::Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels,
-               double open_wall_voxels)
+Ground::Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels)
     : voxmap(voxmap::voxelise(mesh, grid, serial_for())),
       field(voxmap::build_distance_field(
-          mesh, voxmap,
-          {.depth_voxels = depth_voxels, .band_voxels = 2.0, .open_wall_voxels = open_wall_voxels},
-          serial_for())) {}
+          mesh, voxmap, {.depth_voxels = depth_voxels, .band_voxels = 2.0}, serial_for())) {}
 
 contact::ContactRenderer Ground::renderer(const pointshell::Pointshell& tool,
                                           contact::ContactModelKind kind, bool memoryless) const {

@@ -26,10 +26,8 @@ mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh);
 struct Ground {
   voxmap::Voxmap voxmap;
   voxmap::DistanceField field;
-  Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels = 12.0,
-         double open_wall_voxels = 0.0);
-  Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels,
-         double open_wall_voxels = 0.0);
+  Ground(const mesh::TriangleMesh& mesh, double edge, double depth_voxels = 12.0);
+  Ground(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid, double depth_voxels);
   /// With k = 1 N/mm^3.
   contact::ContactRenderer renderer(
       const pointshell::Pointshell& tool,

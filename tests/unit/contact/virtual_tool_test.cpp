@@ -8,7 +8,6 @@
 #include <numbers>
 #include <ostream>
 
-#include "core/contact/direction_bins.hpp"
 #include "tests/experiments/virtual_tool/runs.hpp"
 #include "tests/support/seed.hpp"
 
@@ -34,7 +33,7 @@ void PrintTo(const PressCase& c, std::ostream* out) {
 }
 class Press : public ::testing::TestWithParam<PressCase> {};
 
-/// The shell lacks s^2 / 8R between its points: 1.2 % of 10 mm at e = 2 mm.
+/// The facets of the ball lack 0.1 % of 10 mm.
 TEST_P(Press, GivesTheForceOfTheExactGodObjectAndRests) {
   const std::uint64_t seed = testing::seed(11);
   SCOPED_TRACE(testing::seed_trace(seed));
@@ -49,21 +48,19 @@ TEST_P(Press, GivesTheForceOfTheExactGodObjectAndRests) {
   EXPECT_LT(std::abs(f.size_median), GetParam().size);
   EXPECT_LT(f.rest_worst, 1e-3);  // [N], from frame to frame
   EXPECT_LT(f.depth_worst, 0.02);
-  EXPECT_LE(f.queries_most, 8);
+  EXPECT_LE(f.queries_most, 7);
 }
 INSTANTIATE_TEST_SUITE_P(
     Scenes, Press,
-    ::testing::Values(PressCase{"plane", false, 0.1, 0.002}, PressCase{"plane", true, 0.1, 0.02},
-                      PressCase{"tilted", false, 0.1, 0.02}, PressCase{"tilted", true, 0.1, 0.02},
-                      PressCase{"cylinder", false, 4.0, 0.02},
-                      PressCase{"cylinder", true, 4.0, 0.02}, PressCase{"cup", false, 6.5, 0.02},
-                      PressCase{"cup", true, 6.5, 0.02}, PressCase{"plate:0.002", true, 0.1, 0.02},
-                      PressCase{"plate:0.0005", true, 0.1, 0.02},
-                      PressCase{"plate:0.002:askew", true, 2.0, 0.02},
-                      PressCase{"plate:0.0005:askew", true, 2.0, 0.02},
-                      // Its other face bends the smooth normals: taken from a gradient of 0.97 on
-                      // they are 0.6 degrees off.
-                      PressCase{"plate:0.0025:askew", true, 0.3, 0.02, 0.001}),
+    ::testing::Values(
+        PressCase{"plane", false, 0.001, 0.002}, PressCase{"plane", true, 0.001, 0.002},
+        PressCase{"tilted", false, 0.001, 0.002}, PressCase{"tilted", true, 0.001, 0.002},
+        PressCase{"cylinder", false, 3.0, 0.002}, PressCase{"cylinder", true, 2.5, 0.002},
+        PressCase{"cup", false, 1.0, 0.002}, PressCase{"cup", true, 1.0, 0.002},
+        PressCase{"plate:0.002", true, 0.001, 0.002}, PressCase{"plate:0.0005", true, 0.001, 0.002},
+        PressCase{"plate:0.002:askew", true, 0.001, 0.002},
+        PressCase{"plate:0.0005:askew", true, 0.001, 0.002},
+        PressCase{"plate:0.0025:askew", true, 0.001, 0.002, 0.001}),
     [](const auto& one) {
       std::string name = one.param.scene;
       for (char& c : name)
@@ -72,8 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name + (one.param.turned ? "_turned" : "");
     });
 
-/// With the field's own gradients, which jump from voxel to voxel, it is 1.9 degrees. What is left
-/// is the shell's, whose points are 2 mm apart.
+/// What is left is the ball's facets.
 TEST(VirtualTool, DirectionOnRoundSurfacesHidesTheVoxels) {
   const PressFigures f =
       press({.scene = "cylinder:384", .places = 200, .turned = true, .seed = testing::seed(7)});
@@ -82,23 +78,19 @@ TEST(VirtualTool, DirectionOnRoundSurfacesHidesTheVoxels) {
   EXPECT_LT(f.rest_worst, 1e-3);
 }
 
-/// Nor in the steps of the force of one that slides: where normals are smooth only within a
-/// twentieth of a voxel of rest they are three times as large.
+/// Nor in the steps of the force of one that slides: facets of ball and cylinder are what is left.
 TEST(VirtualTool, ForceStepsOnACylinderHideTheVoxels) {
-  for (const auto& [edge, most] : {std::pair{0.002, 0.02}, {0.001, 0.012}}) {
-    const SlideFigures f = slide({.scene = "cylinder", .edge = edge, .speed = 0.05, .seed = 1});
-    std::printf("e %g: step over force %.4f\n", edge, f.step_over_force);
-    EXPECT_LT(f.step_over_force, most);
-  }
+  const SlideFigures f = slide({.scene = "cylinder", .speed = 0.05, .seed = 1});
+  std::printf("step over force %.4f\n", f.step_over_force);
+  EXPECT_LT(f.step_over_force, 0.02);
 }
 
-/// Square onto a block's right angle. Its points lie on it exactly, half a voxel apart: a ball
-/// between two of them lacks e^2 / 32 R.
+/// Square onto a block's right angle.
 TEST(VirtualTool, GivesTheForceOfTheExactGodObjectAtAConvexEdge) {
   const std::uint64_t seed = testing::seed(7);
   SCOPED_TRACE(testing::seed_trace(seed));
-  for (const auto& [edge, depth, direction_95] : {std::tuple{0.002, 0.003, 4.0},
-                                                  {0.002, 0.007, 4.0},
+  for (const auto& [edge, depth, direction_95] : {std::tuple{0.002, 0.003, 2.0},
+                                                  {0.002, 0.007, 2.0},
                                                   {0.001, 0.003, 2.0},
                                                   {0.001, 0.007, 2.0}})
     for (const bool turned : {false, true}) {
@@ -124,49 +116,15 @@ TEST(VirtualTool, FollowsTheEdgesOfAMovedObject) {
   for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(0.013, -0.004, 0.0071)}) {
     Rig rig(test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()}), e,
             ball_mesh());
-    rig.grounds[0].displacement = moved;
+    rig.displacement = moved;
     ASSERT_TRUE(rig.place({moved + edge + (kBall + 0.001) * slant, Quat::Identity()}));
-    contact::VirtualToolFrame f;
+    exact::VirtualToolFrame f;
     for (int n = 0; n <= 120; ++n)
       f = rig.frame(Vec3(moved + edge + (kBall + 0.001 - 5e-5 * n) * slant));
     EXPECT_NEAR(f.wrench(1.0).force.norm(), depth, 0.02 * depth);
     EXPECT_LT(degrees_between(f.wrench(1.0).force, slant), 4.0);
     EXPECT_NEAR((f.contact_point - moved - edge).head<1>().norm(), 0.0, 1e-9);
     EXPECT_NEAR(f.contact_point.z() - moved.z(), 0.0, 1e-9);
-  }
-}
-
-/// A plate of two voxels with a block's edge in it, some way in from the side that it came through:
-/// pushed out on that side, and never on through the other.
-TEST(EdgeRows, PushAThinToolOffTheObjectAndNotThroughIt) {
-  const double e = 0.002, half = 0.03, thick = 2 * e;
-  const mesh::TriangleMesh block =
-      test::box_mesh(2 * half * Vec3::Ones(), {Vec3(0, 0, -half), Quat::Identity()});
-  const Rig rig(block, e, test::box_mesh(Vec3(0.03, 0.024, thick)));
-  const Vec3 slant = Vec3(1, 0, 1).normalized();
-  const Quat turn(Eigen::AngleAxisd(0.25 * std::numbers::pi, Vec3::UnitY()));
-  contact::HitList hits;
-  hits.reserve(rig.edges.query.shell().size());
-  for (const double depth :
-       {0.1, 0.25, 0.6, 0.75, 0.9}) {  // in the middle the distance has no direction
-    const Vec3 tool = Vec3(half, 0.0003, 0.0) + (0.5 - depth) * thick * slant;
-    const contact::RowFrame frame{tool - rig.ground.field.grid().origin, 0.01, 0};
-    rig.edges.query.find({turn.conjugate() * -frame.local, turn.conjugate()}, hits);
-    std::vector<contact::ConstraintRow> rows;
-    contact::add_edge_rows(hits, rig.edges.query, rig.edges.tool.field, true, frame, turn, rows);
-    EXPECT_EQ(rows.empty(), depth > 0.5) << depth;
-    for (const contact::ConstraintRow& row : rows) {
-      EXPECT_NEAR((tool + row.arm).x(), half, 1e-9);
-      EXPECT_NEAR((tool + row.arm).z(), 0.0, 1e-9);
-      EXPECT_GT(row.normal().dot(slant), 0.1);  // less than one at the plate's rim
-      EXPECT_NEAR(row.jacobian.tail<3>().norm(), row.arm.cross(row.normal()).norm() / 0.01, 1e-12);
-    }
-    if (rows.empty())
-      continue;
-    const auto middle =
-        std::min_element(rows.begin(), rows.end(),
-                         [](const auto& a, const auto& b) { return a.arm.norm() < b.arm.norm(); });
-    EXPECT_NEAR(middle->gap_m, -depth * thick, 1e-6);
   }
 }
 
@@ -213,8 +171,8 @@ TEST(VirtualTool, SlidesQuietlyOnPlanesAndCylinders) {
       EXPECT_LT(f.noise, noise) << scene;
       EXPECT_LT(f.step_over_force, step) << scene;
       EXPECT_LE(f.energy_per_path, 1e-4) << scene;
-      EXPECT_LE(f.queries_mean, speed < 0.1 ? 2.0 : 4.0) << scene;
-      EXPECT_LE(f.queries_most, 8);
+      EXPECT_LE(f.queries_mean, speed < 0.1 ? 3.2 : 4.0) << scene;
+      EXPECT_LE(f.queries_most, 7);
     }
 }
 
@@ -257,7 +215,7 @@ TEST(VirtualTool, EqualsTheHandInFreeSpace) {
       for (int k = 0; k < 40; ++k)
         rig.frame(hand);
     }
-    const contact::VirtualToolFrame f = rig.frame(hand);
+    const exact::VirtualToolFrame f = rig.frame(hand);
     ASSERT_EQ(f.tool.position, hand.position) << n;
     ASSERT_EQ(f.tool.orientation.coeffs(), hand.orientation.coeffs()) << n;
     ASSERT_TRUE(f.wrench(kStiffness).zero());
@@ -267,15 +225,16 @@ TEST(VirtualTool, EqualsTheHandInFreeSpace) {
   EXPECT_LE(queries, 1);
 }
 
-TEST(VirtualTool, EqualsTheHandUpToFourVoxelsPerFrame) {
+/// At 0.2 mm from a plane a tool of 10 mm is not followed any farther in a frame.
+TEST(VirtualTool, EqualsTheHandUpToSevenMillimetresPerFrame) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
-  for (const double edges : {0.1, 1.0, 2.0, 3.9}) {
+  for (const double edges : {0.1, 1.0, 2.0, 3.45}) {
     ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
     for (double x = -0.04; x < 0.04; x += edges * 0.002) {
       const Vec3 hand(x, 0.001, kBall + 2e-4);
-      const contact::VirtualToolFrame f = rig.frame(hand);
+      const exact::VirtualToolFrame f = rig.frame(hand);
       EXPECT_EQ(f.tool.position, hand) << edges << " e a frame";
-      EXPECT_EQ(f.fraction, 1.0);
+      EXPECT_EQ(f.ratio, 1.0);
     }
   }
 }
@@ -284,7 +243,7 @@ TEST(VirtualTool, ReportsNotConvergedForATooFastHand) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(-0.04, 0, kBall + 2e-4), Quat::Identity()}));
   const Vec3 hand(0.02, 0, kBall + 2e-4);
-  contact::VirtualToolFrame f = rig.frame(hand);
+  exact::VirtualToolFrame f = rig.frame(hand);
   EXPECT_TRUE(f.not_converged);
   EXPECT_TRUE(f.wrench(kStiffness).zero());
   EXPECT_LE(f.queries, 8);
@@ -297,7 +256,7 @@ TEST(VirtualTool, ReportsNotConvergedForATooFastHand) {
 TEST(VirtualTool, StiffnessNeverExceedsTheSpring) {
   Rig rig(scene_mesh("plane"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, kBall + 0.001), Quat::Identity()}));
-  contact::VirtualToolFrame f;
+  exact::VirtualToolFrame f;
   for (int n = 0; n < 100; ++n)
     f = rig.frame(Vec3(1e-5 * n, 0, kBall + 0.001 - 5e-5 * n));
   const Mat6 k = f.stiffness(kStiffness);
@@ -318,10 +277,10 @@ TEST(VirtualTool, SumsItsPushesToTheSpring) {
   Rig rig(scene_mesh("cup"), 0.002, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(0, 0, 0.05), Quat::Identity()}));
   for (int n = 0; n < 400; ++n) {
-    const contact::VirtualToolFrame f = rig.frame(Vec3(1e-4 * n, 2e-5 * n, 0.05 - 5e-5 * n));
+    const exact::VirtualToolFrame f = rig.frame(Vec3(1e-4 * n, 2e-5 * n, 0.05 - 5e-5 * n));
     if (!f.constrained || f.residual_m > 1e-6)
       continue;
-    const Wrench push = rig.tool.pushes()[0], spring = f.wrench(1.0);
+    const Wrench push = rig.tool.forces()[0], spring = f.wrench(1.0);
     EXPECT_LT((push.force - spring.force).norm(), 1e-5) << n;
     EXPECT_LT((push.torque - spring.torque).norm(), 1e-7) << n;
   }
@@ -354,7 +313,7 @@ TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   EXPECT_LT(std::abs(sticking.dot(t)), 2e-4);  // it turned a little about the point that sticks
   for (int k = 0; k < 60; ++k)
     rig.frame(hand + 1e-4 * k * t, Quat::Identity(), 0.4);  // 7.5 mm along: it slides
-  const contact::VirtualToolFrame f = rig.frame(hand + 6e-3 * t, Quat::Identity(), 0.4);
+  const exact::VirtualToolFrame f = rig.frame(hand + 6e-3 * t, Quat::Identity(), 0.4);
   EXPECT_GT(f.tool.position.dot(t), 4e-3);
   const Vec3 force = f.wrench(kStiffness).force;
   EXPECT_NEAR(-force.dot(t) / force.dot(n), 0.4, 1e-3);
@@ -377,7 +336,7 @@ TEST(VirtualToolFriction, HoldsARotationAboutTheNormal) {
   Rig rig(scene_mesh("plane"), 0.001, test::box_mesh(Vec3(0.012, 0.012, 0.008)));
   const double mu = 0.3, depth = 0.004;
   ASSERT_TRUE(rig.place({Vec3(3e-4, 2e-4, 0.005), Quat::Identity()}));
-  contact::VirtualToolFrame f;
+  exact::VirtualToolFrame f;
   for (int n = 0; n <= 100; ++n)
     f = rig.frame(Vec3(3e-4, 2e-4, 0.005 - n * (depth + 0.001) / 100), Quat::Identity(), mu);
   const Vec3 at(3e-4, 2e-4, 0.004 - depth);
@@ -392,48 +351,8 @@ TEST(VirtualToolFriction, HoldsARotationAboutTheNormal) {
   std::printf("radius %.4f m\n", arm);
   EXPECT_GT(arm, 0.006 * 2.0 / 3.0);
   EXPECT_LT(arm, 0.006 * std::numbers::sqrt2 * 1.01);
-  EXPECT_GT(f.turn.z(), 0.05);  // the tool stays behind by what friction holds, and no more
-  EXPECT_LT(f.turn.z(), 0.7);
-}
-
-TEST(DirectionBins, HoldTheirNearestDirectionsAndAreNotEmpty) {
-  std::mt19937_64 random(31);
-  std::array<std::vector<Vec3>, contact::kDirectionBins> bins;
-  contact::NormalBlock normals;
-  normals.count = contact::NormalBlock::kNormals;
-  std::uint32_t nearest[contact::NormalBlock::kNormals];
-  for (int block = 0; block < 320; ++block) {
-    for (std::size_t n = 0; n < normals.count; ++n) {
-      const Vec3 normal = random_direction(random);
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        normals.along[axis][n] = normal[static_cast<Eigen::Index>(axis)];
-    }
-    contact::nearest_direction_bins(normals, nearest);
-    for (std::size_t n = 0; n < normals.count; ++n)
-      bins[nearest[n]].push_back({normals.along[0][n], normals.along[1][n], normals.along[2][n]});
-  }
-  for (const std::vector<Vec3>& bin : bins) {
-    ASSERT_GT(bin.size(), 200u);
-    Vec3 mean = Vec3::Zero();
-    for (const Vec3& normal : bin)
-      mean += normal;
-    for (const Vec3& normal : bin)
-      EXPECT_LT(test::degrees_between(normal, mean), 25.0);
-  }
-}
-
-TEST(VirtualToolOptions, AreRefusedIfNothingCanBeRendered) {
-  EXPECT_THROW(contact::VirtualTool({.points = 0, .reach_m = 0.01, .edge_m = 0.001}),
-               std::invalid_argument);
-  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.0, .edge_m = 0.001}),
-               std::invalid_argument);
-  EXPECT_THROW(contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = std::nan("")}),
-               std::invalid_argument);
-  EXPECT_THROW(contact::VirtualTool({.points = 9, .objects = 0, .reach_m = 0.01, .edge_m = 0.001}),
-               std::invalid_argument);
-  EXPECT_THROW(
-      contact::VirtualTool({.points = 9, .reach_m = 0.01, .edge_m = 0.001, .lever_m = -1.0}),
-      std::invalid_argument);
+  EXPECT_GT(f.rotation.z(), 0.05);  // the tool stays behind by what friction holds, and no more
+  EXPECT_LT(f.rotation.z(), 0.7);
 }
 
 }  // namespace

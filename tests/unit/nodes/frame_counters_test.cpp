@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/contact/limits.hpp"
-
 namespace voxtouch::rendering_node {
 namespace {
 
@@ -41,8 +39,7 @@ TEST(FrameCounters, CountOneKindOfFrameEach) {
       {kSaturated, [](Frame& f, msg::ContactState&) { f.touch.contact.saturated = true; }},
       {kNotConverged, [](Frame& f, msg::ContactState&) { f.tool.not_converged = true; }},
       {kNotInitialised, [](Frame& f, msg::ContactState&) { f.tool.not_initialised = true; }},
-      {kMostQueries,
-       [](Frame& f, msg::ContactState&) { f.tool.queries = contact::limits::kMaxQueries; }}};
+      {kAtWorkLimit, [](Frame& f, msg::ContactState&) { f.tool.at_work_limit = true; }}};
   for (const auto& [set, change] : cases)
     for (const auto& [other, unused] : cases)
       EXPECT_EQ(counted(other, change), set == other ? 1.0 : 0.0)
@@ -67,8 +64,6 @@ TEST(FrameCounters, KeepTheLargestAndTheFirstSample) {
   for (const std::uint64_t n : {4U, 5U, 6U}) {
     rendering::SceneFrame frame;
     frame.tool.residual_m = n == 5 ? 2e-3 : 1e-3;
-    frame.touch.contact.deepest_depth_m = static_cast<double>(n);
-    frame.tool.constrained = n != 6;
     msg::ContactState message{};
     message.sequence_number = n;
     message.time_spent_ns = n == 5 ? 7'600 : 1'000;
@@ -77,7 +72,6 @@ TEST(FrameCounters, KeepTheLargestAndTheFirstSample) {
   EXPECT_EQ(counters[kFirstSample], 4.0);
   EXPECT_EQ(counters[kLongestUs], 8.0);
   EXPECT_EQ(counters[kResidual], 2e-3);
-  EXPECT_EQ(counters[kPenetration], 5.0) << "of a constrained tool alone";
 }
 
 }  // namespace

@@ -79,38 +79,15 @@ TEST_F(FieldScene, WarnsOfTheThinnestBodyOnly) {
 
 /// As `virtual_tool_runs plates` measures it: walls of a quarter to one voxel 0.7 degrees,
 /// of 1.25 voxels askew 5.7, of 2.5 voxels 0.2 (95 %).
-TEST_F(FieldScene, WarnsOfThinWallsForAVirtualTool) {
+/// Neither thin walls nor open ones are a limit for a virtual tool, but open ones can be entered.
+TEST_F(FieldScene, WarnsOfOpenMeshesAloneForAVirtualTool) {
   const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
-  const auto warnings = [&](double thick_m) {
-    write("wall.obj", box_obj({0.08, 0.08, thick_m}));
-    return built("{mesh: wall.obj}", kTool)->plan().warnings;
-  };
-  EXPECT_TRUE(any_has(warnings(0.001), "at most 0.7 degrees"));
-  EXPECT_FALSE(any_has(warnings(0.001), "8 degrees"));
-  EXPECT_TRUE(any_has(warnings(0.0025),
-                      "1.25 voxels. It holds a virtual tool. Where a wall of 1.1 to 1.5 voxels is "
-                      "tilted against the grid, the direction error reaches 8 degrees"));
-  EXPECT_FALSE(any_has(warnings(0.005), "thinnest"));
-}
-
-TEST_F(FieldScene, AnOpenMeshIsAWallForAVirtualToolAndForNothingElse) {
-  const char* const kTool = "rendering: virtual_tool}\ncoupling: {design: auto";
-  const auto alone = built("{mesh: open.obj}", kTool),
-             combined = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kTool);
-  const auto forces = built("{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}", kField),
-             closed = built("{mesh: thick.obj}", kField);
-  for (const auto* scene : {&alone, &combined})
-    EXPECT_TRUE(
-        any_has((*scene)->plan().warnings,
-                "open.obj: the mesh is open. Its open parts hold a virtual tool from either "
-                "side, like a wall of 0.25 mm"));
-  const auto at = [](const BuiltScene& scene, const Vec3& x) {
-    return scene.field()->at(scene.field()->grid().to_grid(x)).distance_m;
-  };
-  EXPECT_NEAR(at(*alone, Vec3(0.04, 0.04, -0.002)), 0.002 - 0.0625 * 0.002, 1e-6);
-  EXPECT_NEAR(at(*combined, Vec3(0.04, 0.04, 0.098)), 0.002 - 0.0625 * 0.002, 1e-6);
-  EXPECT_EQ(at(*forces, Vec3(0.04, 0.04, 0.098)), 0.004) << "penalty forces know of no wall there";
-  EXPECT_EQ(at(*closed, Vec3(0.04, 0.04, 0.01)), at(*combined, Vec3(0.04, 0.04, 0.01)));
+  write("wall.obj", box_obj({0.08, 0.08, 0.001}));
+  EXPECT_TRUE(built("{mesh: wall.obj}", kTool)->plan().warnings.empty());
+  for (const char* const meshes :
+       {"{mesh: open.obj}", "{mesh: thick.obj}, {mesh: open.obj, position: [0, 0, 0.1]}"})
+    EXPECT_TRUE(any_has(built(meshes, kTool)->plan().warnings,
+                        "open.obj: the mesh is open. It holds a virtual tool from either side."));
 }
 
 TEST_F(FieldScene, OnlyOpenMeshIsNamedAndRefused) {

@@ -19,8 +19,6 @@ namespace {
 
 constexpr double kSpring = 300.0, kDegree = std::numbers::pi / 180.0;
 
-class VirtualToolScene : public ::testing::TestWithParam<ToolMeets> {};
-
 scene::Scene scene_of(const std::string& effects = "[]",
                       const std::string& statics = "[{mesh: plane.obj}]",
                       const std::string& more = "") {
@@ -41,9 +39,7 @@ ToolState at(double z, double x = 0.003) {
 
 /// A scene that renders a frame a millisecond.
 struct Rig {
-  Rig(const scene::Scene& scene, ToolMeets meets)
-      : built(build_scene(scene, serial_for(), {.tool_meets = meets})),
-        live(*built) {
+  explicit Rig(const scene::Scene& scene) : built(build_scene(scene, serial_for())), live(*built) {
     live.set_spring_target(kSpring);
   }
   SceneFrame operator()(const ToolState& tool) { return live.render(tool, 1e-3 * n++); }
@@ -65,8 +61,8 @@ struct Rig {
   int n = 0;
 };
 
-TEST_P(VirtualToolScene, EqualsTheHandInFreeSpace) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, EqualsTheHandInFreeSpace) {
+  Rig rig(scene_of());
   for (int i = 0; i < 300; ++i) {
     const ToolState hand = at(0.03 + 0.01 * std::sin(0.01 * i), 0.01 * std::cos(0.017 * i));
     const SceneFrame frame = rig(hand);
@@ -77,8 +73,8 @@ TEST_P(VirtualToolScene, EqualsTheHandInFreeSpace) {
   }
 }
 
-TEST_P(VirtualToolScene, GivesSpringTimesDisplacementAtEveryDepth) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, GivesSpringTimesDisplacementAtEveryDepth) {
+  Rig rig(scene_of());
   rig.press(0.0095);
   double last = 0.0;
   for (double depth = 0.001; depth <= 0.04; depth += 0.001) {
@@ -103,8 +99,8 @@ TEST_P(VirtualToolScene, GivesSpringTimesDisplacementAtEveryDepth) {
 
 /// While the coupling is still being designed: it is reported, so that no force where the hand is
 /// deep in is not taken for a wrong one.
-TEST_P(VirtualToolScene, ReportsNoForceUntilItsSpringIsKnown) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, ReportsNoForceUntilItsSpringIsKnown) {
+  Rig rig(scene_of());
   rig.live.set_spring_target(0.0);
   rig(at(0.012));
   SceneFrame frame = rig.press(0.008);
@@ -118,8 +114,8 @@ TEST_P(VirtualToolScene, ReportsNoForceUntilItsSpringIsKnown) {
   EXPECT_NEAR(frame.wrench.force.z(), kSpring * 0.002, 0.07);
 }
 
-TEST_P(VirtualToolScene, FadesInOnlyAfterAFreeStart) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, FadesInOnlyAfterAFreeStart) {
+  Rig rig(scene_of());
   const SceneFrame inside = rig.hold(at(-0.01), 50);
   EXPECT_TRUE(inside.tool.not_initialised);
   EXPECT_TRUE(inside.wrench.zero());
@@ -134,8 +130,8 @@ TEST_P(VirtualToolScene, FadesInOnlyAfterAFreeStart) {
   EXPECT_GT(rig.press(0.005).wrench.force.z(), 1.3);
 }
 
-TEST_P(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
-  Rig clutch(scene_of(), GetParam()), loss(scene_of(), GetParam()), jump(scene_of(), GetParam());
+TEST(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
+  Rig clutch(scene_of()), loss(scene_of()), jump(scene_of());
   for (Rig* rig : {&clutch, &loss, &jump})
     ASSERT_GT(rig->press(0.0).wrench.force.z(), 2.8);
   ToolState clutched = at(0.0);
@@ -151,8 +147,8 @@ TEST_P(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
   EXPECT_GT(jump.hold(at(-0.005, 0.05), 250).object.position.z(), 0.0095);
 }
 
-TEST_P(VirtualToolScene, RestartsInFreeSpaceAfterLossOrSession) {
-  Rig loss(scene_of(), GetParam()), session(scene_of(), GetParam());
+TEST(VirtualToolScene, RestartsInFreeSpaceAfterLossOrSession) {
+  Rig loss(scene_of()), session(scene_of());
   for (Rig* rig : {&loss, &session})
     ASSERT_GT(rig->press(0.0).wrench.force.z(), 2.8);
   loss.live.lose_tool();
@@ -161,8 +157,8 @@ TEST_P(VirtualToolScene, RestartsInFreeSpaceAfterLossOrSession) {
   EXPECT_TRUE(session(at(0.0)).tool.not_initialised);
 }
 
-TEST_P(VirtualToolScene, KeepsTheToolForAnInvalidPose) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, KeepsTheToolForAnInvalidPose) {
+  Rig rig(scene_of());
   const double before = rig.press(0.0).wrench.force.z();
   ToolState none = at(0.0);
   none.pose.position.x() = std::nan("");
@@ -173,8 +169,8 @@ TEST_P(VirtualToolScene, KeepsTheToolForAnInvalidPose) {
   EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 1e-6);
 }
 
-TEST_P(VirtualToolScene, RampsItsSpringAndReportsTheEnergy) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, RampsItsSpringAndReportsTheEnergy) {
+  Rig rig(scene_of());
   SceneFrame frame = rig.press(0.0);
   const double supplied = frame.supplied_energy_j;
   rig.live.set_spring_target(2.0 * kSpring);
@@ -193,34 +189,33 @@ TEST_P(VirtualToolScene, RampsItsSpringAndReportsTheEnergy) {
   EXPECT_GT(rig.hold(at(0.0), 250).wrench.force.z(), 2.9) << "and not for ever";
 }
 
-TEST_P(VirtualToolScene, KeepsTheToolWhenTheSceneIsRebuilt) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, KeepsTheToolWhenTheSceneIsRebuilt) {
+  Rig rig(scene_of());
   const double before = rig.press(0.0).wrench.force.z();
   scene::Scene finer = scene_of();
   finer.voxel_size_m = 0.001;
-  const auto next = build_scene(finer, serial_for(), {.tool_meets = GetParam()});
+  const auto next = build_scene(finer, serial_for());
   rig.live.swap_to(*next);
   for (int i = 0; i < 300; ++i)
     EXPECT_NEAR(rig(at(0.0)).wrench.force.z(), before, 0.1) << i;
   EXPECT_EQ(rig.live.retired(), rig.built.get());
 }
 
-TEST_P(VirtualToolScene, DropsTheToolInsideANewWall) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, DropsTheToolInsideANewWall) {
+  Rig rig(scene_of());
   rig.press(0.0);
-  const auto next = build_scene(scene_of("[]", "[{mesh: plane.obj, position: [0, 0, 0.012]}]"),
-                                serial_for(), {.tool_meets = GetParam()});
+  const auto next =
+      build_scene(scene_of("[]", "[{mesh: plane.obj, position: [0, 0, 0.012]}]"), serial_for());
   rig.live.swap_to(*next);
   const SceneFrame frame = rig.hold(at(0.0), 300);
   EXPECT_TRUE(frame.wrench.zero());
   EXPECT_TRUE(frame.tool.not_initialised);
 }
 
-TEST_P(VirtualToolScene, MovingObjectsPushItAndReportTheirWork) {
+TEST(VirtualToolScene, MovingObjectsPushItAndReportTheirWork) {
   Rig rig(scene_of("[]",
                    "[{mesh: plane.obj, object: {name: lift, moves: {path: [[0, 0, -0.02], [0, 0, "
-                   "0.02]], speed_m_per_s: 0.02}}}]"),
-          GetParam());
+                   "0.02]], speed_m_per_s: 0.02}}}]"));
   SceneFrame frame;
   double work = 0.0, last_z = 0.0;
   for (int i = 0; i < 5000; ++i) {
@@ -234,20 +229,19 @@ TEST_P(VirtualToolScene, MovingObjectsPushItAndReportTheirWork) {
   EXPECT_LT(frame.tool.queries, 9u);
 }
 
-TEST_P(VirtualToolScene, SpaceEffectsActAtTheHandOthersAtTheTool) {
+TEST(VirtualToolScene, SpaceEffectsActAtTheHandOthersAtTheTool) {
   Rig magnet(
       scene_of("[{guide_plane: {point: [0, 0, 0], normal: [0, 0, 1], stiffness_n_per_m: 100, "
-               "limit_n: 5}}]"),
-      GetParam());
+               "limit_n: 5}}]"));
   const SceneFrame drawn = magnet.press(0.0);
-  Rig none(scene_of(), GetParam());
+  Rig none(scene_of());
   const SceneFrame bare = none.press(0.0);
   EXPECT_NEAR(drawn.effects.wrench.force.norm(), 0.0, 1e-6)
       << "the hand is in the plane; the tool is 10 mm above it";
   EXPECT_NEAR((drawn.touch.contact.wrench.force - bare.touch.contact.wrench.force).norm(), 0.0,
               1e-9);
 
-  Rig oil(scene_of("[{surface_damping: {damping_ns_per_m: 2}}]"), GetParam());
+  Rig oil(scene_of("[{surface_damping: {damping_ns_per_m: 2}}]"));
   oil.press(0.0);
   SceneFrame frame;
   for (int i = 0; i < 200; ++i)
@@ -255,8 +249,8 @@ TEST_P(VirtualToolScene, SpaceEffectsActAtTheHandOthersAtTheTool) {
   EXPECT_NEAR(frame.effects.wrench.force.x(), -2.0 * 0.05, 0.02) << "50 mm/s of the tool";
 }
 
-TEST_P(VirtualToolScene, RubsByTheEffectOfThatName) {
-  Rig rig(scene_of("[{friction: {coulomb: 0.4}}]"), GetParam());
+TEST(VirtualToolScene, RubsByTheEffectOfThatName) {
+  Rig rig(scene_of("[{friction: {coulomb: 0.4}}]"));
   rig.press(0.0);
   SceneFrame frame;
   for (int i = 0; i < 600; ++i)
@@ -265,12 +259,12 @@ TEST_P(VirtualToolScene, RubsByTheEffectOfThatName) {
   EXPECT_TRUE(frame.effects.wrench.zero()) << "not twice";
 }
 
-TEST_P(VirtualToolScene, FramesUseNoHeap) {
+TEST(VirtualToolScene, FramesUseNoHeap) {
   if (!test::heap_is_counted())
     GTEST_SKIP() << "the sanitizer owns malloc";
-  Rig rig(scene_of("[{friction: {coulomb: 0.4}}, {texture: {pattern: noise, wavelength_m: 0.006, "
-                   "force_n: 0.1, full_force_n: 0.3, reach_m: 0.02}}]"),
-          GetParam());
+  Rig rig(
+      scene_of("[{friction: {coulomb: 0.4}}, {texture: {pattern: noise, wavelength_m: 0.006, "
+               "force_n: 0.1, full_force_n: 0.3, reach_m: 0.02}}]"));
   rig.press(0.0);
   EXPECT_EQ(test::heap_count_of([&] {
               for (int i = 0; i < 200; ++i)
@@ -295,9 +289,9 @@ std::string plate(double thick) {
   return file;
 }
 
-void holds_plate(double thick, ToolMeets meets) {
+void holds_plate(double thick) {
   SCOPED_TRACE(thick);
-  Rig rig(scene_of("[]", "[{mesh: " + plate(thick) + "}]"), meets);
+  Rig rig(scene_of("[]", "[{mesh: " + plate(thick) + "}]"));
   ToolState hand = at(0.012, 0.0);
   hand.pose.position.y() = 0.0;
   rig.hold(hand, 250);
@@ -308,20 +302,20 @@ void holds_plate(double thick, ToolMeets meets) {
       << "the hand is through; the tool at " << frame.object.position.transpose();
 }
 
-TEST_P(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
+TEST(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
   for (const double thick : {0.0005, 0.002, 0.003})
-    holds_plate(thick, GetParam());
+    holds_plate(thick);
 }
 
 /// Square onto the rim of a thick plate, at rest and carried by an object: the spring's force for
 /// the exact ball's way.
-TEST_P(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
+TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
   const double depth = 0.005;
   for (const bool moves : {false, true}) {
     const std::string lift =
         ", object: {name: lift, moves: {path: [[0, 0, 0.004], [0, 0, 0.0041]], speed_m_per_s: "
         "0.0001}}";
-    Rig rig(scene_of("[]", "[{mesh: " + plate(0.02) + (moves ? lift : "") + "}]"), GetParam());
+    Rig rig(scene_of("[]", "[{mesh: " + plate(0.02) + (moves ? lift : "") + "}]"));
     ToolState hand;
     const Vec3 slant = Vec3(1, 0, 1).normalized();
     SceneFrame frame;
@@ -337,39 +331,15 @@ TEST_P(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
       hand_at(-depth), frame = rig(hand);
     EXPECT_NEAR(frame.wrench.force.norm(), kSpring * depth, 0.02 * kSpring * depth) << moves;
     // Of the mesh itself an edge meets a facet, whose normal is up to 4 degrees off the ball's.
-    const double facets = GetParam() == ToolMeets::kTriangles ? std::cos(4.0 * kDegree) : 0.998;
+    const double facets = std::cos(4.0 * kDegree);
     EXPECT_GT(frame.wrench.force.normalized().dot(slant), facets);
   }
 }
 
-/// What is looked up at edges, and why not.
-TEST(ToolOnVoxels, ListsItsEdgesOrWhyThereAreNone) {
-  const auto has = [](const std::vector<std::string>& lines, const char* one, const char* other) {
-    return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) {
-      return line.find(one) != std::string::npos && line.find(other) != std::string::npos;
-    });
-  };
-  const auto built = build_scene(scene_of(), serial_for());
-  EXPECT_TRUE(has(built->plan().built, "Sharp edges and rims", "points"));
-  EXPECT_TRUE(
-      std::any_of(built->plan().parts.begin(), built->plan().parts.end(), [](const PlanPart& part) {
-        return part.name == "sharp edges" && part.bytes > 0 && part.expected_ns > 0.0;
-      }));
-  const std::string open = std::filesystem::temp_directory_path() / "voxtouch_open_tool.obj";
-  std::ofstream(open) << "v 0 0 0\nv 0.01 0 0\nv 0 0.01 0\nv 0 0 0.01\nf 1 3 2\nf 1 2 4\nf 1 4 3\n";
-  const scene::Scene scene = scene::parse_scene(
-      "scene: tool\nvoxel_size: 0.002\nstatic: [{mesh: plane.obj}]\ndynamic: {mesh: " + open +
-          "}\ncontact: {rendering: virtual_tool}\ncoupling: {design: auto}\neffects: []\n",
-      std::string(VOXTOUCH_DEPLOY) + "/meshes/test.yaml");
-  const auto without = build_scene(scene, serial_for());
-  EXPECT_EQ(without->contacts().object(0).edges, nullptr);
-  EXPECT_TRUE(has(without->plan().skipped, "Sharp edges", "not closed"));
-}
-
 /// Into the cup from above, over its rim and out again: never through, and the hand's own pose when
 /// nothing is touched any more.
-TEST_P(VirtualToolScene, GoesIntoACupAndOutOfIt) {
-  Rig rig(scene_of("[]", "[{mesh: cup.obj}]"), GetParam());
+TEST(VirtualToolScene, GoesIntoACupAndOutOfIt) {
+  Rig rig(scene_of("[]", "[{mesh: cup.obj}]"));
   ToolState hand;
   hand.pose.position = Vec3(0, 0, 0.13);
   rig.hold(hand, 250);
@@ -388,8 +358,8 @@ TEST_P(VirtualToolScene, GoesIntoACupAndOutOfIt) {
 
 /// A ball laid on a plane so lightly that the spring is shorter than a tenth of a millimetre: the
 /// force is the spring's, and rests.
-TEST_P(VirtualToolScene, RestsInAGentleTouch) {
-  Rig rig(scene_of(), GetParam());
+TEST(VirtualToolScene, RestsInAGentleTouch) {
+  Rig rig(scene_of());
   SceneFrame frame = rig.press(0.0099);
   const Vec3 force = frame.wrench.force;
   EXPECT_NEAR(force.z(), kSpring * 1e-4, 0.02);
@@ -398,13 +368,12 @@ TEST_P(VirtualToolScene, RestsInAGentleTouch) {
 }
 
 /// Two blocks that do not touch, each an object: the force is the sum of what each gives.
-TEST_P(VirtualToolScene, RestsInTheCornerOfTwoObjects) {
+TEST(VirtualToolScene, RestsInTheCornerOfTwoObjects) {
   Rig rig(scene_of("[{friction: {coulomb: 0.0}}]",
                    "[{mesh: " + plate(0.02) + ", object: {name: floor}}, {mesh: " + plate(0.02) +
                        ", position: [0.0305, 0, 0.031], orientation: [0.70710678118654752, 0, "
                        "-0.70710678118654752, 0], object: "
-                       "{name: wall}}]"),
-          GetParam());
+                       "{name: wall}}]"));
   ToolState hand;
   hand.pose.position = Vec3(0.0, 0.0, 0.02);
   rig.hold(hand, 250);
@@ -419,9 +388,9 @@ TEST_P(VirtualToolScene, RestsInTheCornerOfTwoObjects) {
 }
 
 /// The same frames give bit-identical results, in a scene of its own.
-TEST_P(VirtualToolScene, SameFramesAreBitIdentical) {
+TEST(VirtualToolScene, SameFramesAreBitIdentical) {
   const scene::Scene scene = scene_of("[{friction: {coulomb: 0.3}}]", "[{mesh: cup.obj}]");
-  Rig one(scene, GetParam()), other(scene, GetParam());
+  Rig one(scene), other(scene);
   for (int n = 0; n < 1500; ++n) {
     ToolState hand;
     hand.pose.position = Vec3(0.05 * std::sin(0.006 * n), 0.05 * std::sin(0.0041 * n),
@@ -436,17 +405,11 @@ TEST_P(VirtualToolScene, SameFramesAreBitIdentical) {
   }
 }
 
-/// What only a tool that meets triangles does.
-class ToolOnTriangles : public ::testing::Test {
- protected:
-  static constexpr ToolMeets kMeets = ToolMeets::kTriangles;
-};
-
 /// At voxels of 2 mm, 1 m/s: a foil of a hundredth of a voxel.
-TEST_F(ToolOnTriangles, HoldsAFoilOfAHundredthOfAVoxel) { holds_plate(2e-5, kMeets); }
+TEST(VirtualToolScene, HoldsAFoilOfAHundredthOfAVoxel) { holds_plate(2e-5); }
 
 /// Triangles the wrong way round enclose the same block.
-TEST_F(ToolOnTriangles, PushesOutOfAnInvertedBlock) {
+TEST(VirtualToolScene, PushesOutOfAnInvertedBlock) {
   const std::string file = std::filesystem::temp_directory_path() / "voxtouch_inside_out.obj";
   std::ofstream out(file);
   for (int k = 0; k < 8; ++k)
@@ -454,16 +417,15 @@ TEST_F(ToolOnTriangles, PushesOutOfAnInvertedBlock) {
         << (k & 4 ? 0.0 : -0.02) << "\n";
   out << "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n";
   out.close();
-  Rig rig(scene_of("[]", "[{mesh: " + file + "}]"), kMeets);
+  Rig rig(scene_of("[]", "[{mesh: " + file + "}]"));
   EXPECT_NEAR(rig.press(0.005).wrench.force.z(), kSpring * 0.005, 0.01);
 }
 
 /// Two flush blocks, each an object: the tool slides over their seam as over one block.
-TEST_F(ToolOnTriangles, SlidesOverTheSeamOfTwoObjects) {
+TEST(VirtualToolScene, SlidesOverTheSeamOfTwoObjects) {
   Rig rig(scene_of("[]", "[{mesh: " + plate(0.02) +
                              ", position: [-0.03, 0, 0], object: {name: left}}, {mesh: " +
-                             plate(0.02) + ", position: [0.03, 0, 0], object: {name: right}}]"),
-          kMeets);
+                             plate(0.02) + ", position: [0.03, 0, 0], object: {name: right}}]"));
   rig.hold(at(0.012, -0.01), 250);
   for (int n = 0; n <= 100; ++n)
     rig(at(0.012 - 7e-5 * n, -0.01));
@@ -506,9 +468,9 @@ struct BlockScene {
   }
 };
 
-TEST_F(ToolOnTriangles, IsBitIdenticalMovedOrScaled) {
+TEST(VirtualToolScene, IsBitIdenticalMovedOrScaled) {
   const BlockScene here{1.0, Vec3::Zero(), "here"};
-  Rig rig(here.scene(), kMeets);
+  Rig rig(here.scene());
   std::vector<SceneFrame> frames;
   for (int n = 0; n < 1600; ++n)  // over the edge
     frames.push_back(rig(here.hand(n)));
@@ -516,7 +478,7 @@ TEST_F(ToolOnTriangles, IsBitIdenticalMovedOrScaled) {
   for (const BlockScene& other :
        {BlockScene{1.0, 0x1p-9 * Vec3(512, -1024, 256), "moved"},
         BlockScene{0.25, Vec3::Zero(), "small"}, BlockScene{8.0, Vec3::Zero(), "large"}}) {
-    Rig again(other.scene(), kMeets);
+    Rig again(other.scene());
     for (int n = 0; n < 1600; ++n) {
       const SceneFrame frame = again(other.hand(n)), &first = frames[static_cast<std::size_t>(n)];
       ASSERT_EQ(frame.wrench.force, Vec3(other.scale * first.wrench.force)) << other.name << n;
@@ -525,12 +487,6 @@ TEST_F(ToolOnTriangles, IsBitIdenticalMovedOrScaled) {
     }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Both, VirtualToolScene,
-                         ::testing::Values(ToolMeets::kVoxels, ToolMeets::kTriangles),
-                         [](const auto& one) {
-                           return one.param == ToolMeets::kVoxels ? "Voxels" : "Triangles";
-                         });
 
 }  // namespace
 }  // namespace voxtouch::rendering

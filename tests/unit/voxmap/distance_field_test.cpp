@@ -62,100 +62,6 @@ double brute_distance(const mesh::TriangleMesh& mesh, const Vec3& x) {
   return best;
 }
 
-TEST(DistanceField, SmoothGradientIsAPlanesNormal) {
-  const Vec3 size(0.05, 0.04, 0.031);
-  const Pose pose{Vec3(0.2, -0.1, 0.33), turned(0.5)};
-  const Ground ground(box_mesh(size, pose), kEdge);
-  std::mt19937_64 random(2);
-  for (int n = 0; n < 2000; ++n) {
-    const double depth = number(random, -2.0, 0.1) * kEdge;
-    const Vec3 x(number(random, -0.018, 0.018), number(random, -0.013, 0.013),
-                 0.5 * size.z() + depth);
-    const Vec3 gradient = ground.field.smooth_gradient(
-        ground.field.grid().to_grid(pose.position + pose.orientation * x));
-    EXPECT_LT((gradient - pose.orientation * Vec3::UnitZ()).norm(), 2e-6) << x.transpose();
-  }
-}
-
-TEST(DistanceField, SmoothGradientOfABallIsRadialAndContinuous) {
-  constexpr double kRadius = 20 * kEdge;
-  const Ground ground(sphere_mesh(kRadius, 5), kEdge);
-  const voxmap::DistanceField& field = ground.field;
-  std::mt19937_64 random(3);
-  double off = 0.0, jump = 0.0, plain_off = 0.0, plain_jump = 0.0;
-  for (int n = 0; n < 2000; ++n) {
-    const Vec3 displacement =
-        Vec3(number(random, -1, 1), number(random, -1, 1), number(random, -1, 1)).normalized();
-    Vec3 u = field.grid().to_grid(kRadius * displacement);
-    const Vec3 radial = (field.grid().origin + kEdge * u).normalized();
-    off =
-        std::max(off, std::acos(std::min(1.0, field.smooth_gradient(u).normalized().dot(radial))));
-    plain_off = std::max(plain_off,
-                         std::acos(std::min(1.0, field.at(u).gradient.normalized().dot(radial))));
-    const int axis = n % 3;
-    const double border = std::round(u[axis]);
-    Vec3 neighbour = u;
-    u[axis] = border - 1e-9, neighbour[axis] = border + 1e-9;
-    jump = std::max(jump, (field.smooth_gradient(u) - field.smooth_gradient(neighbour)).norm());
-    plain_jump = std::max(plain_jump, (field.at(u).gradient - field.at(neighbour).gradient).norm());
-  }
-  std::printf("off %g and %g, jump %g and %g\n", off, plain_off, jump, plain_jump);
-  EXPECT_LT(off, 0.01);  // half a degree
-  EXPECT_LT(jump, 1e-6);
-  EXPECT_GT(plain_off, 2 * off);  // or there was nothing to smooth
-  EXPECT_GT(plain_jump, 0.03);
-}
-
-/// As distance_field.hpp says, of one place, each node looked up on its own.
-Vec3 plain_smooth_gradient(const voxmap::DistanceField& field, const Vec3& u, double band) {
-  const voxmap::VoxelIndex voxel = voxmap::Grid::voxel_of(u);
-  const double t[3] = {u.x() - voxel.i, u.y() - voxel.j, u.z() - voxel.k};
-  const auto mix = [](double a, double b, double s) { return a + s * (b - a); };
-  Vec3 gradient;
-  for (int axis = 0; axis < 3; ++axis) {
-    const int second = (axis + 1) % 3, third = (axis + 2) % 3;
-    double line[4];
-    for (int k = 0; k < 4; ++k) {
-      double d[4];
-      for (int n = 0; n < 4; ++n) {
-        int at[3] = {voxel.i, voxel.j, voxel.k};
-        at[axis] += n - 1, at[second] += k & 1, at[third] += k >> 1;
-        d[n] = field.node({at[0], at[1], at[2]});
-      }
-      const double before = d[0] >= band ? 2.0 * d[1] - d[2] : d[0],
-                   after = d[3] >= band ? 2.0 * d[2] - d[1] : d[3];
-      line[k] = 0.5 * mix(d[2] - before, after - d[1], t[axis]);
-    }
-    gradient[axis] =
-        mix(mix(line[0], line[1], t[second]), mix(line[2], line[3], t[second]), t[third]);
-  }
-  return gradient;
-}
-
-TEST(DistanceField, BatchedSmoothGradientsAreBitIdentical) {
-  const Ground ground(box_mesh(Vec3(0.05, 0.04, 0.031), {Vec3(0.2, -0.1, 0.33), turned(0.5)}),
-                      kEdge);
-  const voxmap::DistanceField& field = ground.field;
-  constexpr std::size_t kMost = voxmap::DistanceField::kSmoothTogether;
-  std::mt19937_64 random(4);
-  const Vec3 middle = field.grid().to_grid(Vec3(0.2, -0.1, 0.33));
-  int sloped = 0;
-  for (int n = 0; n < 3000; ++n) {
-    const std::size_t count = 1 + random() % kMost;
-    Vec3 u[kMost], many[kMost];
-    for (std::size_t k = 0; k < count; ++k)  // in the body, in its band, and beyond the table
-      u[k] =
-          middle + Vec3(number(random, -40, 40), number(random, -40, 40), number(random, -40, 40));
-    field.smooth_gradients(count, u, many);
-    for (std::size_t k = 0; k < count; ++k) {
-      const Vec3 one = plain_smooth_gradient(field, u[k], field.arrays().band_voxels);
-      ASSERT_EQ(many[k], one) << u[k].transpose() << ", place " << k << " of " << count;
-      sloped += one.norm() > 0.5;
-    }
-  }
-  EXPECT_GT(sloped, 1000);
-}
-
 TEST(DistanceField, IsTheDistanceToATiltedBox) {
   const Vec3 size(0.05, 0.04, 0.031);
   const Pose pose{Vec3(0.2, -0.1, 0.33), turned(0.5)};
@@ -355,30 +261,6 @@ TEST(DistanceField, AnOpenMeshHasNoInsideAndDisturbsNone) {
     const Vec3 u(number(random, 0, 42), number(random, 0, 42), number(random, 0, 42));
     ASSERT_EQ(with.field.at(u).distance_m, without.field.at(u).distance_m) << u.transpose();
   }
-}
-
-/// Where walls are asked for: the unsigned distance less half of 0.125 voxels.
-TEST(DistanceField, OpenPartsAreThinWallsOnRequest) {
-  constexpr double kHalfWall = 0.0625;
-  const mesh::TriangleMesh sheet =
-      plate_mesh(0.02, 0.0, {Vec3(0.2e-3, 0.3e-3, 0.1e-3), turned(0.5)});
-  const Vec3 size(0.01, 0.01, 0.01), aside(0.03, 0, 0);
-  const Ground ground(joined(sheet, box_mesh(size, {aside, Quat::Identity()})), kEdge, 12.0,
-                      voxmap::kOpenWallVoxels);
-  int inside = 0, of_box = 0, near = 0;
-  for (std::int32_t x = -3; x < 50; ++x)
-    for (std::int32_t y = -3; y < 24; ++y)
-      for (std::int32_t z = -3; z < 24; ++z) {
-        const Vec3 at = ground.field.grid().origin + kEdge * Vec3(x, y, z);
-        const double face = brute_distance(sheet, at) / kEdge - kHalfWall;
-        const double box = box_distance(size, at - aside) / kEdge;
-        ASSERT_NEAR(ground.field.node({x, y, z}), std::min({face, box, 2.0}), 1e-6)
-            << x << " " << y << " " << z;
-        inside += face < 0.0, of_box += box < 0.0, near += face < 1.9;
-      }
-  EXPECT_GT(inside, 20);
-  EXPECT_GT(of_box, 500);
-  EXPECT_GT(near, 1000);
 }
 
 TEST(DistanceField, OverlappingBodiesAreOne) {
