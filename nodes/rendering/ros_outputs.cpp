@@ -10,7 +10,7 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-constexpr std::int64_t kPeriodNs = runtime::HundredASecond::kPeriodNs;
+constexpr std::int64_t kPeriodNs = runtime::DisplaySampler::kPeriodNs;
 constexpr std::int64_t kBehindNs =
     1'500'000;  ///< at 1 kHz the first sample of a period has arrived by then
 constexpr std::uint64_t kMarkersEvery = 10;

@@ -14,7 +14,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/rendering/marker_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/hundred_a_second.hpp"
+#include "nodes/runtime/display_sampler.hpp"
 #include "nodes/runtime/spsc_queue.hpp"
 
 namespace voxtouch::rendering_node {
@@ -74,7 +74,7 @@ class RosOutputs {
   bus::Writer<msg::geometry_msgs_PoseStamped> pose_;
   bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
   MarkerOutputs markers_;
-  runtime::HundredASecond regular_;  ///< loop only
+  runtime::DisplaySampler regular_;  ///< loop only
   runtime::SpscQueue<Shown, 64> due_;
   std::array<std::atomic<std::uint64_t>, 5> made_{};
   std::atomic<bool> stop_{false};
