@@ -327,7 +327,7 @@ class Pictures(unittest.TestCase):
         with plot.matplotlib.rc_context(plot.STYLE):
             figure = plot.forces_figure(bag)[0]
             self.judge(figure)
-            self.assertIn(f" {max(returned['force']):.2g} N ", figure._suptitle.get_text())
+            self.assertIn(f" {max(returned['force']):.2g} N", figure._suptitle.get_text())
             self.assertTrue(
                 any(
                     "not displayed directly" in " ".join(text.get_text().split())
