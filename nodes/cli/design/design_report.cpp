@@ -290,7 +290,7 @@ std::string to_text(const DesignReport& r) {
                                 "faster hand goes deeper and is stopped there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper", paper_line(r.paper));
-  return text + list("Limits:", d.reasons) +
+  return text + list("Limits:", d.reasons) + list("Remedies:", d.remedies) +
          list("Not covered by the certificate:", certificate_gaps(r.certificate));
 }
 
@@ -354,6 +354,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   verdict("held", r.paper.critical_held);
   j["certificate"] = certificate_json(r.certificate);
   j["reasons"] = r.design.reasons;
+  j["remedies"] = r.design.remedies;
   j["region"] = region_json(r);
   return j;
 }
