@@ -15,7 +15,7 @@ class DeviceCompatibility {
  public:
   /// A device has described itself, perhaps anew. `runs` follows: nothing is judged by the fit for
   /// another device.
-  void device_is(const coupling::design::DeviceModel& device);
+  void set_device(const coupling::design::DeviceModel& device);
   /// What is rendered from now on: `bounds` in W, `contact_alone` without effects, and `displayed`,
   /// what it demands wherever its effects are on their way.
   void runs(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,

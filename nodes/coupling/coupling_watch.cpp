@@ -20,8 +20,8 @@ std::vector<faults::FaultMessage> messages_of(const std::vector<ContactSeen>& ro
 
 EnergyBounds energy_bounds(const coupling::CouplingCounters& c, double voxel_size_m) noexcept {
   return {coupling::energy_bound_j(c.most_force_n, c.longest_path_m, voxel_size_m),
-          coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n,
-                                            voxel_size_m)};
+          coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_rotation_rad,
+                                            c.most_force_n, voxel_size_m)};
 }
 
 void count(CouplingCounters& counters, const coupling::CouplingCounters& c,

@@ -19,7 +19,7 @@ bool PendingChanges::hand_over(std::vector<PendingChange> asked, ChangeQueue& li
     one.change.following = static_cast<std::uint32_t>(asked.size() - 1 - changes.size());
     changes.push_back(one.change);
   }
-  if (!line.ask(changes))
+  if (!line.push(changes))
     return false;
   ticket_ += changes.size();
   for (PendingChange& one : asked) {

@@ -48,7 +48,7 @@ RosOutputs::~RosOutputs() {
   thread_.join();
 }
 
-void RosOutputs::scene_is(const scene::Scene& scene) {
+void RosOutputs::set_scene(const scene::Scene& scene) {
   const std::lock_guard lock(scene_mutex_);
   next_scene_ = scene;
 }

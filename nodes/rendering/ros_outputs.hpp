@@ -46,7 +46,7 @@ class RosOutputs {
   bool requests_points() const noexcept { return markers_.requests_points(); }
   void show_points(const ShownPoints& points) noexcept { markers_.show_points(points); }
   /// Sets another scene. Any thread except the loop's: locks.
-  void scene_is(const scene::Scene& scene);
+  void set_scene(const scene::Scene& scene);
 
   /// Number of messages written. Outputs without a reader write none.
   std::uint64_t made(RosOutput kind) const noexcept {

@@ -28,7 +28,7 @@ SceneReplay::SceneReplay(const scene::Scene& scene)
 void SceneReplay::begin_session(const coupling::design::DeviceModel& device,
                                 std::optional<std::int64_t> begin_ns) {
   renderer_.begin_session(begin_ns);
-  on_device_.device_is(device);
+  on_device_.set_device(device);
   found_.clear(), in_use_ = 0;
   sum_up();
 }
