@@ -22,7 +22,8 @@ struct Renamed {
 };
 constexpr std::array kRenamed{
     Renamed{"--beside", "--compare-with"}, Renamed{"--damper-share", "--damping-force-ratio"},
-    Renamed{"--grip-harder-at", "--grip-change-time"}, Renamed{"--let-go-at", "--release-time"}};
+    Renamed{"--grip-harder-at", "--grip-change-time"}, Renamed{"--held", "--gripped"},
+    Renamed{"--let-go-at", "--release-time"}};
 
 }  // namespace
 

@@ -74,7 +74,7 @@ TEST(DesignVerb, PaperRecipeIsStableForSoftContactAndDamping) {
   ASSERT_EQ(run.status, 0) << run.err;
   const nlohmann::json j = nlohmann::json::parse(run.out);
   EXPECT_EQ(j["paper_recipe"]["released"]["stable"], true);
-  EXPECT_EQ(j["paper_recipe"]["held"]["stable"], true);
+  EXPECT_EQ(j["paper_recipe"]["gripped"]["stable"], true);
 }
 
 TEST(DesignVerb, DesignsForADeviceFile) {

@@ -335,7 +335,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   j["dominant_mode"] = {{"released_damping_ratio", swing.released},
                         {"released", swing.released_where},
                         {"gripped_damping_ratio", swing.held},
-                        {"held", swing.held_where},
+                        {"gripped", swing.held_where},
                         {"floor_released", r.problem.goals.floors.released},
                         {"floor_gripped", r.problem.goals.floors.held},
                         {"floors_kept", floors.released + floors.held > 0.0},
@@ -351,7 +351,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                                 {"critical_stiffness", critical}};
   };
   verdict("released", r.paper.critical_released);
-  verdict("held", r.paper.critical_held);
+  verdict("gripped", r.paper.critical_held);
   j["certificate"] = certificate_json(r.certificate);
   j["reasons"] = r.design.reasons;
   j["remedies"] = r.design.remedies;
