@@ -10,6 +10,7 @@
 #include "core/types/version.hpp"
 #include "nodes/console/log.hpp"
 #include "nodes/console/reason.hpp"
+#include "nodes/runtime/help_layout.hpp"
 #include "nodes/runtime/ros_arguments.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -38,6 +39,7 @@ void parse(CLI::App& app, int argc, char** argv) {
   std::vector<std::string> words = without_ros_arguments(argc, argv);
   std::ranges::reverse(words);  // in the order that CLI11 expects
   app.name(argc > 0 ? argv[0] : "");
+  wrap_help(app);
   app.parse(std::move(words));
 }
 
