@@ -71,7 +71,7 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   return end;
 }
 
-End DeviceLoop::asked_to_end(const std::atomic<bool>& stop) const noexcept {
+End DeviceLoop::end_request(const std::atomic<bool>& stop) const noexcept {
   if (stop.load(kRelaxed))
     return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples)
@@ -86,8 +86,8 @@ End DeviceLoop::asked_to_end(const std::atomic<bool>& stop) const noexcept {
 End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   progress_.heartbeat.beat();
   note_loss();
-  if (const End asked = asked_to_end(stop); asked != End::kNone)
-    return asked;
+  if (const End requested = end_request(stop); requested != End::kNone)
+    return requested;
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
   if (!sample) {

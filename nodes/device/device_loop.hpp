@@ -166,7 +166,7 @@ class DeviceLoop {
   End run(const std::atomic<bool>& stop) noexcept;
 
  private:
-  End asked_to_end(const std::atomic<bool>& stop) const noexcept;
+  End end_request(const std::atomic<bool>& stop) const noexcept;
   End cycle(const std::atomic<bool>& stop) noexcept;
   /// Writes the command through the guard to the device, at the device's time of `sample`.
   End give(std::optional<devices::GuardInput> command,

@@ -54,7 +54,7 @@ std::string SceneReplay::apply(std::span<const RecordedChange> changes) {
 std::string SceneReplay::change_effect(std::span<const RecordedChange> changes) {
   std::vector<effects::EffectRequest> requests;
   for (const RecordedChange& change : changes) {
-    if (!change.asked || change.action == msg::effect_change::kActionReload)
+    if (!change.requested || change.action == msg::effect_change::kActionReload)
       break;
     requests.push_back({.action = rendering_node::effect_action(change.action),
                         .effect = change.effect,
