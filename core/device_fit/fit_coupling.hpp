@@ -46,14 +46,13 @@ double spring_n_per_m(const FittedCoupling& fitted, const scene::Scene& scene,
                       const coupling::design::DeviceModel& device,
                       const rendering::StiffnessBounds& bounds) noexcept;
 
-/// The spring in series with a penalty contact under this coupling, in W: the hand is shown the
-/// certified stiffness at the stiffest contact that the scene has, and never more. `alone`: of the
-/// contact without effects, whose stiffness is left free, up to half of the caps. A body's grip is
-/// the contact of a scene with one. Along, rigid with a virtual tool, without caps, and where all
-/// that pushes together is no stiffer than they are. Its rotation is infinite on a device that
-/// returns no torque. Forces of position (guides, magnets, fields) that are stiffer than the half
-/// that is left free for effects have a spring of their own, so that no cap scales them or what
-/// else acts with them.
+/// The spring in W in series with a penalty contact with this coupling. With it the stiffest
+/// contact of the scene displays the certified stiffness, and never more. `alone`: stiffness of the
+/// contact without effects; up to half of the caps is reserved for effects. With a body, its grip
+/// counts as the contact. Translation is rigid with a virtual tool, without caps, and if contact
+/// and effects together are within the caps. Rotation is rigid on a device without torque. Effects
+/// of position (guides, magnets, fields) that are stiffer than the reserved half have a spring of
+/// their own, so that no cap scales them or the contact.
 rendering::Compliance series_spring(const FittedCoupling& fitted, const scene::Scene& scene,
                                     const coupling::design::DeviceModel& device,
                                     const rendering::StiffnessBounds& alone,
