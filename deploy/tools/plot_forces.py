@@ -13,6 +13,11 @@ FORCE_NOTE = (
     "after the coupling (capped to the certified stiffness, filtered, damped)"
 )
 BODY_NOTE = "; the contact acts on the body, and the hand receives the grip's force"
+FLAG_CONSTRAINED = 512  # of ContactState: a contact holds the virtual tool away from the hand
+VIRTUAL_TOOL_NOTE = (
+    "Contact force: of the spring between hand and virtual tool, which stays outside the scene. "
+    "Returned force: on the hand, after the coupling (filtered, damped)"
+)
 
 
 def read_run(bag, rig):
@@ -31,6 +36,12 @@ def read_run(bag, rig):
             "depth": 1e3 * contact["deepest_depth_m"],
             "tool": 1e3 * contact["tool_pose"]["position"]["z"],
             "body": 1e3 * contact["object_pose"]["position"]["z"],
+            "constrained": (contact["flags"] & FLAG_CONSTRAINED) != 0,
+            "stretch": 1e3
+            * norm(
+                vector(contact["tool_pose"]["position"])
+                - vector(contact["object_pose"]["position"])
+            ),
         },
         {"t": command["sample_time_ns"] * 1e-9, "force": norm(vector(command["wrench"]["force"]))},
         {"t": judged["sample_time_ns"] * 1e-9, "gap": 1e3 * judged["gap_m"]},
@@ -72,7 +83,10 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
             f"{bag}: no messages between --from {begin:g} and --to {end:g}; the recording lasts"
             f" {length:.3g} s."
         )
-    body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
+    virtual_tool = contact["constrained"].any()
+    if virtual_tool:  # the tool itself is never deep: the hand is, behind it
+        contact["depth"] = contact["stretch"]
+    body = not virtual_tool and (abs(contact["tool"] - contact["body"]) > 1e-3).any()
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
     largest, deepest, last = (
         max(returned["force"], default=0.0),
@@ -82,13 +96,15 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
     figure, axes = new_figure(
         (f"Returned force up to {largest:.2g} N" if largest > 1e-9 else "No returned force")
         + (
-            f", depth of the {'body' if body else 'tool'} up to {deepest:.2g} mm"
-            if deepest > 0
-            else ", no contact"
+            ", no contact"
+            if not deepest > 0
+            else f", hand up to {deepest:.2g} mm from the virtual tool"
+            if virtual_tool
+            else f", depth of the {'body' if body else 'tool'} up to {deepest:.2g} mm"
         ),
         (note or f"Recording {pathlib.Path(bag).resolve().name}, rig {rig}")
         + "\n"
-        + FORCE_NOTE
+        + (VIRTUAL_TOOL_NOTE if virtual_tool else FORCE_NOTE)
         + (BODY_NOTE if body else "")
         + ".",
         3 if body else 2,
@@ -150,7 +166,11 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         last,
         color=PURPLE,
         lw=1.4,
-        label="depth of the deepest\npoint (rendering)",
+        label=(
+            "hand to virtual tool\n(rendering)"
+            if virtual_tool
+            else "depth of the deepest\npoint (rendering)"
+        ),
     )
     draw_over_time(
         bottom,

@@ -18,7 +18,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("core", "devices", "nodes", "qos")
-# clang 14 cannot read std::expected of libstdc++; GCC's warnings are unknown to clang.
+# clang 14 cannot read std::expected of libstdc++. The compiler's own warnings are GCC's matter.
 MORE = (
     f"--extra-arg-before=-isystem{ROOT / 'tests/fuzz/clang14'}",
     "--extra-arg=-Wno-everything",
@@ -43,12 +43,12 @@ def sources(build, chosen):
 
 
 def check(build, file):
-    """The findings of one file: {place: text}. SystemExit if clang-tidy itself fails."""
+    """The findings of one file: {place: text}; its output as text if clang-tidy itself fails."""
     command = [os.environ.get("CLANG_TIDY", "clang-tidy"), "--quiet", "-p", str(build), *MORE]
     done = subprocess.run([*command, str(file)], capture_output=True, text=True)
     found = dict(FINDING.findall(done.stdout))
     if done.returncode and not found:
-        sys.exit(f"clang-tidy failed for {file}:\n{done.stdout}{done.stderr}")
+        found[str(file)] = f"clang-tidy failed: {done.stdout}{done.stderr}"
     return found
 
 

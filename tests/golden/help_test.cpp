@@ -28,9 +28,11 @@ TEST(Help, HasAtMost100Columns) {
     const Finished run = voxtouch({verb, "--help"});
     EXPECT_EQ(run.status, 0) << verb;
     std::istringstream lines(run.out);
-    for (std::string line; std::getline(lines, line);)
-      if (!line.starts_with("Usage: "))
+    for (std::string line; std::getline(lines, line);) {
+      if (!line.starts_with("Usage: ")) {
         EXPECT_LE(line.size(), 100U) << verb << ": " << line;
+      }
+    }
   }
 }
 

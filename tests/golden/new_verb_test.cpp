@@ -57,9 +57,11 @@ TEST(NewVerb, WritesASceneThatCanBeMoved) {
   const Finished made = voxtouch({"new", part.string(), "--out", scene.string()});
   ASSERT_EQ(made.status, 0) << made.err;
   std::istringstream lines(file_text(scene));
-  for (std::string line; std::getline(lines, line);)
-    if (line.find("mesh:") != std::string::npos)
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("mesh:") != std::string::npos) {
       EXPECT_EQ(line.find("\"/"), std::string::npos) << line;
+    }
+  }
   std::filesystem::rename(out / "first", out / "second");
   const std::filesystem::path moved = out / "second" / "scenes" / "mine.yaml";
   const Finished plan = voxtouch({"plan", moved.string()});
