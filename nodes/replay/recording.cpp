@@ -251,8 +251,8 @@ class Collector {
       nameless_.push_back(std::move(requested));
   }
 
-  /// A change that was requested twice is answered twice and applied once. Without a number of its own
-  /// the answers come in the order of the questions.
+  /// A change that was requested twice is answered twice and applied once. Without a number of its
+  /// own the answers come in the order of the questions.
   void changed(const msg::EffectChanged& m) {
     using namespace msg::effect_changed;
     if (records_changes_)

@@ -14,7 +14,8 @@ namespace voxtouch::cli {
 struct DesignInput {
   std::filesystem::path
       scene;  ///< whose contact and design goals are to be met; empty: whatever the device can show
-  std::string hand;  ///< pen, arm or any_passive; empty: the scene's, else how the device is gripped
+  std::string
+      hand;  ///< pen, arm or any_passive; empty: the scene's, else how the device is gripped
   std::string kind = "auto";  ///< shaping_filter, spring_damper or direct
   double cutoff_hz = 5.0, gain_margin = 2.0;
   double stiffness_n_per_m =
