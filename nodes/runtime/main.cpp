@@ -33,8 +33,8 @@ void parse(CLI::App& app, int argc, char** argv) {
     for (const auto& [old_name, name] : kRenamed) {
       const std::string_view word = argv[n];
       if (word == old_name || (word.starts_with(old_name) && word[old_name.size()] == '='))
-        throw CLI::ExtrasError(std::string(old_name) + "; its name is " + std::string(name),
-                               std::vector<std::string>{});
+        throw CLI::ExtrasError(app.get_name(), std::vector{std::string(old_name) +
+                                                           "; its name is " + std::string(name)});
     }
   std::vector<std::string> words = without_ros_arguments(argc, argv);
   std::ranges::reverse(words);  // in the order that CLI11 expects
