@@ -23,10 +23,10 @@ enum class DeviceError : std::uint8_t {
   kDisconnected,  ///< the device or its controller has gone
   kNotFinite,     ///< a command held NaN or Inf; it was not sent
   kLimit,         ///< a command was over a limit; it was not sent
-  kProtocol,      ///< the device said something that its protocol forbids
-  kRecoverable,   ///< the device dropped its force (warm motors, too fast) and will take commands
-                  ///< again
-  kFault,         ///< the device stopped and needs a person
+  kProtocol,      ///< the device violated its protocol
+  kRecoverable,   ///< the device dropped its force (warm motors, too fast); commands work again
+                  ///< later
+  kFault,         ///< the device stopped and needs the operator
 };
 /// One word, for logs and messages. Real-time safe.
 std::string_view name_of(DeviceError error) noexcept;
@@ -34,18 +34,19 @@ std::string_view name_of(DeviceError error) noexcept;
 template <class T>
 using DeviceResult = std::expected<T, DeviceError>;
 
-/// A device could not be opened; says what happened and what to do.
+/// A device could not be opened. The message has cause and remedy.
 struct DeviceOpenError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 /// One sample, in frame D, at the tool's origin.
 struct DeviceSample {
-  std::int64_t time_ns = 0;   ///< the device's clock, growing; simulated time in a simulated device
-  Pose pose;                  ///< T in D
-  Twist twist;                ///< D axes; filtered by the device, so it lags the pose
+  std::int64_t time_ns =
+      0;        ///< the device's clock, increasing; simulated time in a simulated device
+  Pose pose;    ///< T in D
+  Twist twist;  ///< D axes; filtered by the device, so it lags the pose
   std::uint32_t buttons = 0;  ///< bit 0 = first button
-  bool pose_valid = true;     ///< false: the device marked the sample as not to be trusted
+  bool pose_valid = true;     ///< false: the device marked the sample as invalid
 };
 
 /// An open device. It exists only while connected; destruction and every error path end in zero
@@ -54,52 +55,48 @@ struct DeviceSample {
 /// One thread owns a driver: `read`, then one `write`, once a period. All three calls below are
 /// real-time safe: no allocation, no lock that a slower thread holds, no log, no throw.
 ///
-/// Who paces the loop: a real device does, and `read` blocks until its next sample, so the caller
-/// does not sleep.
-///  - FRI: `read` waits for the next measurement packet. The controller wants an answer to each one
-///  within
-///    its period, so the `write` that follows is due even where the command is zero; leaving it out
-///    costs connection quality.
-///  - HDAPI: the vendor's servo thread runs a callback every tick. The callback puts the sample
-///  into a
-///    lock-free slot, wakes `read`, and sets the force that the last `write` left, once: a tick
-///    that finds no new command sets none, which that interface turns into zero. A command thus
-///    reaches the motors one tick after the sample that it answers; that tick is part of
-///    `description().delay_s`.
-/// A simulated device answers at once; the caller paces it, or drives it in lockstep.
+/// A real device sets the pace: `read` blocks until its next sample, so the caller does not sleep.
+///
+/// FRI: `read` waits for the next measurement packet. The controller requires a reply to each
+/// packet within its period, so a `write` must follow even if the command is zero.
+///
+/// HDAPI: the vendor's servo thread runs a callback every tick. The callback stores the sample in a
+/// lock-free slot, wakes `read`, and sets the force of the last `write` once; without a new command
+/// the force is zero. A command reaches the motors one tick after its sample; that tick is part of
+/// `description().delay_s`.
+///
+/// A simulated device returns at once; the caller paces it, or drives it in lockstep.
 class Driver {
  public:
   virtual ~Driver() = default;
-  /// What the device is and can give; the same from opening to the end.
+  /// Figures and limits of the device; constant while it is open.
   virtual const DeviceDescription& description() const noexcept = 0;
-  /// The next sample that has not been given out yet, the newest if several have come; waits at
-  /// most `timeout` for it.
+  /// Returns the newest sample that was not returned before; waits at most `timeout` for it.
   virtual DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept = 0;
-  /// Force and torque in D, applied for one period. Refuses non-finite and over-limit commands (the
-  /// last check before the hardware, in addition to the guard's; see limits.hpp): a refused command
-  /// is zero force for that period, not the one before it.
+  /// Applies force and torque in D for one period. Refuses commands that are not finite or over a
+  /// limit (the last check before the hardware, after the guard; see limits.hpp). A refused command
+  /// gives zero force for that period.
   virtual DeviceResult<void> write(const Wrench& command) noexcept = 0;
-  /// Zero force, now; what is still under way to the motors is dropped. Safe to call twice. The
-  /// next accepted `write` pushes again: whoever has to stay at zero keeps its guard stopped.
+  /// Sets zero force immediately and drops pending commands. May be called twice. The next accepted
+  /// `write` gives force again: to stay at zero, keep the guard stopped.
   virtual void stop() noexcept = 0;
-  /// True where `write`, or `read`, advances simulated time by one period and `read` needs no
-  /// waiting (lockstep can drive it).
+  /// Whether `write` or `read` advances simulated time by one period without waiting, so that
+  /// lockstep can drive the device.
   virtual bool simulated() const noexcept = 0;
-  /// Where the hand of a device that was opened with DeviceOptions::is_led wants the tip to be, in
-  /// D; nothing on any other. Of the thread that owns it; real-time safe.
+  /// Sets the target of the tip in D, for a device opened with DeviceOptions::is_led; no effect on
+  /// others. Owning thread only; real-time safe.
   virtual void lead_hand(const Pose& /*target*/) noexcept {}
-  /// What keeps the device from giving samples or taking force now, and what to do about it; empty:
-  /// nothing that it knows of. For people: allocates, so not for the loop, but any other thread may
-  /// ask while the loop runs.
+  /// Cause and remedy if the device gives no samples or takes no force; else empty. Allocates: not
+  /// for the loop, but for any other thread while the loop runs.
   virtual std::string last_error() const { return {}; }
-  /// The device's own serial number, the same from opening to the end; empty: it reports none. Any
-  /// thread; real-time safe.
+  /// Serial number of the device, constant while it is open; empty if it reports none. Any thread;
+  /// real-time safe.
   virtual std::string_view serial() const noexcept { return {}; }
-  /// The arm that the device is, the same from opening to the end; null where it is none, or its
-  /// joints are not reported.
+  /// Description of the arm, constant while the device is open; null if it is not an arm or reports
+  /// no joints.
   virtual const arm::ArmDescription* arm_description() const noexcept { return nullptr; }
-  /// Angles of its joints in the last sample that `read` gave, if that had a valid pose [rad]. Of
-  /// the thread that owns it; real-time safe.
+  /// Joint angles of the last sample that `read` returned, if its pose was valid [rad]. Owning
+  /// thread only; real-time safe.
   virtual std::span<const double> joints() const noexcept { return {}; }
 
  protected:

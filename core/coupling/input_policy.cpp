@@ -30,13 +30,13 @@ PolicedSample InputPolicy::apply(const CouplingInput& input, double dt_s) noexce
   const bool good_period =
       dt_s >= nominal_s_ / kPeriodBand && dt_s <= nominal_s_ * kPeriodBand;  // false for NaN
   sample.dt_s = good_period ? dt_s : nominal_s_;
-  sample.good = usable(input);
-  faults_ += static_cast<std::uint64_t>(!good_period) + static_cast<std::uint64_t>(!sample.good);
+  sample.valid = usable(input);
+  faults_ += static_cast<std::uint64_t>(!good_period) + static_cast<std::uint64_t>(!sample.valid);
   sample.gap = begins_again(sample) || dt_s > nominal_s_ * kGapPeriods;
   sample.lost = lost_;
   if (sample.gap)
     start_ = Start::kFade;
-  if (sample.good)
+  if (sample.valid)
     in_contact_ = !input.contact.zero() || input.contact_stiffness_n_per_m > 0.0;
   if (sample.lost)
     in_contact_ = false;
@@ -46,7 +46,7 @@ PolicedSample InputPolicy::apply(const CouplingInput& input, double dt_s) noexce
 
 /// Returns true when valid inputs have been missing for too long, and when they return after that.
 bool InputPolicy::begins_again(const PolicedSample& sample) noexcept {
-  if (sample.good) {
+  if (sample.valid) {
     repeated_s_ = 0.0;
     return std::exchange(lost_, false);
   }
@@ -58,9 +58,9 @@ bool InputPolicy::begins_again(const PolicedSample& sample) noexcept {
 
 double InputPolicy::weight_after(const PolicedSample& sample) noexcept {
   if (start_ != Start::kRunning) {
-    if (start_ == Start::kFade || (sample.good && in_contact_))
+    if (start_ == Start::kFade || (sample.valid && in_contact_))
       elapsed_s_ = 0.0;
-    else if (sample.good)
+    else if (sample.valid)
       elapsed_s_ = ramp_s_;  // started in free space: no fade needed
     else
       return 0.0;  // no valid input so far

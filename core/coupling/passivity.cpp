@@ -28,10 +28,10 @@ bool Passivity::rests(bool in_contact) noexcept {
 
 void Passivity::observe(const ToolStep& step, bool in_contact, double dt_s,
                         double supplied_j) noexcept {
-  const double along = applied_.force.dot(normal_), out = step.shift.dot(normal_);
+  const double along = applied_.force.dot(normal_), out = step.translation.dot(normal_);
   energy_.normal_j += supplied_j - along * out;
-  energy_.tangential_j -= (applied_.force - along * normal_).dot(step.shift - out * normal_);
-  energy_.rotation_j -= applied_.torque.dot(step.turn);
+  energy_.tangential_j -= (applied_.force - along * normal_).dot(step.translation - out * normal_);
+  energy_.rotation_j -= applied_.torque.dot(step.rotation);
   for (double* account : {&energy_.normal_j, &energy_.tangential_j, &energy_.rotation_j})
     keep(*account);
 

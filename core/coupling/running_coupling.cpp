@@ -84,11 +84,11 @@ double RunningCoupling::gain() const noexcept {
 /// The next samples fade from `start` to their own force. A non-finite start becomes zero; one over
 /// the limits is clamped.
 void RunningCoupling::start_law_at(const Wrench& start) noexcept {
-  given_ = start.finite() ? start : Wrench{};
-  clamp_wrench(given_, limits_.max_force_n, limits_.max_torque_nm);
-  policy_.restart(!given_.zero());
+  law_output_ = start.finite() ? start : Wrench{};
+  clamp_wrench(law_output_, limits_.max_force_n, limits_.max_torque_nm);
+  policy_.restart(!law_output_.zero());
   contact_ = {};
-  std::visit([this](auto& law) { law.start_at(given_); }, law_);
+  std::visit([this](auto& law) { law.start_at(law_output_); }, law_);
 }
 
 bool RunningCoupling::redesign(const CouplingSpec& spec) {
@@ -97,7 +97,7 @@ bool RunningCoupling::redesign(const CouplingSpec& spec) {
       return false;
   if (kind_of(spec) != kind()) {
     law_ = law_of(spec, nominal_s_);
-    start_law_at(given_);
+    start_law_at(law_output_);
   } else if (ShapingFilter* filter = std::get_if<ShapingFilter>(&law_)) {
     filter->redesign(spec);
   } else if (SpringDamper* spring = std::get_if<SpringDamper>(&law_)) {
@@ -114,10 +114,10 @@ bool RunningCoupling::redesign(const CouplingSpec& spec) {
 
 void RunningCoupling::reset(const Wrench& start) noexcept {
   start_law_at(start);
-  motion_.forget();
+  motion_.clear();
   passivity_.reset();
   swing_.restart();
-  left_ = 1.0;
+  remaining_ = 1.0;
   in_contact_ = false;
   supplied_j_.reset();
 }
@@ -130,7 +130,7 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   count_path();
   const double supplied_j = newly_supplied(input, sample.dt_s);
   passivity_.observe(step_, in_contact_, sample.dt_s, supplied_j);
-  swing_.see(step_, passivity_.applied().force, passivity_.normal(), sample.dt_s, supplied_j);
+  swing_.observe(step_, passivity_.applied().force, passivity_.normal(), sample.dt_s, supplied_j);
 
   CouplingOutput out;
   const Wrench law = run_law(input, sample, out);
@@ -138,7 +138,7 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   injected_.advance(sample.dt_s);
   add_damping(sum, law, out);
   finish(sum, law, out);
-  give_up(sample.dt_s, sum, out);
+  fade_out(sample.dt_s, sum, out);
   passivity_.command(sum, contact_.contact.force);
   out.wrench = sum;
   out.energy_j = passivity_.energy().translation_j();
@@ -162,7 +162,7 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
 /// Applies the law to the scaled and clamped contact.
 Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample& sample,
                                 CouplingOutput& out) noexcept {
-  if (sample.good) {
+  if (sample.valid) {
     out.scale = scale_.step(input, sample.dt_s);
     contact_ = input;
     contact_.contact.force *= out.scale, contact_.contact.torque *= out.scale;
@@ -174,7 +174,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     contact_ = {};
   }
   in_contact_ = pushes(contact_);
-  out.ramping = sample.weight < 1.0, out.repeated_input = !sample.good;
+  out.ramping = sample.weight < 1.0, out.repeated_input = !sample.valid;
   LawInput in{contact_.contact, contact_.contact_stiffness_n_per_m, sample.dt_s, sample.weight};
   ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
   if (const double gain = filter ? filter->advance_gain() : 1.0; gain > 0.0) {
@@ -184,18 +184,18 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     in.contact = {};  // the output is zero, and an unlimited input must not wait in the law's state
                       // until the gain returns
   }
-  given_ = std::visit(
+  law_output_ = std::visit(
       [&](auto& law) {
         if (sample.gap)
-          law.start_at(given_);
+          law.start_at(law_output_);
         return law.step(in);
       },
       law_);
-  if (!given_.finite()) {
+  if (!law_output_.finite()) {
     ++counters_.not_finite;
     start_law_at({});
   }
-  return given_;
+  return law_output_;
 }
 
 void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
@@ -222,12 +222,12 @@ void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out
 }
 
 /// Fades the command to zero, permanently, after self-excited growth of the force.
-void RunningCoupling::give_up(double dt_s, Wrench& sum, CouplingOutput& out) noexcept {
+void RunningCoupling::fade_out(double dt_s, Wrench& sum, CouplingOutput& out) noexcept {
   if (!swing_.growing())
     return;
   out.growing = true;
-  left_ = std::max(0.0, left_ - dt_s / kGiveUpS);
-  sum.force *= left_, sum.torque *= left_;
+  remaining_ = std::max(0.0, remaining_ - dt_s / kFadeOutS);
+  sum.force *= remaining_, sum.torque *= remaining_;
 }
 
 /// Records the step during which the last command acted.
@@ -235,8 +235,8 @@ void RunningCoupling::count_path() noexcept {
   const Wrench& applied = passivity_.applied();
   if (applied.zero())
     return;
-  counters_.longest_path_m = std::max(counters_.longest_path_m, step_.shift.norm());
-  counters_.longest_turn_rad = std::max(counters_.longest_turn_rad, step_.turn.norm());
+  counters_.longest_path_m = std::max(counters_.longest_path_m, step_.translation.norm());
+  counters_.longest_rotation_rad = std::max(counters_.longest_rotation_rad, step_.rotation.norm());
 }
 
 void RunningCoupling::count(const CouplingOutput& out) noexcept {
@@ -250,7 +250,7 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   counters_.bounded += out.bounded;
   counters_.pose_jumps = motion_.jumps();
   counters_.swing = swing_.largest();
-  counters_.growing = out.growing && left_ == 0.0;
+  counters_.growing = out.growing && remaining_ == 0.0;
   counters_.lowest_energy_j =
       std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});
   counters_.lowest_energy_rotation_j =

@@ -6,7 +6,7 @@
 ///
 /// The law is one of the three couplings. The passivity observer only observes. If the force grows
 /// over three periods without work of the operator (swing_watch.hpp), the command fades to zero
-/// over kGiveUpS and stays zero until `reset`.
+/// over kFadeOutS and stays zero until `reset`.
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -38,8 +38,7 @@ struct CouplingOutput {
   double energy_rotation_j = 0.0;
   /// Self-excited growth of the force: the command fades to zero and stays there.
   bool growing = false;
-  double injected_n =
-      0.0;  ///< size of the force that injected damping adds to the law's force or takes from it
+  double injected_n = 0.0;  ///< magnitude of the force of injected damping
 };
 
 /// Counts since construction, for diagnostics.
@@ -55,8 +54,8 @@ struct CouplingCounters {
   double lowest_energy_rotation_j = 0.0;
   Swing swing;           ///< the largest one
   bool growing = false;  ///< the force grew by self-excitation and the command has faded to zero
-  double most_force_n = 0.0, most_torque_nm = 0.0;      ///< of all commands
-  double longest_path_m = 0.0, longest_turn_rad = 0.0;  ///< between two samples, under force
+  double most_force_n = 0.0, most_torque_nm = 0.0;          ///< of all commands
+  double longest_path_m = 0.0, longest_rotation_rad = 0.0;  ///< between two samples, under force
 };
 
 /// The coupling of one device. Steps are real-time safe: no allocation, lock or exception.
@@ -105,7 +104,7 @@ class RunningCoupling {
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void count_path() noexcept;
-  void give_up(double dt_s, Wrench& sum, CouplingOutput& out) noexcept;
+  void fade_out(double dt_s, Wrench& sum, CouplingOutput& out) noexcept;
   void count(const CouplingOutput& out) noexcept;
 
   CouplingLimits limits_;
@@ -118,15 +117,15 @@ class RunningCoupling {
   InjectedDamping injected_;
   Passivity passivity_;
   SwingWatch swing_;
-  double left_ = 1.0;      ///< remaining fraction of the command after self-excited growth
-  CouplingInput contact_;  ///< the last valid one, scaled
-  Wrench given_;           ///< last output of the law
+  double remaining_ = 1.0;  ///< remaining fraction of the command after self-excited growth
+  CouplingInput contact_;   ///< the last valid one, scaled
+  Wrench law_output_;       ///< last output of the law
   bool in_contact_ = false;
   double displayed_ = 1.0;            ///< displayed fraction of a force in W, by scale and gain
   std::optional<double> supplied_j_;  ///< last value of the input
   CouplingCounters counters_;
 
-  static constexpr double kGiveUpS = 0.05;
+  static constexpr double kFadeOutS = 0.05;
 };
 
 }  // namespace voxtouch::coupling

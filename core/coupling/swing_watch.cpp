@@ -15,7 +15,7 @@ double least_force_n(const SwingDevice& device, double part) noexcept {
 
 }  // namespace
 
-void SwingWatch::forget() noexcept {
+void SwingWatch::clear() noexcept {
   now_ = last_ = {};
   position_m_ = turn_m_ = 0.0;
   outward_ = swinging_ = false;
@@ -61,28 +61,28 @@ Vec3 SwingWatch::force_at_device(const Vec3& command, double dt_s) noexcept {
   return lagged_;
 }
 
-void SwingWatch::see(const ToolStep& step, const Vec3& command, const Vec3& normal, double dt_s,
-                     double supplied_j) noexcept {
+void SwingWatch::observe(const ToolStep& step, const Vec3& command, const Vec3& normal, double dt_s,
+                         double supplied_j) noexcept {
   if (!step.known || normal.isZero(0.0) || !command.allFinite())
-    return forget();
+    return clear();
   axis_ = axis_.dot(normal) < 0.0 ? Vec3(-normal) : normal;
   const Vec3 given = force_at_device(command, dt_s);
-  const double force = command.dot(axis_), length2 = step.shift.squaredNorm();
-  position_m_ += step.shift.dot(axis_);
+  const double force = command.dot(axis_), length2 = step.translation.squaredNorm();
+  position_m_ += step.translation.dot(axis_);
   now_.period_s += dt_s, ++now_.samples;
   now_.low_m = std::min(now_.low_m, position_m_), now_.high_m = std::max(now_.high_m, position_m_);
   now_.low_n = std::min(now_.low_n, force), now_.high_n = std::max(now_.high_n, force);
-  now_.force_sum += given, now_.shift += step.shift;
+  now_.force_sum += given, now_.shift += step.translation;
   now_.taken_j += supplied_j;
   rested_sum_ += given, ++rested_, rested_s_ += dt_s;
   if (length2 > 0.0) {
     now_.taken_j += device_.damping_ns_per_m * length2 / rested_s_ +
                     device_.coulomb_friction_n * std::sqrt(length2);
-    now_.worked_j += rested_sum_.dot(step.shift) / rested_;
+    now_.worked_j += rested_sum_.dot(step.translation) / rested_;
     rested_sum_.setZero(), rested_ = 0, rested_s_ = 0.0;
   }
   if (now_.period_s > 2.0 * kSlowestS) {
-    forget();
+    clear();
     return begin_cycle(force);
   }
   // A reversal counts once the tool has returned by more than encoder noise at rest.

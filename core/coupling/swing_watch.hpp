@@ -74,13 +74,13 @@ class SwingWatch {
 
   /// Adds the step since the last sample, `dt_s` [s] ago, under `command`. `normal`: unit vector
   /// along the contact force, or zero. `supplied_j`: as for the passivity observer.
-  void see(const ToolStep& step, const Vec3& command, const Vec3& normal, double dt_s,
-           double supplied_j) noexcept;
+  void observe(const ToolStep& step, const Vec3& command, const Vec3& normal, double dt_s,
+               double supplied_j) noexcept;
   /// Discards the current cycle, after a gap or for another session.
-  void forget() noexcept;
+  void clear() noexcept;
 
   /// Resets everything except the largest swing.
-  void restart() noexcept { grown_ = 0, forget(); }
+  void restart() noexcept { grown_ = 0, clear(); }
 
   bool swinging() const noexcept { return swinging_; }
   /// Whether the force grows by self-excitation; remains true.

@@ -41,7 +41,7 @@ void ToolMotion::set_slow(double slow_velocity_hz, double band_m_per_s) noexcept
   band_m_per_s_ = band_m_per_s;
 }
 
-void ToolMotion::forget() noexcept {
+void ToolMotion::clear() noexcept {
   anchored_ = false;
   elapsed_s_ = 0.0;
   step_ = {};
@@ -110,7 +110,7 @@ const ToolStep& ToolMotion::step(const Pose& tool, double dt_s) noexcept {
   const bool gap = dt_s > gap_s;
   elapsed_s_ += dt_s >= nominal_s_ / kPeriodBand && !gap ? dt_s : nominal_s_;
   if (gap || elapsed_s_ > gap_s)
-    forget();
+    clear();
   Quat orientation = tool.orientation;
   const bool good = tool.position.allFinite() &&
                     tool.position.cwiseAbs().maxCoeff() <= kLargestInput &&

@@ -19,8 +19,8 @@ struct ToolSpeedLimits {
 struct ToolStep {
   bool known =
       false;  ///< false: first pose, invalid pose, jump or gap; the displacements are then zero
-  Vec3 shift = Vec3::Zero();  ///< of the tool's origin [m], W axes
-  Vec3 turn = Vec3::Zero();   ///< rotation vector [rad], the shorter rotation, W axes
+  Vec3 translation = Vec3::Zero();  ///< of the tool's origin [m], W axes
+  Vec3 rotation = Vec3::Zero();     ///< rotation vector [rad], the shorter rotation, W axes
 };
 
 /// Displacements and the velocity estimate that damping acts on. Real-time safe.
@@ -61,7 +61,7 @@ class ToolMotion {
   /// it.
   void set_slow(double slow_velocity_hz, double band_m_per_s) noexcept;
   /// Treats the next pose as the first: no displacement leads to it, and v^ starts at zero.
-  void forget() noexcept;
+  void clear() noexcept;
   /// v^ with the band applied, W axes.
   const Twist& velocity() const noexcept { return velocity_; }
   std::uint64_t jumps() const noexcept { return jumps_; }

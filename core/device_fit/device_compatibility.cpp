@@ -22,7 +22,7 @@ bool no_more_than(const SceneRequirements& what, const SceneRequirements& displa
 
 }  // namespace
 
-void DeviceCompatibility::device_is(const coupling::design::DeviceModel& device) {
+void DeviceCompatibility::set_device(const coupling::design::DeviceModel& device) {
   device_ = device;
   running_.reset(), next_.reset();
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The certificate of a scene that runs on a device, and what every change of it is judged by.
+/// The certificate of a running scene on a device, and the check of each change.
 #include <optional>
 #include <span>
 #include <string>
@@ -8,34 +8,34 @@
 
 namespace voxtouch::device_fit {
 
-/// Fitted next to the coupling, by the same function and numbers, since a change is judged before a
-/// coupling for it exists, and the spring must be known with the plan that the coupling's fit waits
-/// for. One thread; a change of stiffness takes as long as a fit.
+/// The rendering fits the coupling by the same function and values as the coupling node: it checks
+/// a change before the coupling node receives it, and needs the spring for its plan. One thread; a
+/// change of stiffness takes as long as a fit.
 class DeviceCompatibility {
  public:
-  /// A device has described itself, perhaps anew. `runs` follows: nothing is judged by the fit for
-  /// another device.
-  void device_is(const coupling::design::DeviceModel& device);
-  /// What is rendered from now on: `bounds` in W, `contact_alone` without effects, and `displayed`,
-  /// what it demands wherever its effects are on their way.
+  /// Sets a new description of the device. Call `runs` next: the fit for another device is not
+  /// used.
+  void set_device(const coupling::design::DeviceModel& device);
+  /// Sets the running scene: `bounds` in W, `contact_alone` without effects, and `displayed`, its
+  /// largest requirements while effects change.
   void runs(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
             const rendering::StiffnessBounds& bounds, const SceneRequirements& displayed);
-  /// Why what runs must not be displayed; empty: it may, or no device is known.
+  /// The reason if the running scene must not be displayed; empty if it may, or without a device.
   const std::string& refusal() const noexcept { return refusal_; }
 
-  /// Of a virtual tool, in W, under the coupling that runs [N/m]; 0 where no device is known.
+  /// Spring of a virtual tool in W with the running coupling [N/m]; 0 without a device.
   double spring_n_per_m() const noexcept { return spring_n_per_m_; }
-  /// In series with a penalty contact, likewise; rigid where no device is known.
+  /// Spring in series with a penalty contact, likewise; rigid without a device.
   const rendering::Compliance& series_spring() const noexcept { return series_; }
 
-  /// Why `scene` with these effects must not follow what runs, the sentence of the start; empty: it
-  /// may. Judged are the end and all states on the way there, on the coupling that runs and on the
-  /// one that will be fitted. Where no force is commanded already, a change that demands no more
-  /// than what runs may be made. Before a device is known everything may: `runs` reports then.
+  /// The reason if `scene` with these effects must not replace the running one; else empty. Checks
+  /// the end state and all states on the path to it, with the running coupling and with the one
+  /// that will be fitted. If no force is commanded, a change with smaller requirements is accepted.
+  /// Without a device all changes are accepted; `runs` checks later.
   std::string check(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
                     std::span<const effects::EffectReach> effects);
 
-  /// Period of the device's samples [s]; nominally 1 ms where none is known.
+  /// Period of the device's samples [s]; 1 ms without a device.
   double period_s() const noexcept { return device_ ? device_->timing.period_s : 1e-3; }
 
  private:

@@ -70,14 +70,14 @@ void Bristle::drag(const Vec3& displacement, const Law& law) noexcept {
                mends = 2.0 * (sticks - slides);
   const double limit = sticks - (sticks - slides) * torn;
   bend += displacement;
-  const double asked = bend.norm();
-  if (asked <= limit) {
+  const double bent = bend.norm();
+  if (bent <= limit) {
     torn = mends > 0.0 ? std::max(0.0, torn - displacement.norm() / mends) : 0.0;
     return;
   }
-  const double left = std::max(slides, 2.0 * limit - asked);
-  torn = mends > 0.0 ? std::min(1.0, torn + (asked - left) / mends) : 0.0;
-  bend *= left / asked;
+  const double remaining = std::max(slides, 2.0 * limit - bent);
+  torn = mends > 0.0 ? std::min(1.0, torn + (bent - remaining) / mends) : 0.0;
+  bend *= remaining / bent;
 }
 
 class Friction final : public Effect {

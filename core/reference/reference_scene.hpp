@@ -44,7 +44,7 @@ class ReferenceScene {
   double apart_m(const Pose& pose_WT) const;
 
   /// Largest difference between declared primitives and meshes in a gap: that of the dynamic object
-  /// plus the largest of the static ones [m]. An input of Judge.
+  /// plus the largest of the static ones [m]. An input of ContactValidator.
   double chord_error_m() const noexcept;
 
   /// The point of the static surface nearest to `x`, which must lie outside.

@@ -44,13 +44,13 @@ void read_hand(const SceneSource& source, const YamlNode& node, const MapReader&
           axis_range(map, "inertia_kg_m2", "damping_nms_per_rad", "stiffness_nm_per_rad");
     return;
   }
-  constexpr std::array kinds = {HandOption::kPen, HandOption::kArm, HandOption::kAnyPassive};
+  constexpr std::array kKinds = {HandOption::kPen, HandOption::kArm, HandOption::kAnyPassive};
   if (node.kind != YamlNode::Kind::kScalar)
     source.fail(
         node.place,
         fmt::format("'hand' must be one of: pen, arm, any_passive; or a map of ranges, but is {}.",
                     describe(node)));
-  options.hand = kinds[coupling.choice("hand")];
+  options.hand = kKinds[coupling.choice("hand")];
 }
 
 /// Places the findings of `validate` at the keys that they are about.

@@ -1,6 +1,5 @@
 #pragma once
-/// What a scene asks of a coupling that is to be designed, instead of setting its parameters; and
-/// what a hand may be.
+/// Requests of a scene to the designer of the coupling, and ranges of hands.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,18 +10,18 @@
 
 namespace voxtouch::scene {
 
-/// Whose hands the design has to be stable with.
+/// Hands for which the design must be stable.
 enum class HandOption : std::uint8_t {
-  kAsDeviceIsHeld,  ///< the range of the device's own grip
+  kAsDeviceIsHeld,  ///< the range of the device's grip
   kPen,
   kArm,
   kAnyPassive,  ///< every hand that creates no energy
   kGiven,       ///< the ranges that the scene gives
 };
-/// "default of the device", "pen", "arm", "any_passive", "given by the scene": for people.
+/// "default of the device", "pen", "arm", "any_passive", "given by the scene", for messages.
 std::string_view name_of(HandOption hand) noexcept;
 
-/// Values as in the scene file; what they mean for the designer is in design_problem.hpp.
+/// Values of the scene file; design_problem.hpp converts them for the designer.
 struct DesignOptions {
   std::string kind = "auto";   ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;      ///< goal, w0 / (2 pi)
@@ -30,23 +29,22 @@ struct DesignOptions {
   double damping_floor = 0.3;  ///< of translation, with a hand, and a third of it released; 0: none
   double rotation_damping_floor = 0.0;  ///< likewise
   std::optional<double>
-      damping_force_ratio;  ///< as CouplingSpec has it; none: the designer chooses one
-  /// Caps on the contact's stiffness in W that are requested as they are; without both the designer
-  /// is free to cap.
+      damping_force_ratio;  ///< as in CouplingSpec; unset: the designer chooses one
+  /// Requested caps on the contact's stiffness in W; without both the designer chooses caps.
   std::optional<double> stiffness_cap_n_per_m, stiffness_cap_nm_per_rad;
   HandOption hand = HandOption::kAsDeviceIsHeld;
   coupling::design::HandRange given_translation;  ///< for kGiven
   std::optional<coupling::design::HandRange>
-      given_rotation;            ///< for kGiven; none: the range of the device's grip
+      given_rotation;            ///< for kGiven; unset: the range of the device's grip
   bool released = true;          ///< the released device is one of the cases
   bool inject_damping = true;    ///< damping while in contact is allowed
   bool velocity_windows = true;  ///< also on the velocity of a window
-  bool run_infeasible = false;   ///< run what was found even where the design is called infeasible
+  bool run_infeasible = false;   ///< run the design even if it is infeasible
   bool operator==(const DesignOptions&) const = default;
 };
 
-/// The range of hands for a grip; letting go is one of its cases. Apparent at the device, so that
-/// they add to its own mass, damping and stiffness.
+/// The range of hands for a grip, including the released device. Apparent at the device: mass,
+/// damping and stiffness add to those of the device.
 ///
 /// Translation: engineering ranges. Arm: round published fits of its end point (0.55 kg, 6.5 Ns/m,
 /// 135 N/m; 1.3 kg). Pen: no published coefficients could be confirmed. Both are opened towards the
@@ -59,7 +57,7 @@ struct DesignOptions {
 /// 2e-2 kg m^2), held by wrist and elbow through 13 to 16 cm (1 to 15 Nm/rad, 0.05 to 0.6 Nms/rad).
 coupling::design::OperatorRange hand_range(coupling::design::Grip grip) noexcept;
 
-/// The hands that `options` means on a device that is held by `grip`.
+/// The hands of `options` for a device with this grip.
 coupling::design::OperatorRange operator_range(const DesignOptions& options,
                                                coupling::design::Grip grip) noexcept;
 

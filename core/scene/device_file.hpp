@@ -1,30 +1,10 @@
 #pragma once
-/// Reads a device file strictly: a device that the project has no driver for, or another one than
-/// its driver says, to be designed for and rehearsed. Whatever is unknown, doubled, of the wrong
-/// type, not finite or out of its range is a SceneError that says where and what would be right.
-/// All that is missing is reported at once. What data sheets leave out has standards by class
-/// (device_figures.hpp), and the reader says which ones it took.
+/// Reads a device file strictly: the figures of a device, to design a coupling for it and to
+/// simulate it. An unknown or duplicate key, a wrong type, or a value that is not finite or out of
+/// range is a SceneError with its place and the valid values. All missing keys are reported at
+/// once. Optional keys have defaults by class (device_figures.hpp), which the reader lists.
 ///
-/// ```yaml
-/// device: third                     # a name
-/// rate_hz: 1000                     # 1 to 100000
-/// max_force_n: 22
-/// max_torque_nm: 0                  # 0: gives none
-/// max_stiffness_n_per_m: 1000       # what it can show, not what its structure has
-/// mass_kg: [0.08, 0.16]             # apparent at the tool, least and most over workspace and
-/// axes; or one number position_resolution_m: 2e-5 grip: pen                         # pen: a
-/// stylus | arm # May be left out from here on. workspace_m: [0.4, 0.6, 0.8]      # edges of the
-/// box that the tool reaches; left out: unknown damping_ns_per_m: 0.005           # the least
-/// coulomb_friction_n: 0.2
-/// delay_s: 0.001                    # from the sample to the force, excluding the hold of a period
-/// force_bandwidth_hz: 50            # left out: no lag
-/// rotation: {inertia_kg_m2: [0.1, 0.1], damping_nms_per_rad: 0.3, coulomb_friction_nm: 0.1,
-/// orientation_resolution_rad: 1e-4,
-///            max_stiffness_nm_per_rad: 300}   # only where max_torque_nm is above 0
-/// jitter: 0.2                       # the longest period is (1 + jitter) / rate_hz
-/// lost_in_a_row: 1                  # samples that may be lost one after the other
-/// measured: {date: 2026-11-29, command: voxtouch identify --device x, serial: "7"}
-/// ```
+/// deploy/devices/README.md explains the keys; deploy/devices/touch.yaml is an example.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -43,37 +23,35 @@ struct Measurement {
 };
 
 struct DeviceFile {
-  /// As of a simulated device: `delay_s` is all that lies between a sample and its force. How fast
-  /// force may change is no key: it follows from the other numbers (derive_slew_limits).
+  /// As for a simulated device: `delay_s` is the whole delay from a sample to its force. The slew
+  /// limits follow from the other figures (derive_slew_limits).
   DeviceDescription description;
   std::optional<Vec3> workspace_m;  ///< edges of the box that the tool reaches, along the axes of D
-  std::vector<std::string>
-      assumed;  ///< "damping_ns_per_m 0.005": what the file leaves out, with what stands for it
+  std::vector<std::string> assumed;  ///< defaults of missing keys, such as "damping_ns_per_m 0.005"
   std::optional<Measurement> measured;  ///< absent: the figures are assumed
 };
 
 /// Reads `file`. Throws SceneError.
 DeviceFile load_device_file(const std::filesystem::path& file);
 
-/// The same for text that stands in memory; `file` names it in messages.
+/// The same for text in memory; messages name `file`.
 DeviceFile parse_device_file(const std::string& text, const std::filesystem::path& file);
 
-/// "figures that the file leaves out, with the standards of a stylus: ..."; empty where it leaves
-/// nothing out.
+/// Lists the defaults of missing keys; empty if there are none.
 std::string assumed_sentence(const DeviceFile& file);
 
-/// Date and command of the measurement; empty where the file names none.
+/// Date and command of the measurement; empty without one.
 std::string measured_sentence(const DeviceFile& file);
 
-/// Why `file` cannot be that of the open device that `driver` describes: its name, serial number,
-/// rate, grip or torque differ. Empty: nothing contradicts it. `serial`: empty where the driver
-/// reports none; then the name decides.
+/// The reason if `file` describes another device than `driver`: a different name, serial number,
+/// rate, grip or torque. Empty if they agree. `serial`: empty if the driver reports none; then the
+/// name decides.
 std::string other_device(const DeviceFile& file, const DeviceDescription& driver,
                          std::string_view serial);
 
-/// The file's figures within the driver's limits of force, torque and stiffness. The file counts
-/// the whole delay from a sample to its force; that of a device whose command may leave a period
-/// later is stored without this period. Requires that `other_device` is empty.
+/// The file's figures within the driver's limits of force, torque and stiffness. The delay of the
+/// file is the whole delay from a sample to its force; for a device that sends commands a period
+/// later this period is subtracted. Requires that `other_device` is empty.
 DeviceDescription measured_device(const DeviceFile& file, const DeviceDescription& driver);
 
 }  // namespace voxtouch::scene

@@ -15,7 +15,7 @@ using enum KeyKind;
 using enum KeyRule;
 
 /// Of a key that means nothing where it is left out.
-inline constexpr std::nullptr_t none = nullptr;
+inline constexpr std::nullptr_t kNone = nullptr;
 
 /// Values as they stand in a scene file.
 inline std::string in_file(double value) { return fmt::format("{}", value); }

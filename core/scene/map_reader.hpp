@@ -1,6 +1,6 @@
 #pragma once
-/// Reads one map of a scene strictly: the table of keys says which it may have and how they are
-/// written, and everything else is an error with its place.
+/// Reads one map of a scene strictly: the table of keys lists its keys and their forms; everything
+/// else is an error with its place.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -14,7 +14,7 @@
 
 namespace voxtouch::scene {
 
-/// What all readers of one file share.
+/// Shared data of all readers of one file.
 struct SceneSource {
   std::filesystem::path file;
   std::vector<std::string> warnings;  ///< `file:line:column: sentence`
@@ -28,8 +28,7 @@ struct SceneSource {
   }
 };
 
-/// The nearest of `allowed` to `word` where it is near enough to be a slip of the hand; empty
-/// otherwise.
+/// The nearest of `allowed` to `word` if it is close enough to be a typing error; else empty.
 std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& allowed);
 /// "; did you mean 'x'?" or an empty string, and "a, b and c".
 std::string suggestion(std::string_view word, const std::vector<std::string_view>& allowed);
@@ -42,9 +41,8 @@ double read_number(const SceneSource& source, const YamlNode& node,
                    std::string_view what);  ///< finite
 std::string read_text(const SceneSource& source, const YamlNode& node,
                       std::string_view what);  ///< not empty
-/// Empty where `name` has letters, digits, '_', '-' and '.' (not in front), kLongestName at most: a
-/// name becomes part of file and topic names. Else what is wrong with it, to follow the name:
-/// "holds ...".
+/// The fault of `name`, to follow it in a sentence, or empty. Valid: letters, digits, '_', '-' and
+/// '.' (not in front), at most kLongestName; names become parts of file and topic names.
 std::string fault_of_name(std::string_view name);
 inline constexpr std::size_t kLongestName = 64;
 /// Three finite numbers.
@@ -56,7 +54,7 @@ std::size_t read_choice(const SceneSource& source, const YamlNode& node, std::st
 const std::vector<YamlNode>& read_list(const SceneSource& source, const YamlNode& node,
                                        std::string_view what);
 
-/// A value as the key's row wants it written.
+/// A value in the form of the key's row.
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, double& out);
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key, std::size_t& out);
 void read_value(const SceneSource& source, const YamlNode& node, const Key& key,
@@ -80,26 +78,25 @@ class MapReader {
   /// `what` names the map in messages.
   MapReader(const SceneSource& source, const YamlNode& node, std::string_view what,
             const KeyGroup& group, std::vector<std::string_view> also = {});
-  /// The same for keys that are in no table: only what takes a function to read a value may be
-  /// asked for.
+  /// The same for keys that are in no table; read their values by the functions above.
   MapReader(const SceneSource& source, const YamlNode& node, std::string_view what,
             std::vector<std::string_view> allowed);
 
-  /// The key's value, or null where it is absent.
+  /// The key's value, or null if it is absent.
   const YamlNode* find(std::string_view key) const;
-  /// The key's value; throws at the map's place where it is absent.
+  /// The key's value; throws at the map's place if it is absent.
   const YamlNode& require(std::string_view key) const;
   bool has(std::string_view key) const { return find(key) != nullptr; }
-  /// Throws where a key is there that does not go with another choice; `why` completes "'key' ...".
+  /// Throws if the key is present but excluded by another choice; `why` completes "'key' ...".
   void refuse(std::string_view key, std::string_view why) const;
-  /// Sets `out` to the key's value; leaves it, with its standard, where the key is absent. Throws
-  /// where the key is required.
+  /// Sets `out` to the key's value; keeps its default if the key is absent. Throws if an absent key
+  /// is required.
   template <class T>
   void read(std::string_view key, T& out) const {
     if (!read_if_present(key, out) && row_of(key).rule == KeyRule::kRequired)
       require(key);
   }
-  /// The key's value; throws where it is absent.
+  /// The key's value; throws if it is absent.
   template <class T>
   T get(std::string_view key) const {
     T out{};
@@ -107,16 +104,15 @@ class MapReader {
       require(key);
     return out;
   }
-  /// Place among the row's words of the key's value; throws where it is absent.
+  /// Index of the key's value among the row's words; throws if it is absent.
   std::size_t choice(std::string_view key) const;
-  /// The map that the key holds; throws where it is absent.
+  /// The map of the key; throws if it is absent.
   MapReader inner(std::string_view key) const {
     return {source_, require(key), key, *row_of(key).group};
   }
-  /// What the list that the key holds is made of: nothing where it is absent, unless it is
-  /// required.
+  /// The items of the key's list; empty if an optional key is absent.
   const std::vector<YamlNode>& list(std::string_view key) const;
-  /// The key's place, or the map's where it is absent.
+  /// The key's place, or the map's if it is absent.
   SourcePlace place_of(std::string_view key) const;
 
  private:

@@ -6,31 +6,31 @@ namespace {
 
 // The columns are those of keys.cpp.
 constexpr auto kCircle =
-    std::to_array<Key>({{"centre", kVector, kRequired, none, "[m]"},
+    std::to_array<Key>({{"centre", kVector, kRequired, kNone, "[m]"},
                         {"axis", kVector, kOptional, initial<&Motion::circle_axis>}});
 constexpr auto kPress =
-    std::to_array<Key>({{"button", kButton, kRequired, none, "Index of the button, from 0."},
-                        {"from_s", kNotNegative, kRequired, none, "[s]"},
-                        {"to_s", kPositive, kRequired, none, "[s]"}});
+    std::to_array<Key>({{"button", kButton, kRequired, kNone, "Index of the button, from 0."},
+                        {"from_s", kNotNegative, kRequired, kNone, "[s]"},
+                        {"to_s", kPositive, kRequired, kNone, "[s]"}});
 constexpr auto kTurn =
-    std::to_array<Key>({{"axis", kVector, kRequired, none, "Axis in the scene, right-handed."},
-                        {"angle_rad", kNumber, kRequired, none, "[rad]", "", nullptr, -3.1, 3.1},
+    std::to_array<Key>({{"axis", kVector, kRequired, kNone, "Axis in the scene, right-handed."},
+                        {"angle_rad", kNumber, kRequired, kNone, "[rad]", "", nullptr, -3.1, 3.1},
                         {"from_s", kNotNegative, kOptional, initial<&MotionTurn::from_s>, "[s]"},
-                        {"to_s", kPositive, kRequired, none, "[s]"}});
+                        {"to_s", kPositive, kRequired, kNone, "[s]"}});
 constexpr auto kObjectMotion = std::to_array<Key>(
-    {{"path", kVectors, kRequired, none, "Way points [m], joined by straight lines.", "", nullptr,
+    {{"path", kVectors, kRequired, kNone, "Way points [m], joined by straight lines.", "", nullptr,
       1},
      {"speed_m_per_s", kPositive, kOptional, initial<&Motion::speed_m_per_s>,
       "Largest speed on a line [m/s]."},
      {"hold_s", kNotNegative, kOptional, initial<&Motion::hold_s>, "Rest at each way point [s]."},
-     {"repeat_from", kCount, kNotTogether, none,
+     {"repeat_from", kCount, kNotTogether, kNone,
       "Index from 0: the path repeats back and forth from this point to the last."},
-     {"circle", kMap, kNotTogether, none, "", "", &circle}});
+     {"circle", kMap, kNotTogether, kNone, "", "", &circle}});
 constexpr auto kMotion = joined(
     kObjectMotion,
     std::to_array<Key>({{"orientation", kQuaternion, kOptional, initial<&Motion::orientation>},
-                        {"turn", kMap, kOptional, none, "", "", &turn},
-                        {"press", kMaps, kOptional, none,
+                        {"turn", kMap, kOptional, kNone, "", "", &turn},
+                        {"press", kMaps, kOptional, kNone,
                          "Buttons that the hand presses during the motion.", "", &press}}));
 
 }  // namespace

@@ -1,6 +1,5 @@
 #pragma once
-/// What a scene file asks for, as values. scene_file.hpp reads it; plan.hpp says what is built for
-/// it.
+/// The contents of a scene file as values. scene_file.hpp reads it; plan.hpp lists what is built.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -17,8 +16,8 @@
 
 namespace voxtouch::scene {
 
-/// Closed forms that stand for a mesh, or a convex part of it, in the validator. In the mesh's
-/// frame after scaling [m].
+/// Closed forms of a mesh, or of a convex part of it, for the validator. In the mesh's frame after
+/// scaling [m].
 struct SpherePrimitive {
   Vec3 centre = Vec3::Zero();
   double radius_m = 0;
@@ -39,32 +38,29 @@ struct MeshSpec {
   Pose pose;                   ///< static: mesh in W; dynamic: mesh in T
   std::vector<Primitive>
       primitives;  ///< declared equivalents, checked against the mesh by a test; may be empty
-  std::uint32_t object = 0;  ///< static: 0 the ground, n for Scene::objects[n - 1]
+  std::uint32_t object = 0;  ///< static: 0 the static scene, n for Scene::objects[n - 1]
 };
 
 enum class ShellKind { kExact, kNaive };
 
-/// How a contact becomes what the hand feels.
+/// How a contact is displayed to the hand.
 enum class RenderingKind {
-  kPenalty,  ///< the contact model's forces at the hand's pose, which go on where points have gone
-             ///< through
-  kMemoryless,   ///< the same as the paper has them: no depth is held
+  kPenalty,      ///< forces of the contact model at the hand's pose, with latched depths
+  kMemoryless,   ///< the same without latched depths, as in the paper
   kVirtualTool,  ///< a spring from the hand to a tool that stays outside
 };
 
 inline constexpr double kRestDepthM =
-    1e-4;  ///< of a body at rest on a sixth of its surface, if its mass chooses the stiffness
+    1e-4;  ///< depth of a body at rest on a sixth of its surface; defines its stiffness by mass
 
 struct ContactSpec {
   std::string model = "adapted";  ///< original | adapted | field
   double stiffness_n_per_m =
-      0.0;  ///< per shell point: original and adapted, as in the paper. 0 where the other is given
-  double stiffness_n_per_m3 =
-      0.0;  ///< per area of the tool's surface: any model; 0 where the other is given
+      0.0;  ///< per shell point, as in the paper (original, adapted); 0: use the other
+  double stiffness_n_per_m3 = 0.0;  ///< per area of the tool's surface, any model; 0: use the other
   RenderingKind rendering =
       RenderingKind::kPenalty;  ///< kVirtualTool: with `field` alone, and both stiffnesses are 0
-  double body_mass_kg =
-      0.0;  ///< of the body that the stiffness follows from; then both stiffnesses are 0
+  double body_mass_kg = 0.0;    ///< mass that defines the stiffness; then both stiffnesses are 0
 };
 
 /// Static meshes with a material of their own, and a motion if they have one.
@@ -72,9 +68,9 @@ struct ObjectSpec {
   std::string name;
   ContactSpec contact;  ///< the scene's model; its stiffness, or the scene's
   std::optional<Motion>
-      moves;  ///< displacement of the whole object in W [m] over the time since the session's begin
+      moves;  ///< displacement of the object in W [m] over the time since the session began
   std::optional<Vec3> grid_origin =
-      {};  ///< of its voxel grid before it moves, in W [m]; left out: voxmap::object_grid
+      {};  ///< of its voxel grid before it moves, in W [m]; default: voxmap::object_grid
 };
 
 /// How the device moves the tool in the world: pose_WT = pose_WD * scaled(pose_DP) * pose_PT.
@@ -85,13 +81,13 @@ struct WorkspaceMapping {
   Pose pose_WD;  ///< D, the device's base, in W
   Pose pose_PT;  ///< T in P, the device's tip
   std::optional<std::uint32_t>
-      clutch_button;  ///< while pressed the tool stays and the device moves free
+      clutch_button;  ///< while pressed, the tool rests and the device moves freely
   bool operator==(const WorkspaceMapping&) const = default;
 };
 
 struct Scene {
   std::string name;
-  std::filesystem::path file;  ///< where it was read from
+  std::filesystem::path file;  ///< the file that was read
   std::string hash;            ///< 16 hex digits over the scene's text and the bytes of its meshes
   std::map<std::filesystem::path, std::string>
       mesh_hashes;  ///< of each mesh's bytes (mesh_parts.hpp), as the scene was read
@@ -99,20 +95,19 @@ struct Scene {
   std::vector<MeshSpec> static_meshes;
   std::vector<ObjectSpec>
       objects;  ///< in addition to the static scene, to which all meshes without an object belong
-  std::optional<Vec3> grid_origin;  ///< of the ground; left out: voxmap::object_grid
+  std::optional<Vec3> grid_origin;  ///< of the static scene; default: voxmap::object_grid
   MeshSpec dynamic_mesh;
   ShellKind shell = ShellKind::kExact;
   ContactSpec contact;
-  std::optional<double> lever_m;  ///< of a virtual tool; left out: the tool's reach
+  std::optional<double> lever_m;  ///< of a virtual tool; default: the tool's reach
   bool virtual_tool() const noexcept { return contact.rendering == RenderingKind::kVirtualTool; }
-  std::vector<effects::EffectSpec>
-      effects;  ///< asked for, in the file's order; what is not here is not computed
-  coupling::CouplingSpec coupling;  ///< as set by hand; not to be used where `design` is asked for
+  std::vector<effects::EffectSpec> effects;  ///< in the file's order; others are not computed
+  coupling::CouplingSpec coupling;           ///< set by hand; unused with `design`
   std::optional<DesignOptions>
-      design;  ///< the coupling is to be designed for the device, this scene and the hand
+      design;  ///< set: the coupling is designed for device, scene and hand
   WorkspaceMapping device;
   std::map<std::string, Motion> motions;  ///< in W
-  std::vector<std::string> warnings;  ///< doubtful, not wrong: `file:line:column: sentence` each
+  std::vector<std::string> warnings;      ///< `file:line:column: sentence` each
 };
 
 }  // namespace voxtouch::scene

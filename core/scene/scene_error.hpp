@@ -1,22 +1,20 @@
 #pragma once
-/// What a scene that cannot be read says for itself.
+/// Error of a scene file, with its place.
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 
 namespace voxtouch::scene {
 
-/// A place in a scene file; line and column count from 1, 0 where the fault has no place in the
-/// text.
+/// A place in a scene file. Line and column count from 1; 0: no place in the text.
 struct SourcePlace {
   int line = 0, column = 0;
 };
 
-/// what() is `file:line:column: sentence`, or `file: sentence` where the file could not be read at
-/// all.
+/// what() is `file:line:column: sentence`, or `file: sentence` if the file could not be read.
 class SceneError : public std::runtime_error {
  public:
-  /// About `place` of `file`; `sentence` says what is wrong there.
+  /// `sentence` describes the error at `place` of `file`.
   SceneError(const std::filesystem::path& file, SourcePlace place, const std::string& sentence);
   const SourcePlace& place() const noexcept { return place_; }
   const std::string& sentence() const noexcept { return sentence_; }

@@ -1,9 +1,8 @@
 #pragma once
-/// Reads a scene file strictly. Whatever is unknown, missing, doubled, of the wrong type, not
-/// finite or out of its range is a SceneError that says where and what would be right; nothing is
-/// guessed and nothing is skipped.
+/// Reads a scene file strictly. An unknown, missing or duplicate key, a wrong type, or a value that
+/// is not finite or out of range is a SceneError with its place and the valid values.
 ///
-/// The keys stand in keys.hpp, and for people in deploy/scenes/README.md. `cutoff_hz` is w0 / (2
+/// keys.hpp lists the keys, deploy/scenes/README.md explains them. `cutoff_hz` is w0 / (2
 /// pi): the -3 dB frequency only for damping_ratio = 1/sqrt(2).
 #include <filesystem>
 #include <string>
@@ -13,13 +12,14 @@
 
 namespace voxtouch::scene {
 
-/// Period that a scene's coupling is judged for; check_device judges it again for the device's own.
+/// Period for which the scene's coupling is validated; check_device repeats it for the device's
+/// own.
 inline constexpr double kSceneSampleTimeS = 1e-3;
 
 /// Reads `file`. Throws SceneError. Relative mesh paths start at the scene file's folder.
 Scene load_scene(const std::filesystem::path& file);
 
-/// The same for text that stands in memory; `file` names it and says where its meshes are.
+/// The same for text in memory; `file` names it, and its folder is that of the meshes.
 Scene parse_scene(const std::string& text, const std::filesystem::path& file);
 
 }  // namespace voxtouch::scene

@@ -1,7 +1,6 @@
 #pragma once
-/// YAML text as a tree that keeps everything a strict reader has to judge: the place of every key
-/// and value, keys that come twice, and whether a scalar was quoted. The parser's own node tree
-/// hides doubled keys, which is why it is not used.
+/// YAML text as a tree for a strict reader: the place of every key and value, duplicate keys, and
+/// whether a scalar was quoted. The parser's own node tree hides duplicate keys.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -29,14 +28,13 @@ struct YamlEntry {
   YamlNode value;
 };
 
-/// Deepest nesting and largest number of nodes that a scene may have: far above any real one.
+/// Limits of nesting and of the number of nodes, far above any real scene.
 inline constexpr std::size_t kDeepestNesting = 32, kMaxNodes = 200'000;
 
-/// Parses one YAML document. Throws SceneError for text that is no YAML, bytes that are no text
-/// (UTF-8), a doubled key, a key that is no plain word, several documents, tags, anchors and
-/// aliases (which a scene has no need of, and which let a small file stand for a huge one), and
-/// nesting or size over the limits above. `file` and `what` (a word for what the text is) are for
-/// the messages only.
+/// Parses one YAML document. Throws SceneError for invalid YAML or UTF-8, a duplicate key, a key
+/// that is not a plain word, several documents, tags, anchors and aliases (a small file could
+/// expand to a huge one), and nesting or size over the limits above. Messages name `file` and
+/// `what`.
 YamlNode parse_yaml(const std::string& text, const std::filesystem::path& file,
                     std::string_view what = "scene");
 

@@ -71,7 +71,7 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
     tool.reach_m = rounded_down(
         std::max(kSmallestSphereVoxels * e, std::min(largest / kSphereRatio, kLargestSphereM)));
     tool.lowest_T = Vec3(0.0, 0.0, -tool.reach_m);
-    because(fmt::format("The tool is a sphere of {:.3g} mm.", 1e3 * tool.reach_m));
+    because(fmt::format("The tool is a sphere of radius {:.3g} mm.", 1e3 * tool.reach_m));
   }
   scene.tool = tool;
 

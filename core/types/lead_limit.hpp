@@ -1,20 +1,19 @@
 #pragma once
-/// How far a hand may want to be from the tool that it moves.
+/// Limits of the target of a hand that is led from outside.
 #include <algorithm>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch {
 
-/// Limits of a hand that is led from outside, as ratios of the displacement at which its spring
-/// gives the device's largest force. A hand that pulls harder than the device can hold passes every
-/// wall, as with hardware.
+/// Limits as ratios of the displacement at which the hand's spring gives the device's largest
+/// force. A hand that pulls harder than the device passes every wall, as with hardware.
 inline constexpr double kLeadRatio = 0.9;     ///< ahead of the tool
 inline constexpr double kPressRatio = 0.3;    ///< against the force that the device gives
 inline constexpr double kLoadedRatio = 0.05;  ///< of the largest force: from there on kPressRatio
 
-/// `lead`, the displacement from the tool to where the hand wants it to be [m], within the limits;
-/// bit-identical where it is. `load`: the device's force over its largest one, in the same axes.
+/// Limits `lead`, the displacement from the tool to the hand's target [m]; within the limits it is
+/// bit-identical. `load`: the device's force over its largest one, in the same axes.
 /// `full`: the displacement at which the hand's spring gives the largest force [m]; infinity: no
 /// limit. For a rotation likewise, with rotation vectors and torques.
 ///

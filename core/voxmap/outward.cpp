@@ -80,14 +80,14 @@ class Sides {
 /// Whether the patch, oriented by its roles, faces the solid, decided at its largest triangles.
 bool faces_inward(const GridMesh& mesh, const ClosedShells& shells, const Sides& sides,
                   Members::const_iterator first, Members::const_iterator last) {
-  constexpr std::size_t kAsked = 8;
+  constexpr std::size_t kLargest = 8;
   std::vector<std::pair<double, std::uint32_t>> largest;
   for (auto at = first; at != last; ++at)
     largest.emplace_back(-area_of(mesh, at->second).squaredNorm(), at->second);
-  const std::size_t asked = std::min(kAsked, largest.size());
-  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(asked),
+  const std::size_t count = std::min(kLargest, largest.size());
+  std::partial_sort(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(count),
                     largest.end());
-  for (std::size_t n = 0; n < asked; ++n) {
+  for (std::size_t n = 0; n < count; ++n) {
     const std::uint32_t t = largest[n].second;
     if (const std::optional<int> side = sides.outward(t))
       return *side * static_cast<int>(shells.role[t]) < 0;

@@ -162,7 +162,8 @@ py::dict build(const std::string& file, double voxel_m, double scale,
 /// The report of `voxtouch design --json` as text.
 std::string design(const std::string& device, const std::string& scene, const std::string& hand,
                    const std::string& kind, double cutoff_hz, double gain_margin,
-                   double stiffness_n_per_m, bool held, bool damping, const std::string& program) {
+                   double stiffness_n_per_m, bool gripped, bool damping,
+                   const std::string& program) {
   const auto one_of = [](std::string_view name, const std::string& value,
                          std::initializer_list<std::string_view> words) {
     if (std::ranges::find(words, value) == words.end())
@@ -184,7 +185,7 @@ std::string design(const std::string& device, const std::string& scene, const st
   cli::DesignInput input;
   input.scene = scene, input.hand = hand, input.kind = kind, input.cutoff_hz = cutoff_hz,
   input.gain_margin = gain_margin;
-  input.stiffness_n_per_m = stiffness_n_per_m, input.held = held, input.no_damping = !damping;
+  input.stiffness_n_per_m = stiffness_n_per_m, input.gripped = gripped, input.no_damping = !damping;
   const auto build = [&](const scene::Scene& requested) {
     return rendering::build_scene(requested, serial_for(), {.read = reader(program)});
   };

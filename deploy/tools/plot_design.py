@@ -44,17 +44,19 @@ def design_figure(data):
     )
     suffix = "" if law else f", damping ratio {coupling['damping_ratio']:.3g}"
     note = (
-        f"{data['device']}; hand: {data['hand']}.\nWorst case of"
-        f" them{suffix}; injected"
+        f"Device {data['device']}; hand: {data['hand']}.\nWorst"
+        f" case{suffix}; injected"
         f" damping {axis_design['injected_damping']:.3g} Ns/m, {velocity}."
     )
-    useful = (
-        f"are certified stable with a {LAWS.get(kind, kind)}"
-        if data["status"] != "infeasible"
-        else "are stable, too little for use"
-    )
+    law_name = LAWS.get(kind, kind)
+    if not displayed:
+        title = "No stable coupling"
+    elif data["status"] == "infeasible":
+        title = f"Stable stiffness {displayed:.4g} N/m with a {law_name}: too small for use"
+    else:
+        title = f"Certified stiffness {displayed:.4g} N/m with a {law_name}"
     figure, axes = new_figure(
-        f"{displayed:.4g} N/m at the hand {useful}" if displayed else "No stable coupling",
+        title,
         note,
         1,
         2 if law else 1,
@@ -63,12 +65,12 @@ def design_figure(data):
     axis = axes[0][0]
     log_axis(axis.xaxis, x[0], x[-1])
     log_axis(axis.yaxis, low, high)
-    certified = f"certified below\n(gain margin {region['gain_margin']:.3g})"
+    certified = f"certified limit\n(gain margin {region['gain_margin']:.3g})"
     draw_region(
         axis,
         x,
         (
-            (region["critical_n_per_m"], BLUE, "stable below"),
+            (region["critical_n_per_m"], BLUE, "stability limit"),
             (region["certified_n_per_m"], GREEN, certified),
         ),
         low,
@@ -81,7 +83,7 @@ def design_figure(data):
             color=BLUE,
             lw=1.8,
             ls="--",
-            label="stable below,\nwithout injected damping",
+            label="stability limit without\ninjected damping",
         )
     if any(k is None or k > low for k in region["passive_n_per_m"]):
         axis.plot(
@@ -90,7 +92,7 @@ def design_figure(data):
             color=PURPLE,
             lw=1.8,
             ls="-.",
-            label="stable below with any passive\nhand, without injected\ndamping",
+            label="passivity limit (any passive\nhand), without injected\ndamping",
         )
     if paper["stiffness_n_per_m"]:
         axis.plot(
@@ -111,7 +113,7 @@ def design_figure(data):
         else (axes[0][1], f"designed: {law['chosen']:.3g} {law['unit']}")
     )
     if law:
-        axis.set_title("a shaping filter with this damping: not chosen", loc="left")
+        axis.set_title("shaping filter with the same damping: not chosen", loc="left")
         place.set_title(f"chosen law: {LAWS.get(kind, kind)}", loc="left", fontweight="bold")
         log_axis(place.xaxis, law["x"][0], law["x"][-1])
         draw_region(
@@ -140,9 +142,9 @@ def design_figure(data):
                 color=GREY,
                 lw=1.8,
                 ls=":",
-                label=f"device limit:\n {limit:.4g} N/m" if one is axis else None,
+                label=f"device limit:\n{limit:.4g} N/m" if one is axis else None,
             )
-    axis.set_xlabel("cut-off of the shaping filter, w0 / 2π [Hz]")
+    axis.set_xlabel("cut-off frequency of the shaping filter [Hz]")
     axis.set_ylabel("contact stiffness at the hand [N/m]")
     handles, labels = (
         sum(pair, []) for pair in zip(*(one.get_legend_handles_labels() for one in axes[0]))

@@ -9,10 +9,15 @@ import sys
 from plot_layout import *  # noqa: F403
 
 FORCE_NOTE = (
-    "Contact: force at the scene's stiffness, not displayed directly. Returned: force on the "
-    "hand after the coupling (capped to the certified stiffness, filtered, damped)"
+    "Contact force: at the scene's stiffness, not displayed directly. Returned force: on the hand, "
+    "after the coupling (capped to the certified stiffness, filtered, damped)"
 )
 BODY_NOTE = "; the contact acts on the body, and the hand receives the grip's force"
+FLAG_CONSTRAINED = 512  # of ContactState: a contact holds the virtual tool away from the hand
+VIRTUAL_TOOL_NOTE = (
+    "Contact force: of the spring between hand and virtual tool, which stays outside the scene. "
+    "Returned force: on the hand, after the coupling (filtered, damped)"
+)
 
 
 def read_run(bag, rig):
@@ -31,6 +36,12 @@ def read_run(bag, rig):
             "depth": 1e3 * contact["deepest_depth_m"],
             "tool": 1e3 * contact["tool_pose"]["position"]["z"],
             "body": 1e3 * contact["object_pose"]["position"]["z"],
+            "constrained": (contact["flags"] & FLAG_CONSTRAINED) != 0,
+            "stretch": 1e3
+            * norm(
+                vector(contact["tool_pose"]["position"])
+                - vector(contact["object_pose"]["position"])
+            ),
         },
         {"t": command["sample_time_ns"] * 1e-9, "force": norm(vector(command["wrench"]["force"]))},
         {"t": judged["sample_time_ns"] * 1e-9, "gap": 1e3 * judged["gap_m"]},
@@ -72,7 +83,10 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
             f"{bag}: no messages between --from {begin:g} and --to {end:g}; the recording lasts"
             f" {length:.3g} s."
         )
-    body = (abs(contact["tool"] - contact["body"]) > 1e-3).any()
+    virtual_tool = contact["constrained"].any()
+    if virtual_tool:  # the tool itself is never deep: the hand is, behind it
+        contact["depth"] = contact["stretch"]
+    body = not virtual_tool and (abs(contact["tool"] - contact["body"]) > 1e-3).any()
     effects = (abs(contact["all"] - contact["contact"]) > 1e-9).any()
     largest, deepest, last = (
         max(returned["force"], default=0.0),
@@ -80,15 +94,17 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         contact["t"][-1] + 1e-3,
     )
     figure, axes = new_figure(
-        f"{f'At most {largest:.2g} N' if largest > 1e-9 else 'No force'} returned to the hand; "
+        (f"Returned force up to {largest:.2g} N" if largest > 1e-9 else "No returned force")
         + (
-            f"{'the body' if body else 'the tool'} was at most {deepest:.2g} mm deep"
-            if deepest > 0
-            else "no contact"
+            ", no contact"
+            if not deepest > 0
+            else f", hand up to {deepest:.2g} mm from the virtual tool"
+            if virtual_tool
+            else f", depth of the {'body' if body else 'tool'} up to {deepest:.2g} mm"
         ),
-        (note or f"Bag {pathlib.Path(bag).resolve().name}, rig {rig}")
+        (note or f"Recording {pathlib.Path(bag).resolve().name}, rig {rig}")
         + "\n"
-        + FORCE_NOTE
+        + (VIRTUAL_TOOL_NOTE if virtual_tool else FORCE_NOTE)
         + (BODY_NOTE if body else "")
         + ".",
         3 if body else 2,
@@ -105,7 +121,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         color=CONTACT,
         lw=1.1,
         zorder=4,
-        label="of the contact\n(rendering)",
+        label="contact force\n(rendering)",
     )
     if effects:
         draw_over_time(
@@ -116,7 +132,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
             color=PALE_GREEN,
             lw=4.5,
             zorder=2,
-            label="grip on the body\n(rendering)" if body else "contact and effects\n(rendering)",
+            label=f"{'grip force on the body' if body else 'contact and effects'}\n(rendering)",
         )
     draw_over_time(
         top,
@@ -126,7 +142,7 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         color=RETURNED,
         lw=2.0,
         zorder=3,
-        label="returned to the hand\n(coupling)",
+        label="returned force\n(coupling)",
     )
     top.set_ylabel("force magnitude [N]")
     top.set_ylim(0.0, robust_limit(contact["contact"], contact["all"], returned["force"]))
@@ -150,7 +166,11 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         last,
         color=PURPLE,
         lw=1.4,
-        label="depth of the deepest\npoint (rendering)",
+        label=(
+            "hand to virtual tool\n(rendering)"
+            if virtual_tool
+            else "depth of the deepest\npoint (rendering)"
+        ),
     )
     draw_over_time(
         bottom,
@@ -160,14 +180,14 @@ def forces_figure(bag, rig="haptic", begin=0.0, end=math.inf, note=""):
         color="black",
         lw=1.6,
         ls="--",
-        label="gap, < 0: overlap\n(validator); in free\nair above the plane",
+        label="gap, negative: overlap\n(validator)",
     )
     bottom.axhline(0.0, color="0.5", lw=0.8)
     deep = max(1.0, robust_limit(contact["depth"], gap["gap"][gap["gap"] < 0.0]))
     bottom.set_ylim(-1.25 * deep, 2.0 * deep)
     mark_beyond(bottom, contact["t"], contact["depth"], 2.0 * deep, "mm", PURPLE)
     bottom.set_ylabel("distance [mm]")
-    bottom.set_xlabel("time on the device's clock [s]")
+    bottom.set_xlabel("device time [s]")
     legend_at_side(top, labelspacing=0.8)
     legend_at_side(bottom, labelspacing=0.8)
     pushing = int((contact["contact"] > 1e-9).sum())
@@ -198,14 +218,13 @@ def replay_title(data):
         )
     if data.get("other_build"):
         return (
-            f"This build returns at most {returned['replayed']['largest_n']:.2g} N to the hand, the"
-            f" other one {returned['recorded']['largest_n']:.2g} N"
+            f"Largest returned force: {returned['replayed']['largest_n']:.2g} N in this build,"
+            f" {returned['recorded']['largest_n']:.2g} N in the other build"
         )
     now, then = returned["replayed"]["largest_n"], returned["recorded"]["largest_n"]
     return (
-        f"{'A different scene returns' if not data['scene']['same'] else 'Replayed,'} at most"
-        f" {now:.2g} N to the hand{'' if not data['scene']['same'] else ' come back'} instead of"
-        f" {then:.2g} N"
+        f"Largest returned force: {now:.2g} N in the replay"
+        f"{'' if data['scene']['same'] else ' of another scene'}, {then:.2g} N in the recording"
     )
 
 
@@ -218,7 +237,7 @@ def replay_figure(data):
         else f" through the scene {scene['replayed']['name']} ({scene['replayed']['hash']})"
     )
     note = (
-        f"Bag {pathlib.Path(data['bag']).resolve().name}, scene"
+        f"Recording {pathlib.Path(data['bag']).resolve().name}, scene"
         f" {scene['recorded']['name']} ({scene['recorded']['hash']}), {data['device']},"
         f" replayed{other}.\n"
     )
@@ -231,8 +250,8 @@ def replay_figure(data):
         replay_title(data), note + REPLAY_NOTE, 3, sharex=True, height_ratios=(2, 2, 1)
     )
     for axis, name, what in (
-        (axes[0][0], "rendered", "rendered [N]"),
-        (axes[1][0], "returned", "returned [N]"),
+        (axes[0][0], "rendered", "rendered force [N]"),
+        (axes[1][0], "returned", "returned force [N]"),
     ):
         rows, returned = curves[name], data["forces"][name]
         table = {
@@ -270,7 +289,7 @@ def replay_figure(data):
             label=name,
         )
     axes[2][0].set_ylabel("difference\n[N]")
-    axes[2][0].set_xlabel("time on the device's clock [s]")
+    axes[2][0].set_xlabel("device time [s]")
     axes[2][0].set_xlim(0.0, end)
     legend_at_side(axes[2][0])
     return (
@@ -285,9 +304,8 @@ def replay_figure(data):
 
 # -------------------- runs side by side
 COMPARISON_NOTE = (
-    "Returned: force on the hand after the coupling, within the certified stiffness. Depth of "
-    "the hand: distance beyond the first contact of the first run, along its path to the deepest "
-    "place, in and out."
+    "Returned force: on the hand, after the coupling, within the certified stiffness. Depth of the "
+    "hand: distance from the first contact of the first run, along its path to the deepest place."
 )
 
 
@@ -332,7 +350,8 @@ def comparison_figure(bags, rig="haptic"):
     )
     into = (deepest - touch) / max(norm(deepest - touch), 1e-12)
     figure, axes = new_figure(
-        "Returned at most: " + "; ".join(f"{name} {force:.2g} N" for name, force in most.items()),
+        "Largest returned force: "
+        + "; ".join(f"{name} {force:.2g} N" for name, force in most.items()),
         COMPARISON_NOTE,
         1,
         2,
@@ -343,8 +362,8 @@ def comparison_figure(bags, rig="haptic"):
         depth = 1e3 * (run["place"] - touch) @ into
         draw_over_time(over_time, run, "force", run["t"][-1] + 1e-3, color=colour, lw=1.8)
         over_depth.plot(depth, run["force"], color=colour, lw=1.8, label=name.replace("_", " "))
-    over_time.set_ylabel("returned to the hand [N]")
-    over_time.set_xlabel("time on the device's clock [s]")
+    over_time.set_ylabel("returned force [N]")
+    over_time.set_xlabel("device time [s]")
     over_depth.set_xlabel("depth of the hand [mm]")
     over_depth.set_xlim(-0.5, 1e3 * norm(deepest - touch) * 1.05 + 0.1)
     over_time.set_ylim(0.0, 1.08 * max(most.values()))

@@ -156,7 +156,7 @@ def mark_beyond(axis, t, y, limit, unit, colour, below=False):
     most = max(peaks, key=lambda p: abs(y[p]))
     left = t[most] > sum(axis.get_xlim()) / 2
     axis.annotate(
-        f"up to {abs(y[most]):.3g} {unit} at {t[most]:.2f} s, beyond this plane"
+        f"up to {abs(y[most]):.3g} {unit} at {t[most]:.2f} s, outside the plot"
         + (f" ({len(peaks)} places)" if len(peaks) > 1 else ""),
         (t[most], 0.96 * limit * (1 if y[most] > 0 else -1)),
         xytext=(-10 if left else 10, 0),

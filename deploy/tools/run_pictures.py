@@ -110,7 +110,7 @@ def time_axis(runs, axes):
     end = max(run.length_s for run in runs)
     for axis in axes[-1]:
         axis.set_xlim(0.0, max(end, 1e-3))
-        axis.set_xlabel("time on the device's clock [s]")
+        axis.set_xlabel("device time [s]")
     return end
 
 
@@ -241,7 +241,7 @@ def peak_picture(runs):
             )
         axis.set_xlim(begin, end)
         axis.set_ylim(0.0, limit)
-        axis.set_xlabel("time on the device's clock [s]")
+        axis.set_xlabel("device time [s]")
     axes[0][0].set_ylabel("force magnitude [N]")
     limits(runs, axes[0])
     legends(runs, axes[0])

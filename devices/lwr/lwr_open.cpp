@@ -161,14 +161,14 @@ LwrDriver::~LwrDriver() {
 }
 
 void LwrDriver::disengage() noexcept {
-  const bool asked = session_.phase() == fri::FriSession::Phase::kStarting ||
-                     session_.phase() == fri::FriSession::Phase::kRunning;
+  const bool requested = session_.phase() == fri::FriSession::Phase::kStarting ||
+                         session_.phase() == fri::FriSession::Phase::kRunning;
   session_.request_stop();
   stop();
   const std::uint64_t received_enough =
-      counts_.answered + (asked ? 3 : 0);  // a request may be lost
+      counts_.answered + (requested ? 3 : 0);  // a request may be lost
   const auto deadline = Clock::now() + seconds(options_.stop_timeout_s);
-  while (asked && !(session_.stopped() && counts_.answered >= received_enough)) {
+  while (requested && !(session_.stopped() && counts_.answered >= received_enough)) {
     const Intake intake = wait_and_take(deadline);
     if (intake == Intake::kNothing)
       return;

@@ -1,7 +1,7 @@
 #pragma once
-/// The operator as what a simulated arm feels at its tip: a force towards where the hand wants to
-/// be, and a mass that moves with the tip. Shared by the emulators of real devices,
-/// which have inertia, joints and friction of their own.
+/// The operator as a load at the tip of a simulated arm: a force towards the hand's target, and a
+/// mass that moves with the tip. Shared by the emulators of real devices, which have inertia,
+/// joints and friction of their own.
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -22,19 +22,18 @@ const std::vector<std::string_view>& grip_names();
 
 /// The grip itself. Throws as OperatorConfig::validate does.
 const sim::OperatorConfig& checked_grip(const sim::OperatorConfig& grip);
-/// The motion, its orientation normalised. Throws std::runtime_error, a sentence, for one that no
-/// hand can follow: no way point, a number that is not finite, no speed, an orientation that is
-/// none.
+/// The motion with a normalised orientation. Throws std::runtime_error, with a sentence, for an
+/// invalid motion: no way point, NaN or infinity, no speed, an invalid orientation.
 Motion checked_motion(Motion motion);
 
-/// What a hand that carries its tool makes up for; see OperatorConfig::carries_tool.
+/// Drag of the tool that a hand compensates; see OperatorConfig::carries_tool.
 struct ToolDrag {
   double damping_ns_per_m = 0.0;
   double coulomb_friction_n = 0.0;
 };
 
 /// The hand over one step: constants of its springs, and their targets in the middle of the step.
-/// All zero: not held.
+/// All zero: released.
 struct HandAction {
   double mass_kg = 0.0, damping_ns_per_m = 0.0, stiffness_n_per_m = 0.0;
   double inertia_kg_m2 = 0.0, damping_nms_per_rad = 0.0, stiffness_nm_per_rad = 0.0;
@@ -56,9 +55,9 @@ struct HandAction {
   }
 };
 
-/// Follows a Motion through two equal first-order lags in a row, which keep it to what a hand can
-/// follow on purpose. Steps of one fixed length; the same calls give bit-identical results.
-/// Real-time safe but for the constructor, `follow` and `grip_as`.
+/// Follows a Motion through two equal first-order lags, which limit it to the bandwidth of
+/// voluntary movement. Steps have a fixed length; the same calls give bit-identical results.
+/// Real-time safe except for the constructor, `follow` and `grip_as`.
 class Hand {
  public:
   /// Voluntary movement reaches 2 to 5 Hz; -3 dB of both lags together. Infinity: the target is the
@@ -76,15 +75,12 @@ class Hand {
   double time_s() const noexcept { return static_cast<double>(steps_) * step_s_; }
   bool holds() const noexcept { return !config_.released && time_s() < config_.release_time_s; }
   const sim::OperatorConfig& config() const noexcept { return config_; }
-  const Vec3& target() const noexcept {
-    return second_;
-  }  ///< where the hand wants the tip to be now
+  const Vec3& target() const noexcept { return second_; }  ///< present target of the tip
   const Quat& orientation() const noexcept { return orientation_; }
 
-  /// From now on this grip. Times in it stay on this hand's clock. Throws as the constructor does.
+  /// Changes the grip. Its times are on this hand's clock. Throws as the constructor does.
   void grip_as(const sim::OperatorConfig& config);
-  /// From now on this motion, which starts now; the target leads over to it through its lags.
-  /// Throws likewise.
+  /// Starts another motion; the target reaches it through the lags. Throws as the constructor does.
   void follow(Motion motion);
 
  private:

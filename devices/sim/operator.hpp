@@ -1,13 +1,12 @@
 #pragma once
-/// The person at a simulated device: a mass that the hand adds, held by a spring and a damper to
-/// where it wants to be.
+/// The operator of a simulated device: a mass with spring and damper to a target.
 #include <limits>
 
 namespace voxtouch::sim {
 
-/// Means of grips and arms stand in parameters.cpp. All zero is a hand that does nothing.
+/// parameters.cpp has the means of grips and arms. All zero: a hand without effect.
 struct OperatorConfig {
-  bool released = false;  ///< no hand at all; the rest is not used
+  bool released = false;  ///< no hand; the other values are unused
   double release_time_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the
                                                                     ///< hand opens, for good
   double grip_change_time_s =
@@ -21,9 +20,8 @@ struct OperatorConfig {
   double inertia_kg_m2 = 0.0;      ///< the same three for rotation
   double damping_nms_per_rad = 0.0;
   double stiffness_nm_per_rad = 0.0;
-  /// The hand compensates its tool: while its target moves it adds what the device's own damping
-  /// and dry friction will take, as people learn to. Without it an arm that drags 3 N would stay 15
-  /// mm behind its target and never touch what it aims at.
+  /// The hand compensates damping and dry friction of the device while its target moves, as
+  /// operators learn to. Without it an arm that drags 3 N would stay 15 mm behind its target.
   bool carries_tool = false;
   double tremor_n = 0.0;  ///< standard deviation of a random force on each axis; 0: none
   double tremor_bandwidth_hz = 10.0;  ///< of that force, first order

@@ -1,6 +1,5 @@
 #pragma once
-/// The mechanics of a simulated device in a hand, in continuous quantities: nothing is
-/// quantised here.
+/// The mechanics of a simulated device with an operator, without quantisation.
 #include <optional>
 
 #include "core/types/motion.hpp"
@@ -9,7 +8,7 @@
 
 namespace voxtouch::sim {
 
-/// Three axes of a mass with viscous damping and dry friction, tied by spring and damper to a
+/// Three axes of a mass with viscous damping and dry friction, connected by spring and damper to a
 /// target.
 struct Mobility {
   Vec3 mass = Vec3::Ones();     ///< [kg] or [kg m^2], hand included
@@ -37,21 +36,21 @@ class SimPlant {
   /// At rest where `motion` starts. The parameters must be valid.
   SimPlant(const SimParameters& parameters, const OperatorConfig& hand, Motion motion);
 
-  /// From now on the hand follows the targets given to `lead`, from where its motion starts, and
-  /// not its motion. `period_s`: between two calls of `next_period`, from time 0 on.
+  /// Makes the hand follow the targets of `lead` instead of its motion, from the motion's start on.
+  /// `period_s`: time between two calls of `next_period`, from time 0 on.
   void be_led(double period_s, const DeviceDescription& device) noexcept;
-  /// Where the hand wants the tip to be, in D; nothing unless `be_led` has been called.
+  /// Sets the target of the tip in D; no effect before `be_led`.
   void lead(const Pose& target) noexcept {
     if (leader_)
       leader_->aim(target);
   }
-  /// A period of the device has passed, at whose end it gives `push`.
+  /// Ends a period of the device, which then gives `push`.
   void next_period(const Wrench& push) noexcept {
     if (leader_)
       leader_->advance(pose_, push);
   }
 
-  /// Moves on by one substep, under the wrench `push` of the device and the force `tremor` of the
+  /// Advances by one substep with the wrench `push` of the device and the force `tremor` of the
   /// hand.
   void step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept;
 
@@ -60,14 +59,14 @@ class SimPlant {
   bool held_at(double time_s) const noexcept {
     return !hand_.released && time_s < hand_.release_time_s;
   }
-  /// What the hand presses, while there is one.
+  /// Buttons pressed by the hand; none after the release.
   std::uint32_t buttons_at(double time_s) const noexcept {
     return held_at(time_s) ? voxtouch::buttons_at(motion_, time_s) : 0U;
   }
   /// Of the masses and the hand's springs about the target at `time_s` [J].
   double energy(double time_s) const noexcept;
 
-  /// Puts the tip there in D, with these rates [m/s, rad/s].
+  /// Sets pose and velocity of the tip in D [m/s, rad/s].
   void set_state(const Pose& pose, const Twist& twist) noexcept { pose_ = pose, twist_ = twist; }
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-/// A device that exists in arithmetic only: plant, encoder, force path, and the hand that holds it.
+/// A simulated device: plant, encoder, force path, and operator.
 #include <cstdint>
 
 #include "core/types/motion.hpp"
@@ -12,16 +12,15 @@
 
 namespace voxtouch::sim {
 
-/// Time moves by one period (eight substeps) with each `write`; the first sample is at time 0. A
-/// `read` that follows a `read` first lets one period pass without force, as a device does that is
-/// not answered. A refused command costs its period too, at zero force. No clock: the same calls
-/// give bit-identical results.
+/// Each `write` advances time by one period (eight substeps); the first sample is at time 0. A
+/// `read` after a `read` first advances one period without force, as without a reply. A refused
+/// command also takes its period, at zero force. No clock: the same calls give bit-identical
+/// results.
 class SimulatedDevice final : public devices::Driver {
  public:
-  /// `motion`: where the hand wants the tool to be, in D; the tool starts there, at rest. `hand`
-  /// replaces the one of the parameters. `is_led`: the hand follows `lead_hand` instead, and rests
-  /// at the motion's start before. Throws std::runtime_error where hand or motion cannot be
-  /// simulated.
+  /// `motion`: target of the tool in D; the tool starts there at rest. `hand` replaces that of the
+  /// parameters. `is_led`: the hand follows `lead_hand` instead, and rests at the motion's start
+  /// before. Throws std::runtime_error for an invalid hand or motion.
   SimulatedDevice(const SimParameters& parameters, const OperatorConfig& hand, Motion motion,
                   std::uint64_t seed = 0, bool is_led = false);
 
@@ -33,8 +32,7 @@ class SimulatedDevice final : public devices::Driver {
   bool simulated() const noexcept override { return true; }
   void lead_hand(const Pose& target) noexcept override { plant_.lead(target); }
 
-  /// What no real device reports: the state before the encoder, and the wrench that the motors gave
-  /// in the last substep.
+  /// For tests: the state before the encoder, and the wrench of the motors in the last substep.
   const SimPlant& plant() const noexcept { return plant_; }
   const Wrench& applied() const noexcept { return applied_; }
   std::int64_t time_ns() const noexcept { return period_ * period_ns_; }

@@ -85,8 +85,8 @@ bool unicast_returns(const Card& card) {
   return datagram_returns(card, in_addr{card.address}, false);
 }
 
-std::string deafness_cause(std::string_view interface_name, std::uint32_t domain,
-                           std::string_view added) {
+std::string reception_fault(std::string_view interface_name, std::uint32_t domain,
+                            std::string_view added) {
   if (const std::string lost = lost_address(); !lost.empty())
     return lost + "; restart the ring";
   if (turns_multicast_off(added))

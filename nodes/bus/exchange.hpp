@@ -16,8 +16,8 @@ bool unicast_returns(const Card& card);
 
 /// The likely cause, with a remedy, if no message of a running process arrives. `added`: value of
 /// CYCLONEDDS_URI.
-std::string deafness_cause(std::string_view interface_name, std::uint32_t domain,
-                           std::string_view added);
+std::string reception_fault(std::string_view interface_name, std::uint32_t domain,
+                            std::string_view added);
 
 /// Stores the addresses that DDS uses in this process; called by `configure`.
 void note_addresses(const std::vector<Card>& cards);

@@ -59,20 +59,20 @@ ServiceEndpoints::ServiceEndpoints(const Participant& participant, const qos::Se
                                    std::string_view rig, std::string_view node,
                                    const msg::AnyType& request, const msg::AnyType& response,
                                    bool (*fits)(const void*)) {
-  const std::string asked = qos::request_name(row, rig, node),
+  const std::string requested = qos::request_name(row, rig, node),
                     answered = qos::reply_name(row, rig, node);
   const std::string server =
       fmt::format("{:02x}.{}", fmt::join(participant.guid(), ""), std::string_view(row.path));
-  requests_.topic = make_topic(participant, asked, request);
+  requests_.topic = make_topic(participant, requested, request);
   dds_topic_filter filter{};
   filter.mode = DDS_TOPIC_FILTER_SAMPLE;
   filter.f.sample = fits;
   if (dds_set_topic_filter_extended(requests_.topic.get(), &filter) != DDS_RETCODE_OK)
-    throw Error("the reader on " + asked + " cannot be set to refuse requests");
+    throw Error("the reader on " + requested + " cannot be set to refuse requests");
   requests_.endpoint =
       Entity(dds_create_reader(participant.get(), requests_.topic.get(),
                                service_qos(qos::Endpoint::kReader, server, request).get(), nullptr),
-             "a reader on " + asked + " cannot be created");
+             "a reader on " + requested + " cannot be created");
   requests_.entry = participant.enter(requests_.endpoint.get(), qos::Endpoint::kReader);
   unread_ = Entity(dds_create_readcondition(requests_.endpoint.get(), DDS_ANY_STATE),
                    "cannot create a read condition");

@@ -3,7 +3,7 @@
 
 #include "nodes/cli/verbs.hpp"
 #include "nodes/console/log.hpp"
-#include "nodes/runtime/change_asker.hpp"
+#include "nodes/runtime/change_client.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -22,10 +22,10 @@ int change(const ChangeOptions& o) {
     if (!o.json)
       console::print_result("{}\n", answer.sentence);
   };
-  const std::string problem =
-      runtime::ChangeAsker(participant, o.node).ask(o, answered, [](const std::string& sentence) {
-        console::log("{}\n", sentence);
-      });
+  const std::string problem = runtime::ChangeClient(participant, o.node)
+                                  .request(o, answered, [](const std::string& sentence) {
+                                    console::log("{}\n", sentence);
+                                  });
   if (o.json) {
     nlohmann::ordered_json j{{"ok", problem.empty()},
                              {"answers", answers},

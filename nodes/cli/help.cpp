@@ -43,6 +43,8 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "Measures the part and proposes unit, voxel size, tool and two motions of a simulated hand. "
       "The output\n"
       "gives the reason of each. Every line of the file may be changed afterwards.\n"
+      "Without TOOL, the tool is a sphere, PART.tool.obj next to the scene. Scene, part and tool\n"
+      "can be moved together.\n"
       "\n"
       "Examples:\n"
       "  voxtouch new part.stl\n"

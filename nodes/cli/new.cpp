@@ -35,7 +35,7 @@ struct ReadMesh {
   std::string unit;  ///< a sentence
 };
 
-/// In the file's own numbers first, since they state the unit where the format declares none.
+/// Reads the mesh in the numbers of the file first: they suggest the unit if the format has none.
 ReadMesh read_mesh(const fs::path& file, const std::string& unit) {
   const mesh::TriangleReader reader = mesh_import::mesh_process();
   ReadMesh read{.mesh = mesh::import_mesh(file, {}, reader), .scale = 1.0, .unit = {}};
@@ -58,11 +58,13 @@ ReadMesh read_mesh(const fs::path& file, const std::string& unit) {
   return read;
 }
 
-/// As a scene file in `folder` is to name it: what lies there or below by a short path, all else by
-/// its whole one.
+/// The path of `file` in a scene file in `folder`: relative, so that both can be moved together;
+/// absolute if only the root folder is common.
 std::string named_from(const fs::path& folder, const fs::path& file) {
-  const fs::path relative = fs::relative(file, folder);
-  return (relative.empty() || *relative.begin() == ".." ? fs::canonical(file) : relative).string();
+  const fs::path whole = fs::canonical(file), from = fs::weakly_canonical(folder);
+  const auto root = [](const fs::path& path) { return *std::next(path.begin()); };
+  const bool under_one_folder = from != from.root_path() && root(whole) == root(from);
+  return (under_one_folder ? whole.lexically_relative(from) : whole).string();
 }
 
 void write_new(const fs::path& file, const std::string& text) {
@@ -74,6 +76,24 @@ void write_new(const fs::path& file, const std::string& text) {
         fmt::format("Cannot write {}. Check that it does not exist, the free space and the "
                     "permissions, or choose another file with --out",
                     file.string()));
+}
+
+/// The copy of the shipped sphere next to the scene `out`.
+fs::path sphere_file(const fs::path& out) { return fs::path(out).replace_extension(".tool.obj"); }
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Copies the shipped sphere next to the scene `out`. Returns whether the file is new; an equal
+/// file is used as it is.
+bool copy_sphere(const fs::path& out) {
+  const std::string sphere = contents(shared_folder() / "meshes" / "sphere.obj");
+  if (fs::exists(sphere_file(out)) && contents(sphere_file(out)) == sphere)
+    return false;
+  write_new(sphere_file(out), sphere);
+  return true;
 }
 
 struct Meshes {
@@ -88,7 +108,7 @@ Meshes read_meshes(const NewOptions& o, const fs::path& out) {
   m.units.push_back(m.part.unit);
   m.names = {.scene = scene_proposal::scene_name(o.part.stem().string()),
              .part_file = named_from(out.parent_path(), o.part),
-             .tool_file = (fs::canonical(shared_folder() / "meshes") / "sphere.obj").string(),
+             .tool_file = sphere_file(out).filename().string(),
              .part_scale = m.part.scale};
   if (o.tool.empty())
     return m;
@@ -108,23 +128,23 @@ scene_proposal::ProposedScene propose(Meshes& m) {
   return proposed;
 }
 
-/// What a person must know of the scene as it is: what is wrong with it, and its force preview.
-std::vector<std::string> tried(const scene::Scene& scene,
-                               const coupling::design::DeviceModel& device) {
-  std::vector<std::string> said;
+/// Faults of the scene and its force preview, as sentences.
+std::vector<std::string> findings(const scene::Scene& scene,
+                                  const coupling::design::DeviceModel& device) {
+  std::vector<std::string> sentences;
   const auto built = scene_build::build_here(scene, {.who = "new"});
   if (const std::string wrong = scene_proposal::validate(scene, *built); !wrong.empty())
-    said.push_back("Correct by hand: " + wrong + ".");
+    sentences.push_back("Correct by hand: " + wrong + ".");
   const rendering::StiffnessBounds bounds{built->plan().contact_n_per_m,
                                           built->plan().contact_nm_per_rad};
   const device_fit::FittedCoupling fitted =
       device_fit::fit_coupling(scene, device, bounds.translation, bounds.rotation);
   if (!fitted.refusal.empty())
-    said.push_back("Correct by hand: " + fitted.refusal);
+    sentences.push_back("Correct by hand: " + fitted.refusal);
   if (const auto preview =
           device_fit::force_preview(fitted, scene, device, bounds, built->plan().tool_reach_m))
-    said.push_back(force_line(*preview, device.name));
-  return said;
+    sentences.push_back(force_line(*preview, device.name));
+  return sentences;
 }
 
 /// Writes the scene to `out`; returns its reasons, as sentences.
@@ -142,11 +162,15 @@ std::vector<std::string> write_scene(const NewOptions& o, const fs::path& out) {
 
   scene_proposal::ProposedScene proposed = propose(meshes);
   write_new(out, scene_proposal::scene_text(proposed, meshes.names));
+  bool copied = false;
   try {
-    for (std::string& sentence : tried(scene::load_scene(out), device))
+    copied = meshes.tool.sphere && copy_sphere(out);
+    for (std::string& sentence : findings(scene::load_scene(out), device))
       proposed.reasons.push_back(std::move(sentence));
   } catch (const std::exception&) {
-    fs::remove(out);  // a scene that cannot even be built is no begin
+    fs::remove(out);  // the scene cannot be built
+    if (copied)
+      fs::remove(sphere_file(out));
     throw;
   }
   return std::move(proposed.reasons);
@@ -160,10 +184,11 @@ int make_new(const NewOptions& o) {
     console::print_result("{}\n", reason);
   console::print_result(
       "\n"
-      "Wrote {}. To run it:\n"
+      "Wrote {}{}. To run it:\n"
       "  voxtouch up {} --device {} --motion press --view\n",
-      out.string(), o.out.empty() ? out.filename().string() : out.string(),
-      device_argument(o.device));
+      out.string(),
+      o.tool.empty() ? fmt::format(" and the tool {}", sphere_file(out).filename().string()) : "",
+      o.out.empty() ? out.filename().string() : out.string(), device_argument(o.device));
   return 0;
 }
 

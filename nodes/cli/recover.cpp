@@ -10,7 +10,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/console/log.hpp"
-#include "nodes/faults/force_lock.hpp"
+#include "nodes/faults/fault_latch.hpp"
 #include "nodes/runtime/options.hpp"
 
 namespace voxtouch::cli {
@@ -45,9 +45,9 @@ class Recovery {
   std::vector<Lock> locks() const {
     std::vector<Lock> all;
     for (const runtime::NodeReport& report : registry_.reports())
-      if (const auto number = report.values.find(faults::ForceLock::kNumber);
+      if (const auto number = report.values.find(faults::FaultLatch::kNumber);
           number != report.values.end()) {
-        const auto reason = report.values.find(faults::ForceLock::kReason);
+        const auto reason = report.values.find(faults::FaultLatch::kReason);
         all.push_back({report.node, number->second,
                        reason == report.values.end() ? "" : reason->second, report.session_id});
       }

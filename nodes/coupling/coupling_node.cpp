@@ -55,7 +55,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
       follow_change();
     if (auto fitted = fitting_.poll())
       adopt(std::move(*fitted));
-    if (watch_.opened() && coupling_.runs())
+    if (watch_.take_reset() && coupling_.runs())
       restart();
   }
 
@@ -132,7 +132,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   std::optional<msg::ForceCommand> step(const msg::ContactState& contact) noexcept override {
     watch_.begin_sample(coupling_.counters());
     msg::ForceCommand command = coupling_.answer(contact);
-    if (watch_.locked())
+    if (watch_.latched())
       command.wrench = {}, command.status |= msg::force_command::kStatusLocked;
     return command;
   }

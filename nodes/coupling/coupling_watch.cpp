@@ -20,8 +20,8 @@ std::vector<faults::FaultMessage> messages_of(const std::vector<ContactSeen>& ro
 
 EnergyBounds energy_bounds(const coupling::CouplingCounters& c, double voxel_size_m) noexcept {
   return {coupling::energy_bound_j(c.most_force_n, c.longest_path_m, voxel_size_m),
-          coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad, c.most_force_n,
-                                            voxel_size_m)};
+          coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_rotation_rad,
+                                            c.most_force_n, voxel_size_m)};
 }
 
 void count(CouplingCounters& counters, const coupling::CouplingCounters& c,
@@ -55,12 +55,12 @@ CouplingWatch::CouplingWatch(const bus::Participant& participant, const std::str
                {faults::topic_of<msg::ContactState>("/" + rig + "/rendering/contact"),
                 faults::topic_of<msg::ForceCommand>("/" + rig + "/coupling/command")},
                messages_of),
-      keeper_(participant, rig) {}
+      reset_receiver_(participant, rig) {}
 
-bool CouplingWatch::opened() noexcept {
+bool CouplingWatch::take_reset() noexcept {
   if (device_fault_.exchange(false, std::memory_order_relaxed))
     records_.keep_too("a fault reported by the device");
-  return lock_.opened();
+  return latch_.take_reset();
 }
 
 /// Checks the energy of the whole port, because a coupled contact moves energy between translation
@@ -78,11 +78,11 @@ void CouplingWatch::end_sample(const ContactSeen& seen, const coupling::Coupling
   if (now.swing.swings != before_.swing.swings)
     keep("a self-sustained oscillation of the device");
   if (now.growing && !before_.growing)
-    lock_.engage("unstable contact: the force grew over three periods without work of the hand");
+    latch_.latch("unstable contact: the force grew over three periods without work of the hand");
   const double energy_j = seen.command.energy_j + seen.command.energy_rotation_j;
   const double bound_j = bounds.translation_j + bounds.rotation_j;
   if (energy_j < -kNoticeableJ && energy_j < -kUnstableRatio * bound_j)
-    lock_.engage(
+    latch_.latch(
         "unstable contact: the coupling generated five times the energy allowed for a stable "
         "contact");
 }
@@ -108,8 +108,8 @@ void CouplingWatch::report_to(const runtime::NodeRegistry& registry,
   if (device_has_failed(registry, device))
     device_fault_.store(true, std::memory_order_relaxed);
   records_.report_to(report);
-  keeper_.listen(device.session(), lock_);
-  lock_.report_to(report, runs);
+  reset_receiver_.receive(device.session(), latch_);
+  latch_.report_to(report, runs);
   status.say(runtime::StatusPriority::kLocked, std::exchange(report.message, {}));
 }
 

@@ -1,11 +1,11 @@
 #pragma once
-/// Detects faults of the coupling: records them and locks the force at zero.
+/// Detects faults of the coupling: records them and latches the force at zero.
 #include <atomic>
 #include <optional>
 
 #include "core/coupling/running_coupling.hpp"
+#include "nodes/faults/fault_latch.hpp"
 #include "nodes/faults/fault_recorder.hpp"
-#include "nodes/faults/force_lock.hpp"
 #include "nodes/runtime/counters.hpp"
 #include "nodes/runtime/role_binding.hpp"
 #include "nodes/runtime/status_text.hpp"
@@ -81,12 +81,12 @@ class CouplingWatch {
   // Called by the loop. All except `reserve` are real-time safe.
   void reserve(double rate_hz) { records_.reserve(rate_hz); }
   void keep(const char* reason) noexcept { records_.keep(reason); }
-  bool locked() const noexcept { return lock_.engaged(); }
-  /// Returns true once after the lock was reset. Keeps a record if the device reported a fault.
-  bool opened() noexcept;
+  bool latched() const noexcept { return latch_.latched(); }
+  /// Returns true once after the latch was reset. Keeps a record if the device reported a fault.
+  bool take_reset() noexcept;
   /// Call it first for each contact.
   void begin_sample(const coupling::CouplingCounters& counters) noexcept { before_ = counters; }
-  /// Call it after the answer: records faults, and locks the force if the contact is unstable.
+  /// Call it after the answer: records faults, and latches zero force if the contact is unstable.
   void end_sample(const ContactSeen& seen, const coupling::CouplingCounters& now,
                   const EnergyBounds& bounds) noexcept;
 
@@ -99,8 +99,8 @@ class CouplingWatch {
 
   faults::FaultRecorder<ContactSeen> records_;
   faults::OthersFaults device_faults_;
-  faults::ForceLock lock_;
-  faults::LockKeeper keeper_;
+  faults::FaultLatch latch_;
+  faults::ResetReceiver reset_receiver_;
   std::optional<bus::Guid> last_device_;  ///< the device that was bound last
   bool device_silent_ = false;            ///< at the last poll
   std::atomic<bool> device_fault_{false};

@@ -71,7 +71,7 @@ End DeviceLoop::run(const std::atomic<bool>& stop) noexcept {
   return end;
 }
 
-End DeviceLoop::asked_to_end(const std::atomic<bool>& stop) const noexcept {
+End DeviceLoop::end_request(const std::atomic<bool>& stop) const noexcept {
   if (stop.load(kRelaxed))
     return End::kStopped;
   if (settings_.max_samples && sequence_ == settings_.max_samples)
@@ -86,8 +86,8 @@ End DeviceLoop::asked_to_end(const std::atomic<bool>& stop) const noexcept {
 End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   progress_.heartbeat.beat();
   note_loss();
-  if (const End asked = asked_to_end(stop); asked != End::kNone)
-    return asked;
+  if (const End requested = end_request(stop); requested != End::kNone)
+    return requested;
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
   if (!sample) {
@@ -119,9 +119,9 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
     let_go();
     return End::kNone;
   }
-  if (progress_.lock.opened())
+  if (progress_.latch.take_reset())
     guard_.restart();
-  if (progress_.lock.engaged()) {
+  if (progress_.latch.latched()) {
     let_go();
     return End::kNone;
   }
@@ -180,7 +180,7 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
     return End::kDeviceFault;
   // The guard passes no command that a driver refuses, so one of the two is faulty.
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
-    progress_.lock.engage("the driver refused a command that the force guard accepted");
+    progress_.latch.latch("the driver refused a command that the force guard accepted");
   let_go();
   progress_.has_error.store(true, kRelaxed);
   gaps_.restart();  // at zero force a gap is harmless
@@ -233,7 +233,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample,
   state.buttons = sample.buttons;
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
-                (progress_.lock.engaged() ? msg::device_state::kFlagLocked : 0U) |
+                (progress_.latch.latched() ? msg::device_state::kFlagLocked : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseLatched);
   seen_.state = state, seen_.answered = false;
@@ -356,7 +356,7 @@ void DeviceLoop::lock_where_cut(bool cut) noexcept {
   if (cut_samples_ < 0.1 * second)
     return;
   cut_samples_ = 0.0;
-  progress_.lock.engage("more than 10 % of the commands of a second were above the device's limit");
+  progress_.latch.latch("more than 10 % of the commands of a second were above the device's limit");
 }
 
 void DeviceLoop::note(const Wrench& force) noexcept {

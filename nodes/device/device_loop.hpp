@@ -20,8 +20,8 @@
 #include "nodes/bus/wait_set.hpp"
 #include "nodes/bus/writer.hpp"
 #include "nodes/device/force_loss.hpp"
+#include "nodes/faults/fault_latch.hpp"
 #include "nodes/faults/fault_recorder.hpp"
-#include "nodes/faults/force_lock.hpp"
 #include "nodes/runtime/counters.hpp"
 #include "nodes/runtime/heartbeat.hpp"
 #include "nodes/runtime/latency.hpp"
@@ -103,7 +103,7 @@ struct Progress {
   std::atomic<std::int64_t> started_ns{0}, ended_ns{0};  ///< monotonic clock
   std::atomic<End> end{End::kNone};
   runtime::LatencyHistogram latency;
-  faults::ForceLock lock;
+  faults::FaultLatch latch;
   /// Of a device with a measured file; the loop's until `start_checked`, then the monitor's.
   identification::StartCheck start_check;
   std::atomic<bool> start_checked{false};
@@ -166,7 +166,7 @@ class DeviceLoop {
   End run(const std::atomic<bool>& stop) noexcept;
 
  private:
-  End asked_to_end(const std::atomic<bool>& stop) const noexcept;
+  End end_request(const std::atomic<bool>& stop) const noexcept;
   End cycle(const std::atomic<bool>& stop) noexcept;
   /// Writes the command through the guard to the device, at the device's time of `sample`.
   End give(std::optional<devices::GuardInput> command,

@@ -58,7 +58,7 @@ DeviceMonitor::DeviceMonitor(runtime::NodeHost& host, const devices::Driver& dri
       requests_(requests),
       faults_(faults),
       coupling_("coupling", {&commands.following()}),
-      keeper_(host.participant(), host.options().rig),
+      reset_receiver_(host.participant(), host.options().rig),
       late_(network_delay_ms, host.options().lockstep) {}
 
 std::string DeviceMonitor::sentence(End end) const {
@@ -99,7 +99,7 @@ void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry
   const runtime::NodeReport* const coupling = bound ? registry.report_of(*bound) : nullptr;
   if (coupling && coupling_faults_.see(*coupling))
     requests_.coupling_fault.store(true);
-  keeper_.listen(session, progress_.lock);
+  reset_receiver_.receive(session, progress_.latch);
   // In a ring that was started by hand, the loss of a role ends the session.
   if (coupling_.lost_session() == session)
     peers_.lose("the coupling of this session has left");
@@ -176,7 +176,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
     status.say(StatusPriority::kEnded, sentence(end));
   fill(report);
   judge_start(report, status);
-  progress_.lock.report_to(report, !ended);
+  progress_.latch.report_to(report, !ended);
   status.say(StatusPriority::kLocked, std::exchange(report.message, {}));
 }
 

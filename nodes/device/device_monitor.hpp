@@ -59,7 +59,7 @@ class DeviceMonitor {
   const Faults& faults_;
   runtime::RoleBinding coupling_;
   faults::OthersFaults coupling_faults_;
-  faults::LockKeeper keeper_;
+  faults::ResetReceiver reset_receiver_;
   LockstepPeers peers_;
   RigClaim rig_;
   LateCommands late_;

@@ -39,7 +39,7 @@ void JointOutputs::show(std::span<const double> joints, std::int64_t sample_ns) 
 }
 
 void JointOutputs::run() {
-  constexpr std::int64_t kPeriodNs = runtime::HundredASecond::kPeriodNs, kBehindNs = 1'500'000;
+  constexpr std::int64_t kPeriodNs = runtime::DisplaySampler::kPeriodNs, kBehindNs = 1'500'000;
   std::int64_t at_ns = runtime::monotonic_ns() / kPeriodNs * kPeriodNs + kBehindNs;
   for (bool is_described = false; !stop_.load(std::memory_order_acquire);) {
     if (!is_described && description_.matched_count() > 0) {  // DDS keeps it for late readers

@@ -12,7 +12,7 @@
 #include "devices/arm/arm_description.hpp"
 #include "devices/driver.hpp"
 #include "nodes/bus/writer.hpp"
-#include "nodes/runtime/hundred_a_second.hpp"
+#include "nodes/runtime/display_sampler.hpp"
 #include "nodes/runtime/spsc_queue.hpp"
 
 namespace voxtouch::device_node {
@@ -44,7 +44,7 @@ class JointOutputs {
   const qos::TimeMode mode_;
   bus::Writer<msg::sensor_msgs_JointState> states_;
   bus::Writer<msg::std_msgs_String> description_;
-  runtime::HundredASecond regular_;
+  runtime::DisplaySampler regular_;
   runtime::SpscQueue<Moment, 64> due_;
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -62,14 +62,14 @@ RecordedTopics::RecordedTopics(const bus::Participant& participant,
     const qos::Qos offered =
         qos::make_qos(profile, qos::Endpoint::kWriter, row.rate_hz > 0 ? 1.0 / row.rate_hz : 0.0);
     // In lockstep no message may be lost: a full reader blocks the writer.
-    const qos::Qos asked = profile.id == qos::ProfileId::kLockstep
-                               ? qos::make_qos(profile, qos::Endpoint::kReader, 0.0)
-                               : recording_qos(offered.get());
+    const qos::Qos requested_qos = profile.id == qos::ProfileId::kLockstep
+                                       ? qos::make_qos(profile, qos::Endpoint::kReader, 0.0)
+                                       : recording_qos(offered.get());
     const bool from_outside = row.path == qos::kEffectChange.path;  // its sender has no sample time
     const bool flows = !from_outside && (row.profile == qos::ProfileId::kStream ||
                                          row.profile == qos::ProfileId::kEvent);
     const std::lock_guard lock(numbers_mutex_);
-    Entry& entry = add(qos::dds_name(row, options.rig), *type_of(row), asked, offered.get(),
+    Entry& entry = add(qos::dds_name(row, options.rig), *type_of(row), requested_qos, offered.get(),
                        flows ? Stamp::kSampleTime
                        : from_outside || row.profile == qos::ProfileId::kStatus ||
                                row.profile == qos::ProfileId::kRecord

@@ -25,11 +25,12 @@ ChangeInbox::ChangeInbox(const bus::Participant& participant, const runtime::Nod
       made_(participant, qos::kEffectMade, options.rig,
             qos::profile_in(qos::kEffectMade, options.mode())),
       receive_(std::move(receive)),
-      services_(participant, options.rig, options.lockstep,
-                {[this](auto asked, bool together, const bus::Guid& by, const ChangeReply& reply) {
-                   ask_for(asked, together, by, reply);
-                 },
-                 std::move(parameters)}),
+      services_(
+          participant, options.rig, options.lockstep,
+          {[this](auto requested, bool together, const bus::Guid& by, const ChangeReply& reply) {
+             handle_request(requested, together, by, reply);
+           },
+           std::move(parameters)}),
       wait_set_(participant) {
   wait_set_.attach(changes_.condition());
   services_.attach_to(wait_set_);
@@ -53,22 +54,22 @@ void ChangeInbox::serve(std::uint64_t session,
 }
 
 /// Queues a service request like a message.
-void ChangeInbox::ask_for(std::span<const msg::EffectChange> asked, bool together,
-                          const bus::Guid& by, const ChangeReply& reply) {
-  count(by, asked.size());
+void ChangeInbox::handle_request(std::span<const msg::EffectChange> requested, bool together,
+                                 const bus::Guid& by, const ChangeReply& reply) {
+  count(by, requested.size());
   std::vector<ChangeRequest> requests;
-  for (std::size_t n = 0; n < asked.size(); ++n)
+  for (std::size_t n = 0; n < requested.size(); ++n)
     requests.push_back(
         {.id = request_number(),
-         .session = asked[n].session_id,
-         .from_sample = asked[n].from_sample,
+         .session = requested[n].session_id,
+         .from_sample = requested[n].from_sample,
          .reply = [reply, n](bool done, std::uint64_t sample, const std::string& sentence) {
            reply(n, done, sample, sentence);
          }});
   if (together)
-    return receive_(asked, true, std::move(requests));
-  for (std::size_t n = 0; n < asked.size(); ++n)
-    receive_(asked.subspan(n, 1), false, std::vector{std::move(requests[n])});
+    return receive_(requested, true, std::move(requests));
+  for (std::size_t n = 0; n < requested.size(); ++n)
+    receive_(requested.subspan(n, 1), false, std::vector{std::move(requests[n])});
 }
 
 void ChangeInbox::count(const bus::Guid& by, std::size_t changes) {

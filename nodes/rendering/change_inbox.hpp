@@ -60,8 +60,8 @@ class ChangeInbox {
     std::uint32_t result = 0;
     std::string sentence;
   };
-  void ask_for(std::span<const msg::EffectChange> asked, bool together, const bus::Guid& by,
-               const ChangeReply& reply);
+  void handle_request(std::span<const msg::EffectChange> requested, bool together,
+                      const bus::Guid& by, const ChangeReply& reply);
   void count(const bus::Guid& by, std::size_t changes);
   void send(const Answered& answer);
 

@@ -16,18 +16,18 @@ void ChangeQueue::retire(rendering::LiveScene& live) noexcept {
 }
 
 void ChangeQueue::rest(rendering::LiveScene& live) noexcept {
-  if (!moving_ || reports_.room() == 0 || !live.effects().at_rest())
+  if (!ramping_ || reports_.room() == 0 || !live.effects().at_rest())
     return;
-  moving_ = false;
+  ramping_ = false;
   reports_.push({ChangeReport::What::kAtRest, applied_, 0, epoch_, nullptr, session_});
 }
 
 /// Returns nothing while the change must wait. A change that is not applied ends the epoch, because
 /// the changes queued behind it were validated as if it had been applied.
-std::optional<ChangeReport::What> ChangeQueue::fate_of(const Change& change,
-                                                       const rendering::LiveScene& live,
-                                                       std::uint64_t next,
-                                                       bool at_sample) const noexcept {
+std::optional<ChangeReport::What> ChangeQueue::outcome_of(const Change& change,
+                                                          const rendering::LiveScene& live,
+                                                          std::uint64_t next,
+                                                          bool at_sample) const noexcept {
   using What = ChangeReport::What;
   const bool judged =
       session_ == 0 || approved_session_.load(std::memory_order_acquire) == session_;
@@ -41,12 +41,12 @@ std::optional<ChangeReport::What> ChangeQueue::fate_of(const Change& change,
   return change.from_sample > 0 && change.from_sample < next ? What::kLate : What::kApplied;
 }
 
-void ChangeQueue::make(const Change& change, rendering::LiveScene& live) noexcept {
+void ChangeQueue::apply(const Change& change, rendering::LiveScene& live) noexcept {
   if (change.scene)
     live.swap_to(*change.scene);
   else
     live.effects().carry_out(change.effect);
-  moving_ |= !change.scene && change.effect.action == effects::EffectAction::kValue;
+  ramping_ |= !change.scene && change.effect.action == effects::EffectAction::kValue;
   applied_ = change.ticket;
 }
 
@@ -58,7 +58,7 @@ void ChangeQueue::apply_due(rendering::LiveScene& live, std::uint64_t next,
     const std::uint32_t count = 1 + change->following;
     if (reports_.room() < 1 + count)
       return;
-    const std::optional<ChangeReport::What> fate = fate_of(*change, live, next, at_sample);
+    const std::optional<ChangeReport::What> fate = outcome_of(*change, live, next, at_sample);
     if (!fate)
       return;
     if (*fate != ChangeReport::What::kApplied && change->epoch == epoch_)
@@ -66,7 +66,7 @@ void ChangeQueue::apply_due(rendering::LiveScene& live, std::uint64_t next,
     for (std::uint32_t n = 0; n < count; ++n) {
       change = changes_.front();
       if (*fate == ChangeReport::What::kApplied)
-        make(*change, live);
+        apply(*change, live);
       report(*fate, *change, next);
       changes_.pop();
     }

@@ -47,8 +47,8 @@ class ChangeQueue {
   static constexpr std::size_t kCapacity = 64;
 
   // Called by the update server.
-  bool ask(const Change& change) noexcept { return changes_.push(change); }
-  bool ask(std::span<const Change> changes) noexcept { return changes_.push(changes); }
+  bool push(const Change& change) noexcept { return changes_.push(change); }
+  bool push(std::span<const Change> changes) noexcept { return changes_.push(changes); }
   /// Takes the oldest report. Returns false if there is none.
   bool next_report(ChangeReport& report) noexcept {
     const ChangeReport* oldest = reports_.front();
@@ -58,7 +58,9 @@ class ChangeQueue {
     reports_.pop();
     return true;
   }
-  void settle(std::uint64_t ticket) noexcept { settled_.store(ticket, std::memory_order_release); }
+  void acknowledge(std::uint64_t ticket) noexcept {
+    acknowledged_.store(ticket, std::memory_order_release);
+  }
   /// Confirms that all pending changes are valid for the device of this session.
   void approve(std::uint64_t session) noexcept {
     approved_session_.store(session, std::memory_order_release);
@@ -85,10 +87,10 @@ class ChangeQueue {
   /// Ticket of the last applied change; 0 if there is none.
   std::uint64_t applied() const noexcept { return applied_; }
   /// Whether the update server has acknowledged all tickets up to this one.
-  bool settled(std::uint64_t ticket) const noexcept {
-    return settled_.load(std::memory_order_acquire) >= ticket;
+  bool is_acknowledged(std::uint64_t ticket) const noexcept {
+    return acknowledged_.load(std::memory_order_acquire) >= ticket;
   }
-  bool pauses_before(std::uint64_t sample) noexcept {
+  bool is_paused_before(std::uint64_t sample) noexcept {
     answering_.store(sample, std::memory_order_seq_cst);
     return sample >= pause_.load(std::memory_order_seq_cst);
   }
@@ -98,16 +100,17 @@ class ChangeQueue {
   void rest(rendering::LiveScene& live) noexcept;
   static constexpr std::uint64_t kNoPause = ~std::uint64_t{0};
   void report(ChangeReport::What what, const Change& change, std::uint64_t sample) noexcept;
-  std::optional<ChangeReport::What> fate_of(const Change& change, const rendering::LiveScene& live,
-                                            std::uint64_t next, bool at_sample) const noexcept;
-  void make(const Change& change, rendering::LiveScene& live) noexcept;
+  std::optional<ChangeReport::What> outcome_of(const Change& change,
+                                               const rendering::LiveScene& live, std::uint64_t next,
+                                               bool at_sample) const noexcept;
+  void apply(const Change& change, rendering::LiveScene& live) noexcept;
 
   runtime::SpscQueue<Change, kCapacity> changes_;
   runtime::SpscQueue<ChangeReport, 4 * kCapacity> reports_;
-  std::atomic<std::uint64_t> settled_{0}, pause_{kNoPause}, answering_{0}, approved_session_{0},
-      cancelled_{0};
+  std::atomic<std::uint64_t> acknowledged_{0}, pause_{kNoPause}, answering_{0},
+      approved_session_{0}, cancelled_{0};
   std::uint64_t applied_ = 0, epoch_ = 0, session_ = 0;
-  bool moving_ = false;  ///< an effect is ramping
+  bool ramping_ = false;  ///< an effect is ramping
 };
 
 }  // namespace voxtouch::rendering_node

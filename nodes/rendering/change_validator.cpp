@@ -99,13 +99,13 @@ std::expected<std::vector<PendingChange>, std::string> ChangeValidator::judge(
     std::span<const msg::EffectChange> changes, std::vector<ChangeRequest> requests,
     const PendingChanges& pending) {
   Next next = after(pending);
-  std::vector<effects::EffectRequest> asked;
+  std::vector<effects::EffectRequest> requested;
   for (const msg::EffectChange& m : changes)
-    asked.push_back({.action = effect_action(m.action),
-                     .effect = view(m.effect),
-                     .parameter = view(m.parameter),
-                     .value = {m.value[0], m.value[1], m.value[2]}});
-  const auto commands = effects::judge(next.effects, asked);
+    requested.push_back({.action = effect_action(m.action),
+                         .effect = view(m.effect),
+                         .parameter = view(m.parameter),
+                         .value = {m.value[0], m.value[1], m.value[2]}});
+  const auto commands = effects::judge(next.effects, requested);
   if (!commands)
     return std::unexpected(commands.error());
   std::vector<PendingChange> out;

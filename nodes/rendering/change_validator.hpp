@@ -44,7 +44,7 @@ class ChangeValidator {
   std::expected<std::vector<effects::EffectSpec>, std::string> judge(const scene::Scene& next,
                                                                      const rendering::Plan& plan);
 
-  void set_device(const coupling::design::DeviceModel& device) { on_device_.device_is(device); }
+  void set_device(const coupling::design::DeviceModel& device) { on_device_.set_device(device); }
   /// Refits the coupling if bounds have changed. Takes as long as a fit.
   void judge_running();
   // Called when the loop has reported.

@@ -129,9 +129,9 @@ msg::EffectChange ParameterChange::message() const {
   return m;
 }
 
-std::expected<ParameterChange, std::string> change_of(std::span<const RosParameter> all,
-                                                      const msg::rcl_interfaces_Parameter& asked) {
-  const std::string name = asked.name ? asked.name : "";
+std::expected<ParameterChange, std::string> change_of(
+    std::span<const RosParameter> all, const msg::rcl_interfaces_Parameter& requested) {
+  const std::string name = requested.name ? requested.name : "";
   const RosParameter* const known = find_parameter(all, name);
   const std::size_t dot = name.rfind('.');
   if (known ? known->effect.empty() : dot == std::string::npos) {
@@ -154,14 +154,14 @@ std::expected<ParameterChange, std::string> change_of(std::span<const RosParamet
     change.parameter.clear();
   }
   if (change.action == kActionSwitch) {
-    if (asked.value.type != kBool)
+    if (requested.value.type != kBool)
       return std::unexpected(fmt::format("'{}' must be true or false", effects::quotable(name)));
-    change.value[0] = asked.value.bool_value ? 1.0 : 0.0;
+    change.value[0] = requested.value.bool_value ? 1.0 : 0.0;
     return change;
   }
   if (known && known->read_only)
     return change;  // the change validator checks it and may refuse it
-  const std::vector<double> numbers = numbers_of(asked.value);
+  const std::vector<double> numbers = numbers_of(requested.value);
   const std::size_t count =
       known && std::holds_alternative<std::vector<double>>(known->value) ? 3 : 1;
   if (known && numbers.size() != count)

@@ -28,10 +28,10 @@ struct ParameterChange {
   /// The texts of the message refer to this object, which must outlive it.
   msg::EffectChange message() const;
 };
-/// Translates `asked`, or returns a sentence if the parameter does not accept its type or number of
-/// values. The change validator checks whether the change can be applied; it also reports unknown
-/// names.
-std::expected<ParameterChange, std::string> change_of(std::span<const RosParameter> all,
-                                                      const msg::rcl_interfaces_Parameter& asked);
+/// Translates `requested`, or returns a sentence if the parameter does not accept its type or
+/// number of values. The change validator checks whether the change can be applied; it also reports
+/// unknown names.
+std::expected<ParameterChange, std::string> change_of(
+    std::span<const RosParameter> all, const msg::rcl_interfaces_Parameter& requested);
 
 }  // namespace voxtouch::rendering_node

@@ -30,11 +30,12 @@ EffectServices::EffectServices(const bus::Participant& participant, const std::s
       handler_(std::move(handler)),
       change_(bus::ServiceServer<msg::ChangeEffect>::make<runtime::change_fits>(
           participant, qos::kChangeEffect, rig, "rendering")),
-      parameters_(participant, rig, "rendering", lockstep,
-                  {handler_.parameters,
-                   [this](auto asked, bool together, const bus::Guid& by,
-                          const runtime::SettingReply& reply) { set(asked, together, by, reply); }},
-                  limit_),
+      parameters_(
+          participant, rig, "rendering", lockstep,
+          {handler_.parameters,
+           [this](auto parameters, bool together, const bus::Guid& by,
+                  const runtime::SettingReply& reply) { set(parameters, together, by, reply); }},
+          limit_),
       events_(participant, qos::kParameterEvents, rig, qos::profile(qos::kParameterEvents.profile)),
       published_(handler_.parameters()) {}
 
@@ -56,15 +57,15 @@ void EffectServices::serve() {
       kMaxPerLook);
 }
 
-void EffectServices::set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
+void EffectServices::set(std::span<const msg::rcl_interfaces_Parameter> parameters, bool together,
                          const bus::Guid& by, const runtime::SettingReply& reply) {
   const std::vector<RosParameter> known = handler_.parameters();
   std::vector<ParameterChange> changes;
   std::vector<std::size_t> places;
-  for (std::size_t n = 0; n < asked.size(); ++n) {
-    auto requested = change_of(known, asked[n]);
+  for (std::size_t n = 0; n < parameters.size(); ++n) {
+    auto requested = change_of(known, parameters[n]);
     if (!requested && together) {
-      for (std::size_t all = 0; all < asked.size(); ++all)
+      for (std::size_t all = 0; all < parameters.size(); ++all)
         reply(all, false, requested.error());
       return;
     }

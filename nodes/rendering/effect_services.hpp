@@ -52,8 +52,8 @@ class EffectServices {
   std::uint64_t refused() const noexcept { return limit_.refused(); }
 
  private:
-  void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together, const bus::Guid& by,
-           const runtime::SettingReply& reply);
+  void set(std::span<const msg::rcl_interfaces_Parameter> parameters, bool together,
+           const bus::Guid& by, const runtime::SettingReply& reply);
   void change(const msg::ChangeEffect::Request& request, const bus::Caller& caller);
 
   std::string node_;  ///< "/haptic/rendering"

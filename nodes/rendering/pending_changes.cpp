@@ -9,20 +9,20 @@ bool PendingChanges::contains(std::uint64_t id) const {
       all_, [&](const PendingChange& pending) { return pending.request.id == id; });
 }
 
-bool PendingChanges::hand_over(std::vector<PendingChange> asked, ChangeQueue& line) {
+bool PendingChanges::hand_over(std::vector<PendingChange> requested, ChangeQueue& line) {
   std::vector<Change> changes;
-  for (PendingChange& one : asked) {
+  for (PendingChange& one : requested) {
     one.change.ticket = ticket_ + 1 + changes.size();
     one.change.epoch = epoch_;
     one.change.session = one.request.session;
     one.change.from_sample = one.request.from_sample;
-    one.change.following = static_cast<std::uint32_t>(asked.size() - 1 - changes.size());
+    one.change.following = static_cast<std::uint32_t>(requested.size() - 1 - changes.size());
     changes.push_back(one.change);
   }
-  if (!line.ask(changes))
+  if (!line.push(changes))
     return false;
   ticket_ += changes.size();
-  for (PendingChange& one : asked) {
+  for (PendingChange& one : requested) {
     // A change without a sample is applied after the waiting ones. Its report then names the same
     // sample.
     if (one.change.from_sample == 0)

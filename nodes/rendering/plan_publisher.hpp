@@ -48,7 +48,7 @@ class PlanPublisher {
   void set_complete() noexcept { judged_.store(session_, std::memory_order_release); }
 
   // Any thread; all except `refusal` are real-time safe.
-  bool is_judged(std::uint64_t session) const noexcept {
+  bool is_validated(std::uint64_t session) const noexcept {
     return judged_.load(std::memory_order_acquire) == session;
   }
   double spring_n_per_m() const noexcept { return spring_n_per_m_.load(std::memory_order_acquire); }

@@ -36,8 +36,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
         device_(host_, &states_.following()),
         ros_(host_.participant(), options.rig, scene, options.mode()),
         updates_(
-            host_.participant(), options, scene, std::move(built), line_,
-            [this](const scene::Scene& next) { ros_.scene_is(next); },
+            host_.participant(), options, scene, std::move(built), change_queue_,
+            [this](const scene::Scene& next) { ros_.set_scene(next); },
             [this](std::uint64_t session) { host_.session().begin(session); }) {
     host_.link_reader(qos::kDeviceState, states_);
     host_.link_writer(qos::kContactState, contacts_);
@@ -50,7 +50,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   int run(const std::atomic<bool>& stop) { return host_.run(*this, states_, contacts_, stop); }
 
  private:
-  /// The scene remains within a session. Another device may be incompatible with it.
+  /// Passes the description of a new device to the update server, which validates the scene for it.
   void listen() override {
     device_.take([this](const DeviceDescription& device, std::uint64_t session) {
       described_ = DescribedDevice{session, coupling::design::model_of(device)};
@@ -59,14 +59,14 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       return;
     if (described_->session != host_.session_in_loop())
       begin_session(described_->session);
-    updates_.device_is(std::make_unique<DescribedDevice>(std::move(*described_)));
+    updates_.set_device(std::make_unique<DescribedDevice>(std::move(*described_)));
     described_.reset();
   }
 
   /// The update server reports the session as ready once readers have the plan.
   void begin_session(std::uint64_t session) {
     renderer_.begin_session();
-    line_.begin_session(session);
+    change_queue_.begin_session(session);
     host_.begin_session(session);
     if (external_)
       external_->begin_session(session);
@@ -75,7 +75,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   /// Until the scene is validated, neither the device's spring nor the coupling exists, so no force
   /// is lost.
   bool ready() const noexcept override {
-    return updates_.published().is_judged(host_.session_in_loop());
+    return updates_.published().is_validated(host_.session_in_loop());
   }
 
   std::optional<msg::ContactState> step(const msg::DeviceState& state) noexcept override {
@@ -115,12 +115,12 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   void apply_changes(std::uint64_t next, bool at_sample) noexcept {
     const bool lockstep = host_.options().lockstep;
     if (lockstep && at_sample)
-      host_.sleep_while([&] { return line_.pauses_before(next); });
+      host_.sleep_while([&] { return change_queue_.is_paused_before(next); });
     if (!lockstep)
-      (void)line_.pauses_before(next);
-    line_.apply_due(renderer_.live(), next, at_sample);
+      (void)change_queue_.is_paused_before(next);
+    change_queue_.apply_due(renderer_.live(), next, at_sample);
     if (lockstep)
-      host_.sleep_while([&] { return !line_.settled(line_.applied()); });
+      host_.sleep_while([&] { return !change_queue_.is_acknowledged(change_queue_.applied()); });
   }
 
   void report(runtime::NodeRegistry& registry, runtime::NodeReport& report,
@@ -150,7 +150,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
     using enum runtime::StatusPriority;
     status.say(kProgress, "scene '" + scene_.name + "' is built" + waits);
     if (host_.must_repeat(registry, report.session_id, qos::kScenePlan))
-      updates_.remind();
+      updates_.republish();
     if (host_.session().stopped())
       return status.say(kEnded, "stopped");
     runtime::report_refusal(updates_.published().refusal(), report, status);
@@ -161,7 +161,7 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   const std::vector<std::string> plan_warnings_;  ///< of the initial scene
   const double tool_reach_m_;
   SampleRenderer renderer_;
-  ChangeQueue line_;
+  ChangeQueue change_queue_;
   bus::FollowedReader<msg::DeviceState> states_;
   bus::Writer<msg::ContactState> contacts_;
   runtime::DeviceInput device_;

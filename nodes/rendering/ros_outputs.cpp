@@ -10,7 +10,7 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-constexpr std::int64_t kPeriodNs = runtime::HundredASecond::kPeriodNs;
+constexpr std::int64_t kPeriodNs = runtime::DisplaySampler::kPeriodNs;
 constexpr std::int64_t kBehindNs =
     1'500'000;  ///< at 1 kHz the first sample of a period has arrived by then
 constexpr std::uint64_t kMarkersEvery = 10;
@@ -48,7 +48,7 @@ RosOutputs::~RosOutputs() {
   thread_.join();
 }
 
-void RosOutputs::scene_is(const scene::Scene& scene) {
+void RosOutputs::set_scene(const scene::Scene& scene) {
   const std::lock_guard lock(scene_mutex_);
   next_scene_ = scene;
 }

@@ -14,7 +14,7 @@
 #include "nodes/bus/writer.hpp"
 #include "nodes/rendering/marker_outputs.hpp"
 #include "nodes/runtime/clock.hpp"
-#include "nodes/runtime/hundred_a_second.hpp"
+#include "nodes/runtime/display_sampler.hpp"
 #include "nodes/runtime/spsc_queue.hpp"
 
 namespace voxtouch::rendering_node {
@@ -46,7 +46,7 @@ class RosOutputs {
   bool requests_points() const noexcept { return markers_.requests_points(); }
   void show_points(const ShownPoints& points) noexcept { markers_.show_points(points); }
   /// Sets another scene. Any thread except the loop's: locks.
-  void scene_is(const scene::Scene& scene);
+  void set_scene(const scene::Scene& scene);
 
   /// Number of messages written. Outputs without a reader write none.
   std::uint64_t made(RosOutput kind) const noexcept {
@@ -74,7 +74,7 @@ class RosOutputs {
   bus::Writer<msg::geometry_msgs_PoseStamped> pose_;
   bus::Writer<msg::geometry_msgs_WrenchStamped> wrench_;
   MarkerOutputs markers_;
-  runtime::HundredASecond regular_;  ///< loop only
+  runtime::DisplaySampler regular_;  ///< loop only
   runtime::SpscQueue<Shown, 64> due_;
   std::array<std::atomic<std::uint64_t>, 5> made_{};
   std::atomic<bool> stop_{false};

@@ -18,7 +18,7 @@ SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const 
                                      ChangeQueue& line,
                                      std::function<void(const scene::Scene&)> swapped,
                                      std::function<void(std::uint64_t)> begun)
-    : line_(line),
+    : change_queue_(line),
       swapped_(std::move(swapped)),
       begun_(std::move(begun)),
       validator_(scene, *first),
@@ -44,7 +44,7 @@ SceneUpdateServer::SceneUpdateServer(const bus::Participant& participant, const 
         // For example out of memory: one change is lost. An exception that leaves this thread would
         // end the process and the ring.
         if (!reloader_.request())
-          line_.resume();
+          change_queue_.resume();
       }
     }
   });
@@ -59,12 +59,12 @@ SceneUpdateServer::~SceneUpdateServer() {
 void SceneUpdateServer::cycle() {
   follow_device();
   ChangeReport report;
-  while (line_.next_report(report))
+  while (change_queue_.next_report(report))
     handle_report(report);
   // the new scene starts with the settings that were pending
   if (reloader_.has_result() && pending_.all().empty())
     finish_reload();
-  if (remind_.exchange(false))
+  if (republish_.exchange(false))
     publisher_.publish(validator_);
   inbox_.serve(publisher_.session(), [this](std::uint64_t id) { return pending_.contains(id); });
 }
@@ -88,8 +88,8 @@ void SceneUpdateServer::follow_device() {
   judge_running();
   publisher_.set_complete();
   if (const std::string why = validator_.judge(pending_); !why.empty())
-    pending_.cancel(why, line_);
-  line_.approve(device->session);
+    pending_.cancel(why, change_queue_);
+  change_queue_.approve(device->session);
   if (begins && publisher_.lockstep())
     begun_(device->session);
 }
@@ -99,7 +99,8 @@ std::string SceneUpdateServer::check(std::span<const msg::EffectChange> changes,
   for (const msg::EffectChange& m : changes) {
     if (together && m.action == msg::effect_change::kActionReload)
       return "a scene reload cannot be combined with other changes";
-    std::string why = validator_.check(m, publisher_.session(), line_.answering(), pending_);
+    std::string why =
+        validator_.check(m, publisher_.session(), change_queue_.answering(), pending_);
     if (!why.empty())
       return why;
   }
@@ -137,9 +138,9 @@ void SceneUpdateServer::receive_effects(std::span<const msg::EffectChange> chang
     auto judged = validator_.judge(changes, requests, pending_);
     if (!judged)
       why = std::move(judged.error());
-    else if (!pending_.hand_over(std::move(*judged), line_))
+    else if (!pending_.hand_over(std::move(*judged), change_queue_))
       why = kTooMany;
-    line_.resume();
+    change_queue_.resume();
   }
   for (const ChangeRequest& request : requests) {
     if (!why.empty())
@@ -154,15 +155,15 @@ void SceneUpdateServer::receive_effects(std::span<const msg::EffectChange> chang
 bool SceneUpdateServer::pause_before(std::uint64_t sample) {
   if (!publisher_.lockstep() || sample == 0)
     return true;
-  line_.pause_before(sample);
-  if (line_.answering() < sample)
+  change_queue_.pause_before(sample);
+  if (change_queue_.answering() < sample)
     return true;
-  line_.resume();
+  change_queue_.resume();
   return false;
 }
 
 std::string SceneUpdateServer::wait_text(const ChangeRequest& request) const {
-  const std::uint64_t sample = pending_.last_sample(), now = line_.answering();
+  const std::uint64_t sample = pending_.last_sample(), now = change_queue_.answering();
   const double wait_s =
       sample > now ? static_cast<double>(sample - now) * validator_.on_device().period_s() : 0.0;
   return fmt::format(
@@ -198,12 +199,12 @@ void SceneUpdateServer::finish_reload() {
     std::vector<PendingChange> swap(1);
     swap[0] = {request, {}, std::move(built.scene), std::move(effects), {}};
     swap[0].change.scene = reloader_.keep(std::move(built.built));
-    pending_.hand_over(std::move(swap), line_);  // the queue is empty, so it has room
+    pending_.hand_over(std::move(swap), change_queue_);  // the queue is empty, so it has room
   } else {
     reloader_.finish();
     inbox_.refuse(request, "the current scene stays active: " + built.refusal);
   }
-  line_.resume();
+  change_queue_.resume();
 }
 
 void SceneUpdateServer::handle_report(const ChangeReport& report) {
@@ -267,7 +268,7 @@ void SceneUpdateServer::applied(PendingChange& done, const ChangeReport& report)
   inbox_.record(done.request, report.session, report.sample);
   inbox_.answer(done.request, result::kResultDone, report.sample,
                 fmt::format("{}: active from sample {}", done.request.what, report.sample));
-  line_.settle(done.change.ticket);
+  change_queue_.acknowledge(done.change.ticket);
 }
 
 runtime::Figures SceneUpdateServer::figures() const {

@@ -51,11 +51,11 @@ class SceneUpdateServer {
 
   /// Called by the loop when a device describes itself: a session begins or continues with another
   /// device. Neither blocks nor locks. If two come at once, the later one is used.
-  void device_is(std::unique_ptr<DescribedDevice> device) noexcept {
+  void set_device(std::unique_ptr<DescribedDevice> device) noexcept {
     delete described_.exchange(device.release());
   }
   /// Publishes the plan of the session again, for a node that has missed it. Not in lockstep.
-  void remind() noexcept { remind_.store(true, std::memory_order_release); }
+  void republish() noexcept { republish_.store(true, std::memory_order_release); }
   const PlanPublisher& published() const noexcept { return publisher_; }
   runtime::Figures figures() const;
   /// See ChangeInbox::requests.
@@ -78,7 +78,7 @@ class SceneUpdateServer {
   void show(std::uint64_t from_sample, bool another_scene = false);
   void judge_running();
 
-  ChangeQueue& line_;
+  ChangeQueue& change_queue_;
   std::function<void(const scene::Scene&)> swapped_;
   std::function<void(std::uint64_t)> begun_;
   ChangeValidator validator_;
@@ -88,7 +88,7 @@ class SceneUpdateServer {
   ChangeInbox inbox_;
   runtime::Counters<kChangeTable> counters_;
   std::atomic<DescribedDevice*> described_{nullptr};
-  std::atomic<bool> remind_{false};
+  std::atomic<bool> republish_{false};
   std::jthread thread_;
 };
 

@@ -61,7 +61,7 @@ std::string rig_in(const std::string& name, std::string_view path) {
 }
 
 std::string chosen_rig(const bag::BagReader& bag, const std::filesystem::path& path,
-                       const std::string& asked) {
+                       const std::string& requested) {
   std::set<std::string> rigs;
   for (const bag::TopicInfo& topic : bag.topics())
     if (const std::string rig = rig_in(topic.name, qos::kDeviceState.path);
@@ -70,11 +70,12 @@ std::string chosen_rig(const bag::BagReader& bag, const std::filesystem::path& p
   if (rigs.empty())
     cannot("{} has no device samples (topic /<rig>/{}): it is not the recording of a ring.",
            path.string(), qos::kDeviceState.path);
-  if (!asked.empty() && !rigs.contains(asked))
-    cannot("{} has no rig '{}'. Recorded rigs: {}.", path.string(), asked, fmt::join(rigs, ", "));
-  if (asked.empty() && rigs.size() > 1)
+  if (!requested.empty() && !rigs.contains(requested))
+    cannot("{} has no rig '{}'. Recorded rigs: {}.", path.string(), requested,
+           fmt::join(rigs, ", "));
+  if (requested.empty() && rigs.size() > 1)
     cannot("{} has several rigs: {}. Choose one with --rig.", path.string(), fmt::join(rigs, ", "));
-  return asked.empty() ? *rigs.begin() : asked;
+  return requested.empty() ? *rigs.begin() : requested;
 }
 
 /// Takes the bag's messages one after the other.
@@ -218,8 +219,8 @@ class Collector {
         cannot("{} has a coupling that cannot run: {}", path_.string(), issue.sentence);
   }
 
-  static RecordedChange asked_by(const msg::EffectChange& m) {
-    return {.asked = true,
+  static RecordedChange requested_by(const msg::EffectChange& m) {
+    return {.requested = true,
             .action = m.action,
             .effect = text_of(m.effect),
             .parameter = text_of(m.parameter),
@@ -231,7 +232,7 @@ class Collector {
   /// The rendering's own record of what it made: where a bag has this topic nothing else counts, or
   /// a change would be made once for each topic that it stands on.
   void made(const msg::EffectChange& m) {
-    RecordedChange done = asked_by(m);
+    RecordedChange done = requested_by(m);
     done.session = m.session_id, done.from_sample = m.from_sample;
     done.sentence =
         fmt::format("{}: active from sample {}", rendering_node::in_words(m), m.from_sample);
@@ -243,15 +244,15 @@ class Collector {
   void change(const msg::EffectChange& m) {
     if (records_changes_)
       return;
-    RecordedChange asked = asked_by(m);
+    RecordedChange requested = requested_by(m);
     if (m.request != 0)
-      asked_.insert_or_assign(m.request, std::move(asked));
+      requests_.insert_or_assign(m.request, std::move(requested));
     else
-      nameless_.push_back(std::move(asked));
+      nameless_.push_back(std::move(requested));
   }
 
-  /// One that was asked for twice is answered twice and made once. Without a number of its own the
-  /// answers come in the order of the questions.
+  /// A change that was requested twice is answered twice and applied once. Without a number of its
+  /// own the answers come in the order of the questions.
   void changed(const msg::EffectChanged& m) {
     using namespace msg::effect_changed;
     if (records_changes_)
@@ -262,7 +263,7 @@ class Collector {
     if (m.request == 0 && !nameless_.empty()) {
       made = std::move(nameless_.front());
       nameless_.pop_front();
-    } else if (const auto found = asked_.find(m.request); found != asked_.end()) {
+    } else if (const auto found = requests_.find(m.request); found != requests_.end()) {
       made = found->second;
     }
     made.session = m.session_id, made.from_sample = m.from_sample,
@@ -299,7 +300,7 @@ class Collector {
   std::map<std::uint64_t, std::vector<std::byte>> described_;  ///< the first description's bytes
   std::set<std::uint64_t> anew_, answered_;
   std::vector<coupling_node::TakenUp> designs_;
-  std::map<std::uint64_t, RecordedChange> asked_;  ///< by request
+  std::map<std::uint64_t, RecordedChange> requests_;  ///< by request
   std::deque<RecordedChange> nameless_;
   std::uint64_t doubled_ = 0;
 };

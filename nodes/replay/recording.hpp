@@ -33,7 +33,7 @@ struct RecordedChange {
   std::uint64_t session = 0;      ///< 0: before any
   std::uint64_t from_sample = 0;  ///< the first that it holds for
   std::string sentence{};         ///< the rendering's
-  bool asked = false;             ///< what was asked for is in the bag, and stands below
+  bool requested = false;         ///< the bag holds the request: the fields below
   std::uint32_t action = 0;
   std::string effect{}, parameter{}, model{};
   std::array<double, 3> value{};

@@ -144,7 +144,7 @@ class Run {
   void apply(std::span<const RecordedChange> together) {
     const RecordedChange& made = together.front();
     ++out_.changes;
-    if (!made.asked)
+    if (!made.requested)
       return out_.missing.push_back(
           fmt::format("The request of the change at sample {} (\"{}\") is missing in the "
                       "recording: later samples cannot be compared.",

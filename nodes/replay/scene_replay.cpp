@@ -28,7 +28,7 @@ SceneReplay::SceneReplay(const scene::Scene& scene)
 void SceneReplay::begin_session(const coupling::design::DeviceModel& device,
                                 std::optional<std::int64_t> begin_ns) {
   renderer_.begin_session(begin_ns);
-  on_device_.device_is(device);
+  on_device_.set_device(device);
   found_.clear(), in_use_ = 0;
   sum_up();
 }
@@ -54,7 +54,7 @@ std::string SceneReplay::apply(std::span<const RecordedChange> changes) {
 std::string SceneReplay::change_effect(std::span<const RecordedChange> changes) {
   std::vector<effects::EffectRequest> requests;
   for (const RecordedChange& change : changes) {
-    if (!change.asked || change.action == msg::effect_change::kActionReload)
+    if (!change.requested || change.action == msg::effect_change::kActionReload)
       break;
     requests.push_back({.action = rendering_node::effect_action(change.action),
                         .effect = change.effect,

@@ -27,7 +27,7 @@ class SceneReplay {
                      std::optional<std::int64_t> begin_ns);
   /// The first of `changes`, which hold from the same sample on. They may have been made together:
   /// it is judged by where all of them lead. A sentence why it could not be made; empty: it was.
-  /// Builds the scene where that was asked for.
+  /// Builds the scene if requested.
   std::string apply(std::span<const RecordedChange> changes);
   /// The effect `external` is given this, and `next` is the first sample to see it.
   void take_external(const msg::ExternalSample& sample, const msg::DeviceState& next) noexcept;

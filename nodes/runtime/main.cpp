@@ -10,6 +10,7 @@
 #include "core/types/version.hpp"
 #include "nodes/console/log.hpp"
 #include "nodes/console/reason.hpp"
+#include "nodes/runtime/help_layout.hpp"
 #include "nodes/runtime/ros_arguments.hpp"
 #include "nodes/runtime/signals.hpp"
 
@@ -22,7 +23,8 @@ struct Renamed {
 };
 constexpr std::array kRenamed{
     Renamed{"--beside", "--compare-with"}, Renamed{"--damper-share", "--damping-force-ratio"},
-    Renamed{"--grip-harder-at", "--grip-change-time"}, Renamed{"--let-go-at", "--release-time"}};
+    Renamed{"--grip-harder-at", "--grip-change-time"}, Renamed{"--held", "--gripped"},
+    Renamed{"--let-go-at", "--release-time"}};
 
 }  // namespace
 
@@ -31,12 +33,13 @@ void parse(CLI::App& app, int argc, char** argv) {
     for (const auto& [old_name, name] : kRenamed) {
       const std::string_view word = argv[n];
       if (word == old_name || (word.starts_with(old_name) && word[old_name.size()] == '='))
-        throw CLI::ExtrasError(std::string(old_name) + "; its name is " + std::string(name),
-                               std::vector<std::string>{});
+        throw CLI::ExtrasError(app.get_name(), std::vector{std::string(old_name) +
+                                                           "; its name is " + std::string(name)});
     }
   std::vector<std::string> words = without_ros_arguments(argc, argv);
   std::ranges::reverse(words);  // in the order that CLI11 expects
   app.name(argc > 0 ? argv[0] : "");
+  wrap_help(app);
   app.parse(std::move(words));
 }
 

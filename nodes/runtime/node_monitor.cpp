@@ -124,31 +124,31 @@ void OwnStalls::look(NodeReport& report) {
 }
 
 void NodeMonitor::watch_reception(NodeReport& report) {
-  constexpr std::int64_t kDeafNs = 3'000'000'000, kEachNs = 1'000'000'000;
+  constexpr std::int64_t kSilenceNs = 3'000'000'000, kEachNs = 1'000'000'000;
   const std::vector<NodeReport> reports = registry_.reports();
   has_received_ = has_received_ || std::ranges::any_of(reports, [this](const NodeReport& other) {
                     return other.participant != own_;
                   });
-  const bool was_deaf = !deaf_.empty();
+  const bool had_fault = !reception_fault_.empty();
   if (const std::int64_t now = monotonic_ns(); now - reception_checked_ns_ >= kEachNs) {
     reception_checked_ns_ = now;
     const char* const uri = std::getenv("CYCLONEDDS_URI");
     const bool receives_nothing =
-        !options_.peers.empty() && !has_received_ && stalls_.watched_ns() >= kDeafNs;
+        !options_.peers.empty() && !has_received_ && stalls_.watched_ns() >= kSilenceNs;
     if (const std::string lost = bus::lost_address(); !lost.empty())
-      deaf_ = lost + ": nodes may not receive each other; restart the ring";
-    else if (receives_nothing && !was_deaf)
-      deaf_ = fmt::format(
-          "nothing received from other nodes for {} s: {}", kDeafNs / 1'000'000'000,
-          bus::deafness_cause(options_.network_interface, options_.domain, uri ? uri : ""));
+      reception_fault_ = lost + ": nodes may not receive each other; restart the ring";
+    else if (receives_nothing && !had_fault)
+      reception_fault_ = fmt::format(
+          "nothing received from other nodes for {} s: {}", kSilenceNs / 1'000'000'000,
+          bus::reception_fault(options_.network_interface, options_.domain, uri ? uri : ""));
     else if (!receives_nothing)
-      deaf_.clear();
+      reception_fault_.clear();
   }
-  if (deaf_.empty())
+  if (reception_fault_.empty())
     return;
-  if (!was_deaf)
-    console::log("warning: {}: {}\n", node_, deaf_);
-  report.message += "; " + deaf_;
+  if (!had_fault)
+    console::log("warning: {}: {}\n", node_, reception_fault_);
+  report.message += "; " + reception_fault_;
 }
 
 void NodeMonitor::watch_others(NodeReport& report) {

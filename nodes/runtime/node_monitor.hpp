@@ -86,7 +86,7 @@ class NodeMonitor {
   /// Participants that this node waits for, as last set by `look`.
   std::set<bus::Guid> partners_;
   bool has_received_ = false;
-  std::string deaf_;  ///< message about missing reception; empty if no fault is known
+  std::string reception_fault_;  ///< message about missing reception; empty if no fault is known
   std::int64_t reception_checked_ns_ = 0;
   std::string lost_;  ///< message about a lost peer
   std::atomic<bool> stop_{false};

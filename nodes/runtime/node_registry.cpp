@@ -244,11 +244,11 @@ std::optional<NodeReport> NodeRegistry::find(std::string_view node) const {
 std::vector<Hung> NodeRegistry::hung() const {
   constexpr double kHungS = static_cast<double>(kHungNs) * 1e-9;
   std::vector<Hung> all;
-  std::vector<NodeReport> asked = reports();
+  std::vector<NodeReport> requested = reports();
   for (const auto& [name, report] : vanished_)
     if (!reports_.contains(report.participant))
-      asked.push_back(report);  // `update` may have kept it
-  for (const NodeReport& report : asked) {
+      requested.push_back(report);  // `update` may have kept it
+  for (const NodeReport& report : requested) {
     if (report.final() || report.node == "up")
       continue;  // `up` has no loop and publishes its presence once
     const double silent = silent_s(report), stalled = value_of(report.figures, kStalledFor);

@@ -71,10 +71,10 @@ struct NodeOptions {
   /// Lockstep has no deadlines, and a loop that never sleeps would block the real-time rings of
   /// this machine.
   RealtimeOptions scheduling() const {
-    RealtimeOptions asked = realtime;
+    RealtimeOptions requested = realtime;
     if (lockstep)
-      asked.priority = 0;
-    return asked;
+      requested.priority = 0;
+    return requested;
   }
 };
 

@@ -43,12 +43,12 @@ msg::rcl_interfaces_SetParametersResult message_of(const Results::One& result) {
 /// Returns nothing if the node must decide. Otherwise returns whether it is done, or the reason for
 /// refusal.
 std::optional<Results::One> judged(std::span<const RosParameter> known,
-                                   const msg::rcl_interfaces_Parameter& asked, bool node_sets) {
-  const std::string name = asked.name ? asked.name : "";
+                                   const msg::rcl_interfaces_Parameter& requested, bool node_sets) {
+  const std::string name = requested.name ? requested.name : "";
   const RosParameter* const parameter = find_parameter(known, name);
-  if (parameter && asked.value.type == 0)
+  if (parameter && requested.value.type == 0)
     return Results::One{false, fmt::format("'{}' cannot be deleted", name)};
-  if (parameter && parameter->read_only && is_same(parameter->value, asked.value))
+  if (parameter && parameter->read_only && is_same(parameter->value, requested.value))
     return Results::One{true, {}};
   if (name == kUseSimTime)
     return Results::One{false, "'use_sim_time' is read-only: it is true in a ring with --lockstep"};
@@ -139,9 +139,9 @@ void ParameterServices::serve() {
   });
   serve_named();
   each(set_, [this](const auto& request, const bus::Caller& caller) {
-    const std::span asked = all_of(request.parameters);
-    const auto results =
-        std::make_shared<Results>(Results{std::vector<Results::One>(asked.size()), asked.size()});
+    const std::span requested = all_of(request.parameters);
+    const auto results = std::make_shared<Results>(
+        Results{std::vector<Results::One>(requested.size()), requested.size()});
     const auto reply = [this, caller, results] {
       set_.reply(caller, [results](auto& response, const auto& send) {
         std::vector<msg::rcl_interfaces_SetParametersResult> messages;
@@ -151,9 +151,9 @@ void ParameterServices::serve() {
         send();
       });
     };
-    if (asked.empty())
+    if (requested.empty())
       return reply();
-    set(asked, false, set_.participant_of(caller),
+    set(requested, false, set_.participant_of(caller),
         [results, reply](std::size_t which, bool done, const std::string& sentence) {
           results->all[which] = {done, sentence};
           if (--results->open == 0)
@@ -161,8 +161,8 @@ void ParameterServices::serve() {
         });
   });
   each(set_together_, [this](const auto& request, const bus::Caller& caller) {
-    const std::span asked = all_of(request.parameters);
-    const auto open = std::make_shared<std::size_t>(asked.size());
+    const std::span requested = all_of(request.parameters);
+    const auto open = std::make_shared<std::size_t>(requested.size());
     const auto reply = [this, caller](bool done, const std::string& sentence) {
       set_together_.reply(
           caller, [result = Results::One{done, sentence}](auto& response, const auto& send) {
@@ -170,11 +170,11 @@ void ParameterServices::serve() {
             send();
           });
     };
-    if (asked.empty())
+    if (requested.empty())
       return reply(true, {});
     const auto first =
         std::make_shared<Results::One>(Results::One{true, {}});  // the first refusal is reported
-    set(asked, true, set_together_.participant_of(caller),
+    set(requested, true, set_together_.participant_of(caller),
         [open, first, reply](std::size_t, bool done, const std::string& sentence) {
           if (!done && first->done)
             *first = {done, sentence};
@@ -184,26 +184,26 @@ void ParameterServices::serve() {
   });
 }
 
-void ParameterServices::set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
+void ParameterServices::set(std::span<const msg::rcl_interfaces_Parameter> requested, bool together,
                             const bus::Guid& by, const SettingReply& reply) {
   const std::vector<RosParameter> known = parameters();
   std::vector<std::optional<Results::One>> results;
-  for (const auto& one : asked)
+  for (const auto& one : requested)
     results.push_back(judged(known, one, handler_.set != nullptr));
   const auto refusal =
       std::ranges::find_if(results, [](const auto& one) { return one && !one->done; });
   if (together && refusal != results.end()) {
     const std::string sentence = (*refusal)->sentence;
-    for (std::size_t n = 0; n < asked.size(); ++n)
+    for (std::size_t n = 0; n < requested.size(); ++n)
       reply(n, false, sentence);
     return;
   }
   std::vector<std::size_t> places;
   std::vector<msg::rcl_interfaces_Parameter> rest;
-  for (std::size_t n = 0; n < asked.size(); ++n)
+  for (std::size_t n = 0; n < requested.size(); ++n)
     if (!results[n])
-      places.push_back(n), rest.push_back(asked[n]);
-  for (std::size_t n = 0; n < asked.size(); ++n)
+      places.push_back(n), rest.push_back(requested[n]);
+  for (std::size_t n = 0; n < requested.size(); ++n)
     if (results[n])
       reply(n, results[n]->done, results[n]->sentence);
   if (!rest.empty())

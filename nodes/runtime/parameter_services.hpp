@@ -22,7 +22,7 @@ struct ParameterHandler {
   std::function<std::vector<RosParameter>()> parameters;  ///< current settings, sorted by name
   /// Sets parameters for the participant `by`, one at a time, or `together` all or none. `reply` is
   /// called once for each, immediately or later. Null: every parameter is read-only.
-  std::function<void(std::span<const msg::rcl_interfaces_Parameter> asked, bool together,
+  std::function<void(std::span<const msg::rcl_interfaces_Parameter> requested, bool together,
                      const bus::Guid& by, SettingReply reply)>
       set;
 };
@@ -67,8 +67,8 @@ class ParameterServices {
   template <class Names>
   std::vector<RosParameter> named(const Names& names) const;
   /// Calls handler_.set for settings that may change a value; `reply` receives all results.
-  void set(std::span<const msg::rcl_interfaces_Parameter> asked, bool together, const bus::Guid& by,
-           const SettingReply& reply);
+  void set(std::span<const msg::rcl_interfaces_Parameter> requested, bool together,
+           const bus::Guid& by, const SettingReply& reply);
 
   bool lockstep_;
   ParameterHandler handler_;

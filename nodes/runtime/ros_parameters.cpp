@@ -121,18 +121,18 @@ bool fits(const msg::rcl_interfaces_Parameter& parameter) noexcept {
                      [](const char* text) { return fits(text); });
 }
 
-bool is_same(const ParameterValue& parameter, const msg::rcl_interfaces_ParameterValue& asked) {
-  if (type_of(parameter) != asked.type)
+bool is_same(const ParameterValue& parameter, const msg::rcl_interfaces_ParameterValue& requested) {
+  if (type_of(parameter) != requested.type)
     return false;
   if (const bool* one = std::get_if<bool>(&parameter))
-    return *one == asked.bool_value;
+    return *one == requested.bool_value;
   if (const auto* one = std::get_if<std::int64_t>(&parameter))
-    return *one == asked.integer_value;
+    return *one == requested.integer_value;
   if (const double* one = std::get_if<double>(&parameter))
-    return *one == asked.double_value;
+    return *one == requested.double_value;
   if (const auto* one = std::get_if<std::string>(&parameter))
-    return *one == asked.string_value;
-  const auto& many = asked.double_array_value;
+    return *one == requested.string_value;
+  const auto& many = requested.double_array_value;
   const auto* own = std::get_if<std::vector<double>>(&parameter);
   return own && std::ranges::equal(*own, std::span(many._buffer, many._length));
 }

@@ -60,6 +60,6 @@ bool fits(const char* text) noexcept;
 bool fits(const msg::rcl_interfaces_Parameter& parameter) noexcept;
 
 /// Whether setting `parameter` to this value changes nothing.
-bool is_same(const ParameterValue& parameter, const msg::rcl_interfaces_ParameterValue& asked);
+bool is_same(const ParameterValue& parameter, const msg::rcl_interfaces_ParameterValue& requested);
 
 }  // namespace voxtouch::runtime

@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "core/reference/judgement.hpp"
+#include "core/reference/contact_validator.hpp"
 #include "core/reference/reference_scene.hpp"
-#include "core/reference/tool_judgement.hpp"
+#include "core/reference/tool_validation.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/console/log.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
@@ -86,7 +86,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   int run(const std::atomic<bool>& stop) { return host_.run(*this, contacts_, reports_, stop); }
 
  private:
-  /// What of a plan the judge must know.
+  /// What the validation uses of a plan.
   struct Built {
     std::uint64_t session = 0, from_sample = 0;
     std::string scene, hash;
@@ -102,15 +102,15 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   void take(const msg::ScenePlan& plan) {
     Built built{plan.session_id, plan.from_sample,  plan.scene,
                 plan.scene_hash, plan.voxel_size_m, plan.largest_shell_gap_m};
-    if (judge_ && built.session == host_.session_in_loop())
+    if (validator_ && built.session == host_.session_in_loop())
       next_ = std::move(built);
     else
       start_session(std::move(built));
   }
 
-  reference::JudgeSettings settings() const {
+  reference::ValidatorSettings settings() const {
     const double edge_m = built_.voxel_size_m;
-    reference::JudgeSettings settings;
+    reference::ValidatorSettings settings;
     settings.edge_m = edge_m;
     settings.chord_error_m = reference_.chord_error_m();
     settings.shell_gap_m = std::min(built_.shell_gap_m, std::sqrt(3.0) * edge_m);
@@ -129,7 +129,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     built_ = std::move(built);
     next_.reset();
     blind_ = false;
-    judge_ = std::make_unique<reference::Judge>(settings());
+    validator_ = std::make_unique<reference::ContactValidator>(settings());
     forget_disagreement();
     host_.begin_session(built_.session);
     publish_counts();
@@ -161,13 +161,13 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
             options_.scene.string());
     }
     if (!blind_)
-      judge_->change(settings());
+      validator_->change(settings());
   }
 
   void listen() override {
     plans_.take([this](const msg::ScenePlan& plan) { take(plan); });
   }
-  bool ready() const noexcept override { return judge_ != nullptr; }
+  bool ready() const noexcept override { return validator_ != nullptr; }
 
   std::optional<msg::ValidationReport> step(const msg::ContactState& contact) noexcept override {
     if (next_ && contact.sequence_number >= next_->from_sample)
@@ -187,14 +187,15 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
       return {};  // no verdict without a reader
     reference_.move_to(static_cast<double>(contact.scene_time_ns) * 1e-9);
     reference::GapResult gap;
-    judgement_ = scene_.virtual_tool() ? judge_tool(contact, gap) : judge_contact(contact, gap);
+    validation_ =
+        scene_.virtual_tool() ? validate_tool(contact, gap) : validate_contact(contact, gap);
     return report_of(contact, gap);
   }
 
   void wrote(const msg::ContactState& contact, const msg::ValidationReport&) noexcept override {
     counters_.note(ValidatorCounter::kFirstChecked, static_cast<double>(contact.sequence_number));
-    if (judgement_.verdict == reference::Verdict::kDisagree)
-      note(contact.sequence_number, judgement_);
+    if (validation_.verdict == reference::Verdict::kDisagree)
+      note(contact.sequence_number, validation_);
     publish_counts();
   }
 
@@ -221,54 +222,55 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
            (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
   }
 
-  /// Lends the text of `judgement_`.
+  /// Lends the text of `validation_`.
   msg::ValidationReport report_of(const msg::ContactState& contact,
                                   const reference::GapResult& gap) const {
-    const reference::JudgeCounts& counts = judge_->counts();
+    const reference::ValidationCounts& counts = validator_->counts();
     msg::ValidationReport m{};
     m.session_id = contact.session_id;
     m.sequence_number = contact.sequence_number;
     m.sample_time_ns = contact.sample_time_ns;
     m.gap_m = gap.gap_m;
     m.reported_depth_m = contact.deepest_depth_m;
-    m.depth_error_m = judgement_.depth_error_m;
-    m.direction_error_rad = judgement_.direction_error_rad;
+    m.depth_error_m = validation_.depth_error_m;
+    m.direction_error_rad = validation_.direction_error_rad;
     m.surface_hits = contact.surface_hits;
     m.interior_hits = contact.interior_hits;
-    m.verdict = static_cast<std::uint32_t>(judgement_.verdict);
-    m.cause = static_cast<std::uint32_t>(judgement_.cause);
+    m.verdict = static_cast<std::uint32_t>(validation_.verdict);
+    m.cause = static_cast<std::uint32_t>(validation_.cause);
     m.checked = counts.checked;
     m.decided = counts.decided;
     m.agree = counts.agree;
     m.in_band = counts.in_band;
     m.disagree = counts.disagree;
-    m.explanation = runtime::lend(judgement_.explanation);
+    m.explanation = runtime::lend(validation_.explanation);
     return m;
   }
 
-  reference::Judgement judge_contact(const msg::ContactState& contact, reference::GapResult& gap) {
+  reference::Validation validate_contact(const msg::ContactState& contact,
+                                         reference::GapResult& gap) {
     const reference::ReportedContact report = to_report(contact);
     gap = reference_.gap(report.pose_WT);
-    return judge_->judge(gap, report);
+    return validator_->validate(gap, report);
   }
-  reference::Judgement judge_tool(const msg::ContactState& contact, reference::GapResult& gap) {
+  reference::Validation validate_tool(const msg::ContactState& contact, reference::GapResult& gap) {
     const reference::ReportedTool report = to_tool(contact);
     gap = reference_.gap(report.tool);
     const bool rubs = std::any_of(
         scene_.effects.begin(), scene_.effects.end(),
         [](const effects::EffectSpec& effect) { return effect.kind->friction != nullptr; });
-    return judge_->judge(gap, reference_.gap(report.hand),
-                         {.reach_m = reference_.tool_reach_m(), .rubs = rubs}, report);
+    return validator_->validate(gap, reference_.gap(report.hand),
+                                {.reach_m = reference_.tool_reach_m(), .rubs = rubs}, report);
   }
 
-  void note(std::uint64_t sequence, const reference::Judgement& judgement) {
+  void note(std::uint64_t sequence, const reference::Validation& validation) {
     const std::lock_guard lock(mutex_);
     if (first_disagreement_.empty())
       first_disagreement_ =
           fmt::format("sample {} ({}): {}", sequence,
-                      judgement.cause == reference::Cause::kReference ? "fault of the reference"
-                                                                      : "fault of the rendering",
-                      judgement.explanation);
+                      validation.cause == reference::Cause::kReference ? "fault of the reference"
+                                                                       : "fault of the rendering",
+                      validation.explanation);
   }
 
   void forget_disagreement() {
@@ -278,7 +280,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
 
   void publish_counts() {
     const std::lock_guard lock(mutex_);
-    counts_ = judge_->counts();
+    counts_ = validator_->counts();
   }
 
   void report(runtime::NodeRegistry& registry, runtime::NodeReport& report,
@@ -327,8 +329,8 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ValidationReport> reports_;
   runtime::RoleBinding rendering_;  ///< only its samples are judged
-  std::unique_ptr<reference::Judge> judge_;
-  reference::Judgement judgement_;    ///< of the sample that is answered
+  std::unique_ptr<reference::ContactValidator> validator_;
+  reference::Validation validation_;  ///< of the sample that is answered
   Built built_;                       ///< what is judged
   std::optional<Built> next_;         ///< from its first sample on
   std::uint64_t last_due_ = 0;        ///< sequence number of the last sample that was due
@@ -336,7 +338,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   std::atomic<bool> unread_ = false;  ///< the verdicts had no reader when the last one was due
   runtime::Counters<kValidatorTable> counters_;
   std::mutex mutex_;
-  reference::JudgeCounts counts_;
+  reference::ValidationCounts counts_;
   std::string first_disagreement_;
 };
 

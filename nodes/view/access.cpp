@@ -36,13 +36,13 @@ bool Access::admits_origin(std::string_view origin) const {
          (origin.starts_with(kScheme) && admits_host(origin.substr(kScheme.size())));
 }
 
-bool Access::admits_token(std::string_view given) const noexcept {
-  if (token.empty() || given.size() != token.size())
+bool Access::admits_token(std::string_view candidate) const noexcept {
+  if (token.empty() || candidate.size() != token.size())
     return false;
   unsigned difference = 0;
   for (std::size_t n = 0; n < token.size(); ++n)
     difference |= static_cast<unsigned char>(token[n]) ^
-                  static_cast<unsigned>(static_cast<unsigned char>(given[n]));
+                  static_cast<unsigned>(static_cast<unsigned char>(candidate[n]));
   return difference == 0;
 }
 

@@ -20,10 +20,10 @@
 namespace voxtouch::view {
 namespace {
 
-/// The ring's streams are of fixed size and without padding: their CDR is the struct. `show` gets
-/// the message and when it was recorded.
+/// Streams of the ring have a fixed size and no padding: their CDR is the struct. `show` receives
+/// the message and its record time.
 template <class T, class Show>
-BagPlayer::Take stream(Show show) {
+BagPlayer::Handler stream(Show show) {
   return [show](const bag::BagMessage& m, Picture& picture, Facts&, NodeTable&) {
     constexpr std::size_t kHeader = 4;
     T message;
@@ -39,7 +39,7 @@ std::string_view cdr_of(const bag::BagMessage& m) {
 }
 
 template <class T>
-BagPlayer::Take fact(const bus::Participant& participant) {
+BagPlayer::Handler fact(const bus::Participant& participant) {
   return [form = std::make_shared<bus::WireForm<T>>(participant.get())](
              const bag::BagMessage& m, Picture&, Facts& facts, NodeTable&) {
     form->read(cdr_of(m), [&](const T& message) { facts.take(message); });
@@ -60,7 +60,7 @@ bag::BagReader open(const std::filesystem::path& path) {
   return std::move(*reader);
 }
 
-/// What `up` has left next to the bag, as the page shows it; null where it left nothing.
+/// The verdict file of `up` next to the bag, for the page; null without one.
 nlohmann::json verdict_of_run(const std::filesystem::path& path,
                               const std::vector<std::string>& losses) {
   std::error_code error;
@@ -85,19 +85,20 @@ nlohmann::json verdict_of_run(const std::filesystem::path& path,
 BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem::path& path)
     : reader_(open(path)),
       verdict_(verdict_of_run(path, reader_.losses())) {
-  const Take status = [this,
-                       form = std::make_shared<bus::WireForm<msg::NodeStatus>>(participant.get())](
-                          const bag::BagMessage& m, Picture&, Facts&, NodeTable& nodes) {
-    form->read(cdr_of(m), [&](const msg::NodeStatus& message) {
-      runtime::NodeReport report = runtime::to_report(message);
-      if (const auto file = report.values.find("scene_file"); file != report.values.end())
-        scene_file_ = file->second;
-      nodes.update(std::move(report), m.time_ns);
-    });
-  };
+  const Handler status =
+      [this, form = std::make_shared<bus::WireForm<msg::NodeStatus>>(participant.get())](
+          const bag::BagMessage& m, Picture&, Facts&, NodeTable& nodes) {
+        form->read(cdr_of(m), [&](const msg::NodeStatus& message) {
+          runtime::NodeReport report = runtime::to_report(message);
+          if (const auto file = report.values.find("scene_file"); file != report.values.end())
+            scene_file_ = file->second;
+          nodes.update(std::move(report), m.time_ns);
+        });
+      };
   const std::pair<std::string_view, Topic> known[] = {
-      // Not written then, but taken by the logger, like its command: between the two lies one pass
-      // of the ring. Simulated times measure nothing.
+      // Record times of the logger. Sample and command are delayed alike, so their difference is
+      // the
+      // latency of the ring. Simulated time has no latency.
       {qos::kDeviceState.path,
        {stream<msg::DeviceState>([](Picture& picture, const auto& state, std::int64_t time_ns) {
          picture.take(state, state.flags & msg::device_state::kFlagLockstep ? 0 : time_ns);
@@ -138,12 +139,12 @@ BagPlayer::BagPlayer(const bus::Participant& participant, const std::filesystem:
     try {
       collect_facts(path);
     } catch (const std::exception& error) {
-      damaged(console::reason_of(error));
+      report_damage(console::reason_of(error));
     }
   });
 }
 
-/// Looks into one stretch of kLongestPauseNs after the other; of a ring none is empty.
+/// Searches intervals of kLongestPauseNs; a running ring leaves none empty.
 void BagPlayer::find_steps() {
   constexpr std::int64_t kLongestPauseNs = 60'000'000'000;
   const auto first_in = [&](std::int64_t from_ns, std::int64_t to_ns) {
@@ -159,7 +160,7 @@ void BagPlayer::find_steps() {
       at_ns += kLongestPauseNs;
       continue;
     }
-    // The file that comes next may lie later than one behind it: the least of all counts.
+    // Files may overlap in time: use the earliest message of all.
     std::int64_t next_ns = end_ns_;
     while (const auto earlier = first_in(at_ns, next_ns))
       next_ns = *earlier;
@@ -175,12 +176,12 @@ void BagPlayer::find_steps() {
 
 double BagPlayer::duration_s() const noexcept {
   std::int64_t all_ns = end_ns_ - begin_ns_;
-  for (const Step& step : steps_)
+  for (const ClockStep& step : steps_)
     all_ns -= step.length_ns;
   return static_cast<double>(all_ns) * 1e-9;
 }
 
-void BagPlayer::damaged(const std::string& sentence) {
+void BagPlayer::report_damage(const std::string& sentence) {
   const std::lock_guard lock(mutex_);
   if (damage_.empty())
     console::log("warning: view: {}\n", damage_ = sentence);
@@ -191,18 +192,18 @@ std::string BagPlayer::damage() const {
   return damage_;
 }
 
-/// What is said seldom may lie anywhere in a long recording: it is looked for next to the picture.
+/// Rare messages may be anywhere in a long recording: a thread of its own collects them.
 void BagPlayer::collect_facts(const std::filesystem::path& path) {
   const auto reader = bag::BagReader::open(path);
   if (!reader)
-    return damaged(reader.error().sentence);
+    return report_damage(reader.error().sentence);
   const auto all = reader->for_each_between(begin_ns_, end_ns_ + 1, [&](const bag::BagMessage& m) {
-    if (topics_[m.topic].seldom)
-      seldom_.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
+    if (topics_[m.topic].is_rare)
+      rare_messages_.push_back({m.time_ns, m.topic, {m.bytes.begin(), m.bytes.end()}});
     return !stop_.load();
   });
   if (!all)
-    damaged(all.error().sentence);
+    report_damage(all.error().sentence);
   collected_.store(true, std::memory_order_release);
 }
 
@@ -214,14 +215,14 @@ BagPlayer::~BagPlayer() {
 
 void BagPlayer::play(bool on) {
   if (on && at_s_ >= duration_s())
-    seek_s_ = 0.0;  // once more from the start
+    seek_s_ = 0.0;  // restart
   playing_ = on;
 }
 void BagPlayer::speed(double times) { speed_ = std::clamp(times, kSlowest, kFastest); }
 void BagPlayer::seek(double to_s) { seek_s_ = std::clamp(to_s, 0.0, duration_s()); }
 std::int64_t BagPlayer::now_ns() const noexcept {
   std::int64_t now_ns = begin_ns_ + static_cast<std::int64_t>(at_s_ * 1e9);
-  for (const Step& step : steps_)
+  for (const ClockStep& step : steps_)
     if (now_ns > step.from_ns)
       now_ns += step.length_ns;
   return now_ns;
@@ -229,18 +230,19 @@ std::int64_t BagPlayer::now_ns() const noexcept {
 
 bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes) {
   const bool all_known = collected_.load(std::memory_order_acquire);
-  if (all_known && !std::exchange(knew_all_, true) && at_s_ > kPastS && !seek_s_)
-    seek_s_ = at_s_;  // the same place, with all that is known
+  if (all_known && !std::exchange(had_all_facts_, true) && at_s_ > kPastS && !seek_s_)
+    seek_s_ = at_s_;  // deliver the rare messages of earlier times
   const bool jump = seek_s_.has_value();
   if (jump) {
     at_s_ = *std::exchange(seek_s_, std::nullopt);
-    picture.forget(), nodes.forget(), facts.restart();
+    picture.clear(), nodes.clear(), facts.restart();
     const std::int64_t from_ns = now_ns() - static_cast<std::int64_t>(kPastS * 1e9);
-    for (const Seldom& said :
-         all_known ? std::span<const Seldom>(seldom_) : std::span<const Seldom>())
-      if (said.time_ns < from_ns)  // whatever was said before holds
-        topics_[said.topic].take({said.topic, said.time_ns, 0, said.bytes}, picture, facts, nodes);
-    feed(from_ns, now_ns() + 1, picture, facts, nodes);
+    for (const RareMessage& message :
+         all_known ? std::span<const RareMessage>(rare_messages_) : std::span<const RareMessage>())
+      if (message.time_ns < from_ns)  // earlier rare messages stay valid
+        topics_[message.topic].handle({message.topic, message.time_ns, 0, message.bytes}, picture,
+                                      facts, nodes);
+    deliver(from_ns, now_ns() + 1, picture, facts, nodes);
   }
   if (!playing_)
     return jump;
@@ -248,24 +250,24 @@ bool BagPlayer::advance(double elapsed_s, Picture& picture, Facts& facts, NodeTa
   at_s_ = std::min(at_s_ + elapsed_s * speed_, duration_s());
   if (now_ns() + 1 >= end_ns_)
     playing_ = false;
-  feed(before_ns + 1, now_ns() + 1, picture, facts, nodes);
+  deliver(before_ns + 1, now_ns() + 1, picture, facts, nodes);
   return jump;
 }
 
-void BagPlayer::feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
-                     NodeTable& nodes) {
+void BagPlayer::deliver(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
+                        NodeTable& nodes) {
   const auto all = reader_.for_each_between(from_ns, to_ns, [&](const bag::BagMessage& message) {
-    if (const Take& take = topics_[message.topic].take)
-      take(message, picture, facts, nodes);
+    if (const Handler& handle = topics_[message.topic].handle)
+      handle(message, picture, facts, nodes);
     return true;
   });
   if (!all)
-    damaged(all.error().sentence);
+    report_damage(all.error().sentence);
 }
 
 std::string BagPlayer::note() const {
   std::string note = damage();
-  for (const Step& step : steps_)
+  for (const ClockStep& step : steps_)
     note += fmt::format("{}The logger's clock stepped by {:.0f} s; that time is skipped.",
                         note.empty() ? "" : " ", static_cast<double>(step.length_ns) * 1e-9);
   return note;

@@ -1,5 +1,5 @@
 #pragma once
-/// A recorded run as if it ran now: play, pause, speed, any place.
+/// Plays a recorded run: play, pause, speed, seek.
 #include <atomic>
 #include <filesystem>
 #include <functional>
@@ -21,71 +21,71 @@ namespace voxtouch::view {
 
 class BagPlayer {
  public:
-  /// Throws std::runtime_error, a sentence, where `path` is no bag or holds nothing of a ring.
+  /// Throws std::runtime_error, with a sentence, if `path` is not a bag or has no messages of a
+  /// ring.
   BagPlayer(const bus::Participant& participant, const std::filesystem::path& path);
   ~BagPlayer();
 
-  /// Also from the end, which begins once more.
+  /// At the end of the recording, `play(true)` restarts it.
   void play(bool on);
   void speed(double times);  ///< kSlowest to kFastest
-  /// Goes to a time since the first message and shows what was then, with the kPastS before it.
+  /// Jumps to a time since the first message; delivers the kPastS before it as well.
   void seek(double to_s);
-  /// Takes what was recorded up to where the clock now is. True where a jump was made: what was
-  /// shown before is gone.
+  /// Advances the playback by `elapsed_s` and delivers the messages in between. Returns true after
+  /// a jump, which clears picture, facts and nodes.
   bool advance(double elapsed_s, Picture& picture, Facts& facts, NodeTable& nodes);
 
-  /// {t, duration, playing, speed, verdict: null or {good, problems}}. A damaged bag is not good.
+  /// {t, duration, playing, speed, verdict: null or {good, problems}}. A damaged bag is not `good`.
   nlohmann::json to_json() const;
-  /// For people: what could not be read, and where the recorder's clock stepped. Empty: nothing.
+  /// Message about unreadable parts and steps of the recorder's clock; empty if there are none.
   std::string note() const;
-  /// As the rendering node said it; empty where it did not.
+  /// From the status of the rendering node; empty if unknown.
   const std::string& scene_file() const noexcept { return scene_file_; }
-  /// Of the bag's times, as NodeTable receives them [ns].
+  /// The playback's time, in the bag's clock [ns].
   std::int64_t now_ns() const noexcept;
 
   static constexpr double kSlowest = 0.01, kFastest = 16.0;
 
-  /// What becomes of a message of one topic.
-  using Take = std::function<void(const bag::BagMessage&, Picture&, Facts&, NodeTable&)>;
+  /// Delivers one message of a topic.
+  using Handler = std::function<void(const bag::BagMessage&, Picture&, Facts&, NodeTable&)>;
 
  private:
   struct Topic {
-    Take take;            ///< none: nothing of it is shown
-    bool seldom = false;  ///< its last message counts, however old it is
+    Handler handle;        ///< empty: the topic is not displayed
+    bool is_rare = false;  ///< its last message stays valid
   };
-  struct Seldom {
+  struct RareMessage {
     std::int64_t time_ns = 0;
     std::size_t topic = 0;
     std::vector<std::byte> bytes;
   };
-  /// A time without messages that is too long for a ring: the recorder's clock stepped. It is
-  /// skipped.
-  struct Step {
+  /// An interval without messages that is too long for a ring: the recorder's clock stepped. The
+  /// playback skips it.
+  struct ClockStep {
     std::int64_t from_ns = 0, length_ns = 0;
   };
   void find_steps();
   double duration_s() const noexcept;
-  void damaged(const std::string& sentence);
+  void report_damage(const std::string& sentence);
   std::string damage() const;
-  void feed(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
-            NodeTable& nodes);
+  void deliver(std::int64_t from_ns, std::int64_t to_ns, Picture& picture, Facts& facts,
+               NodeTable& nodes);
   void collect_facts(const std::filesystem::path& path);
 
   bag::BagReader reader_;
-  nlohmann::json verdict_;     ///< of `up`, on the run
-  std::vector<Topic> topics_;  ///< of the bag, by index
-  std::vector<Seldom>
-      seldom_;  ///< all such messages, by time; of the thread that collects them, until it has
+  nlohmann::json verdict_;                  ///< of `up`
+  std::vector<Topic> topics_;               ///< of the bag, by index
+  std::vector<RareMessage> rare_messages_;  ///< by time; owned by `collecting_` until `collected_`
   std::int64_t begin_ns_ = 0, end_ns_ = 0;
-  std::vector<Step> steps_;  ///< by time
+  std::vector<ClockStep> steps_;  ///< by time
   mutable std::mutex mutex_;
-  std::string damage_;  ///< of both threads, under the mutex
+  std::string damage_;  ///< guarded by `mutex_`
   double at_s_ = 0.0, speed_ = 1.0;
   bool playing_ = true;
   std::optional<double> seek_s_ = 0.0;
   std::string scene_file_;
   std::atomic<bool> stop_{false}, collected_{false};
-  bool knew_all_ = false;
+  bool had_all_facts_ = false;
   std::thread collecting_;
 };
 

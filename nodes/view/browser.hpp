@@ -1,12 +1,12 @@
 #pragma once
-/// The person's browser.
+/// Opens the page in the desktop's browser.
 #include <string>
 
 namespace voxtouch::view {
 
-/// Opens `address` in the browser of this session, if there is a display and xdg-open; else nothing
-/// happens. Command lines can be read by every user of a machine, so the browser gets the path of a
-/// file that only this user can read, and that leads to the address.
+/// Opens `address` in the browser of this session; does nothing without a display or xdg-open.
+/// Every user of a machine can read command lines, so the browser receives the path of a private
+/// file that redirects to the address.
 void open_browser(const std::string& address);
 
 }  // namespace voxtouch::view

@@ -12,12 +12,14 @@
 namespace voxtouch::view {
 namespace {
 
-std::vector<Vec3> find(rendering::BuiltScene& built, const Pose& object, double scene_time_s) {
+std::vector<Vec3> contact_points_at(rendering::BuiltScene& built, const Pose& object,
+                                    double scene_time_s) {
   std::vector<Vec3> all;
   rendering::ObjectContacts& contacts = built.contacts();
   for (std::size_t n = 0; n < contacts.size(); ++n) {
-    const rendering::StaticObject& rests = contacts.object(n);
-    const Vec3 moved = rests.moves ? motion_at(*rests.moves, scene_time_s).position : Vec3::Zero();
+    const rendering::StaticObject& resting = contacts.object(n);
+    const Vec3 moved =
+        resting.moves ? motion_at(*resting.moves, scene_time_s).position : Vec3::Zero();
     Pose pose = object;
     pose.position -= moved;
     contact::ContactRenderer& renderer = *contacts.object(n).renderer;
@@ -29,14 +31,14 @@ std::vector<Vec3> find(rendering::BuiltScene& built, const Pose& object, double 
   }
   if (all.size() <= ContactPoints::kMaxPoints)
     return all;
-  std::vector<Vec3> some;
+  std::vector<Vec3> selected;
   for (std::size_t n = 0; n < ContactPoints::kMaxPoints; ++n)
-    some.push_back(all[n * all.size() / ContactPoints::kMaxPoints]);
-  return some;
+    selected.push_back(all[n * all.size() / ContactPoints::kMaxPoints]);
+  return selected;
 }
 
-/// This thread alone: what it does must not take time from a ring on the same machine.
-void yield_lock() {
+/// Lowers the priority of the calling thread, so that it takes no time from a ring.
+void lower_priority() {
   runtime::ordinary_priority();
   setpriority(PRIO_PROCESS, 0, 19);
 }
@@ -48,58 +50,58 @@ bool is_ready(const std::future<T>& future) {
 
 }  // namespace
 
-void ContactPoints::scene_is(const scene::Scene& scene) {
+void ContactPoints::set_scene(const scene::Scene& scene) {
   scene_ = scene;
-  question_.reset(), points_.reset(), slice_question_.reset(), slice_.reset();
-  refusal_ = "the page's copy of the scene is being built";
+  pose_request_.reset(), points_.reset(), slice_request_.reset(), slice_.reset();
+  missing_reason_ = "the page's copy of the scene is being built";
 }
 
-void ContactPoints::ask(const Pose& object, double scene_time_s) {
-  question_ = Question{object, scene_time_s};
+void ContactPoints::request(const Pose& object, double scene_time_s) {
+  pose_request_ = PoseRequest{object, scene_time_s};
 }
-void ContactPoints::ask(const SliceQuestion& question) { slice_question_ = question; }
+void ContactPoints::request(const SliceRequest& request) { slice_request_ = request; }
 std::optional<nlohmann::json> ContactPoints::take_slice() {
   return std::exchange(slice_, std::nullopt);
 }
 
-void ContactPoints::look() {
+void ContactPoints::poll() {
   if (is_ready(building_)) {
-    std::string refusal;
+    std::string reason;
     try {
       built_ = building_.get();
     } catch (const std::exception& error) {
-      refusal = error.what();
+      reason = error.what();
     }
     if (!scene_)
-      refusal_ = refusal;
+      missing_reason_ = reason;
   }
-  if (is_ready(finding_)) {
-    Found found = finding_.get();
-    if (!scene_ && found.points)
-      points_ = std::move(found.points);
-    if (!scene_ && found.slice)
-      slice_ = std::move(found.slice);
+  if (is_ready(query_)) {
+    Result result = query_.get();
+    if (!scene_ && result.points)
+      points_ = std::move(result.points);
+    if (!scene_ && result.slice)
+      slice_ = std::move(result.slice);
   }
-  if (building_.valid() || finding_.valid())
+  if (building_.valid() || query_.valid())
     return;
   if (scene_) {
     built_.reset();
     building_ = std::async(std::launch::async, [scene = *std::exchange(scene_, std::nullopt)] {
-      yield_lock();
+      lower_priority();
       return scene_build::build_here(
           scene, {.who = "view", .loop = serial_for(), .reports_progress = false});
     });
-  } else if (built_ && (question_ || slice_question_)) {
-    finding_ = std::async(
-        std::launch::async, [this, question = std::exchange(question_, std::nullopt),
-                             slice_question = std::exchange(slice_question_, std::nullopt)] {
-          yield_lock();
-          Found found;
-          if (question)
-            found.points = find(*built_, question->object, question->scene_time_s);
-          if (slice_question)
-            found.slice = slice_of(built_->contacts(), *slice_question);
-          return found;
+  } else if (built_ && (pose_request_ || slice_request_)) {
+    query_ = std::async(
+        std::launch::async, [this, request = std::exchange(pose_request_, std::nullopt),
+                             slice_request = std::exchange(slice_request_, std::nullopt)] {
+          lower_priority();
+          Result result;
+          if (request)
+            result.points = contact_points_at(*built_, request->object, request->scene_time_s);
+          if (slice_request)
+            result.slice = slice_of(built_->contacts(), *slice_request);
+          return result;
         });
   }
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// The tool's points in contact, and planes through the voxels, found anew here: the ring carries
-/// neither, and is not asked for more.
+/// Computes the tool's points in contact and slices through the voxels for the page. The ring
+/// publishes neither.
 #include <future>
 #include <memory>
 #include <optional>
@@ -15,48 +15,49 @@
 
 namespace voxtouch::view {
 
-/// Builds the scene once more and asks its contact models about poses, the newest alone, in threads
-/// of the lowest priority. One thread calls it, and none of its calls waits; its end waits for what
-/// is under way.
+/// Builds a copy of the scene and evaluates its contact models at the newest requested pose, in
+/// threads of the lowest priority. Used by one thread. No call blocks, except the destructor, which
+/// waits for the running thread.
 class ContactPoints {
  public:
-  /// Another scene; built when its turn comes.
-  void scene_is(const scene::Scene& scene);
-  /// Which points touch with the tool at `object` in W, where moving objects are at `scene_time_s`.
-  void ask(const Pose& object, double scene_time_s);
-  /// A plane of voxels, likewise the newest question alone.
-  void ask(const SliceQuestion& question);
-  /// Takes what has been found, and begins what has been asked for since. To be called often.
-  void look();
-  /// The last one answered, once; see slice_of.
+  /// Sets the scene to build.
+  void set_scene(const scene::Scene& scene);
+  /// Requests the points in contact with the tool at `object` in W and moving objects at
+  /// `scene_time_s`.
+  void request(const Pose& object, double scene_time_s);
+  /// Requests a slice; the newest request replaces the others.
+  void request(const SliceRequest& request);
+  /// Takes results and starts the next request. Call it often.
+  void poll();
+  /// Returns each slice once; see slice_of.
   std::optional<nlohmann::json> take_slice();
-  /// In W [m], of the pose that was answered last; at most kMaxPoints, evenly chosen. Nothing where
-  /// there is no scene to ask.
+  /// Points of the last finished request, in W [m], at most kMaxPoints, evenly selected; empty
+  /// without a scene.
   const std::optional<std::vector<Vec3>>& points() const noexcept { return points_; }
-  /// Why there are none; empty: there are.
-  const std::string& refusal() const noexcept { return refusal_; }
+  /// The reason for missing points, or empty.
+  const std::string& missing_reason() const noexcept { return missing_reason_; }
 
   static constexpr std::size_t kMaxPoints = 400;
 
  private:
-  struct Question {
+  struct PoseRequest {
     Pose object;
     double scene_time_s = 0.0;
   };
-  struct Found {
+  struct Result {
     std::optional<std::vector<Vec3>> points;
     std::optional<nlohmann::json> slice;
   };
 
-  std::optional<scene::Scene> scene_;  ///< to be built
-  std::optional<Question> question_;
-  std::optional<SliceQuestion> slice_question_;
+  std::optional<scene::Scene> scene_;  ///< to build
+  std::optional<PoseRequest> pose_request_;
+  std::optional<SliceRequest> slice_request_;
   std::optional<nlohmann::json> slice_;
   std::optional<std::vector<Vec3>> points_;
-  std::string refusal_ = "the scene file is not available";
-  std::unique_ptr<rendering::BuiltScene> built_;  ///< while something is found: of that thread
+  std::string missing_reason_ = "the scene file is not available";
+  std::unique_ptr<rendering::BuiltScene> built_;  ///< owned by `query_` while that runs
   std::future<std::unique_ptr<rendering::BuiltScene>> building_;
-  std::future<Found> finding_;
+  std::future<Result> query_;
 };
 
 }  // namespace voxtouch::view

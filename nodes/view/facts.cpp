@@ -124,7 +124,7 @@ void Facts::apply(const runtime::ChangeRequest& change) {
   }
 }
 
-void Facts::scene_is(const scene::Scene& scene) {
+void Facts::set_scene(const scene::Scene& scene) {
   effects_ = json::array();
   for (const effects::EffectSpec& effect : scene.effects)
     effects_.push_back(effect_json(effect));

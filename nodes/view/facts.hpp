@@ -1,6 +1,6 @@
 #pragma once
-/// What the page shows in addition to the picture: plan, design, device, effects and what became of
-/// changes. Messages in, JSON out. One thread.
+/// Slowly changing data of the page: plan, design, device, effects, results of changes. Messages
+/// in, JSON out. One thread.
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -9,27 +9,26 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene.hpp"
-#include "nodes/runtime/change_asker.hpp"
+#include "nodes/runtime/change_client.hpp"
 #include "voxtouch_msgs/messages.hpp"
 
 namespace voxtouch::view {
 
 class Facts {
  public:
-  /// What the ring says of itself; the newest of each is kept.
+  /// Keeps the newest message of each type.
   void take(const msg::ScenePlan& plan);
   void take(const msg::CouplingDesign& design);
   void take(const msg::DeviceDescription& device);
-  /// A change that was asked for; it holds once its answer says so.
+  /// A requested change; it is applied when its answer arrives.
   void take(const msg::EffectChange& change);
   void take(const msg::EffectChanged& answer);
-  /// The effects as this scene's file says.
-  void scene_is(const scene::Scene& scene);
-  /// A recorded run is shown from another place on: the effects are as the file says again, and
-  /// nothing was asked.
+  /// Takes the effects of the scene file.
+  void set_scene(const scene::Scene& scene);
+  /// Resets the effects to the scene file and clears all changes, for a jump in a recording.
   void restart() { effects_ = first_effects_, unanswered_.clear(), answers_.clear(); }
 
-  /// Of the plan that runs; empty where none is known.
+  /// Of the running plan; empty if unknown.
   const std::string& scene_hash() const noexcept { return scene_hash_; }
   /// {plan, design, device, effects, answers}
   nlohmann::json to_json() const;
@@ -44,7 +43,7 @@ class Facts {
   std::deque<nlohmann::json> answers_;  ///< the last ones
 };
 
-/// The design in one line for people.
+/// The design in one line.
 std::string design_sentence(const msg::CouplingDesign& design);
 
 }  // namespace voxtouch::view

@@ -31,10 +31,10 @@ HandLead::~HandLead() {
 
 void HandLead::set_scene(const scene::Scene& scene) {
   const std::lock_guard lock(mutex_);
-  place_ = Place{scene.device.pose_WD, scene.device.pose_PT, scene.device.position_scale};
+  frames_ = DeviceFrames{scene.device.pose_WD, scene.device.pose_PT, scene.device.position_scale};
 }
 
-void HandLead::see(const msg::DeviceState& state) {
+void HandLead::set_state(const msg::DeviceState& state) {
   const std::lock_guard lock(mutex_);
   if (state_ && state_->session_id != state.session_id)
     target_.reset();
@@ -48,27 +48,27 @@ void HandLead::claim() {
   runtime::NodeReport report;
   report.session_id = state_->session_id;
   report.state = runtime::NodeState::kRunning;
-  report.message =
-      page_ ? fmt::format("page {} controls the hand", *page_) : "no page controls the hand";
+  report.message = controlling_page_ ? fmt::format("page {} controls the hand", *controlling_page_)
+                                     : "no page controls the hand";
   report.figures["targets"] = {sequence_, "targets"};
   status_.publish(report, false);
 }
 
-void HandLead::aim(std::uint64_t page, const json& target, std::int64_t now_ns) {
+void HandLead::set_target(std::uint64_t page, const json& target, std::int64_t now_ns) {
   const auto p = target.at("p").get<std::array<double, 3>>();
   const auto q = target.at("q").get<std::array<double, 4>>();
   Pose pose{Vec3(p[0], p[1], p[2]), Quat(q[3], q[0], q[1], q[2])};
   if (!pose.position.allFinite() || !normalise_within(pose.orientation, 0.5, 2.0))
     return;
   const std::lock_guard lock(mutex_);
-  if (page_ && *page_ != page && now_ns - aimed_ns_ < kKeptNs)
+  if (controlling_page_ && *controlling_page_ != page && now_ns - target_time_ns_ < kIdleTimeoutNs)
     return;
-  if (!place_ || !state_)
+  if (!frames_ || !state_)
     return;
-  page_ = page, target_ = pose, aimed_ns_ = now_ns;
+  controlling_page_ = page, target_ = pose, target_time_ns_ = now_ns;
   Motion rest;
   rest.path = {pose.position}, rest.orientation = pose.orientation;
-  rest = motion_in_device(rest, place_->pose_WD, place_->pose_PT, place_->position_scale);
+  rest = motion_in_device(rest, frames_->pose_WD, frames_->pose_PT, frames_->position_scale);
   msg::OperatorTarget message{};
   message.session_id = state_->session_id;
   message.sequence_number = sequence_++;
@@ -79,8 +79,8 @@ void HandLead::aim(std::uint64_t page, const json& target, std::int64_t now_ns) 
 
 void HandLead::close(std::uint64_t page) {
   const std::lock_guard lock(mutex_);
-  if (page_ == page)
-    page_.reset();
+  if (controlling_page_ == page)
+    controlling_page_.reset();
 }
 
 json HandLead::to_json() const {
@@ -92,7 +92,8 @@ json HandLead::to_json() const {
     for (const double x : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()})
       target.push_back(rounded(x));
   }
-  return {{"page", page_ ? json(*page_) : json()}, {"target", std::move(target)}};
+  return {{"page", controlling_page_ ? json(*controlling_page_) : json()},
+          {"target", std::move(target)}};
 }
 
 }  // namespace voxtouch::view

@@ -1,5 +1,5 @@
 #pragma once
-/// The hand of a simulated device, led from pages: one of them at a time.
+/// Moves the hand of a simulated device to targets from one page at a time.
 #include <cstdint>
 #include <mutex>
 #include <optional>
@@ -13,11 +13,11 @@
 
 namespace voxtouch::view {
 
-/// The first page that aims has the hand until it closes, or has not aimed for kKeptNs while
-/// another one does. All but the constructor may be called from any thread.
+/// The first page that sends a target controls the hand until it closes, or until it is idle for
+/// kIdleTimeoutNs and another page sends a target. All but the constructor are thread-safe.
 class HandLead {
  public:
-  static constexpr std::int64_t kKeptNs = 10'000'000'000;
+  static constexpr std::int64_t kIdleTimeoutNs = 10'000'000'000;
 
   /// Throws bus::Error.
   HandLead(const bus::Participant& participant, const runtime::NodeOptions& options);
@@ -25,33 +25,33 @@ class HandLead {
   HandLead(const HandLead&) = delete;
   HandLead& operator=(const HandLead&) = delete;
 
-  /// How the device lies in W.
+  /// Sets the frames of the device.
   void set_scene(const scene::Scene& scene);
-  /// The newest sample of the ring's device.
-  void see(const msg::DeviceState& state);
-  /// Ten times a second or less: claims the role `page` in the device's session.
+  /// Sets the newest sample of the ring's device.
+  void set_state(const msg::DeviceState& state);
+  /// Claims the role `page` in the device's session. Call it at most ten times a second.
   void claim();
 
-  /// Where page `page` wants the tool to be, T in W: {"p": [x, y, z], "q": [x, y, z, w]}. Throws
-  /// nlohmann::json::exception for what is no such thing.
-  void aim(std::uint64_t page, const nlohmann::json& target, std::int64_t now_ns);
+  /// Sets the target of page `page`, T in W: {"p": [x, y, z], "q": [x, y, z, w]}. Throws
+  /// nlohmann::json::exception for other JSON.
+  void set_target(std::uint64_t page, const nlohmann::json& target, std::int64_t now_ns);
   void close(std::uint64_t page);
-  /// {"page": who has the hand, or null, "target": [x, y, z, qx, qy, qz, qw] in W, or null}.
+  /// {"page": page in control, or null, "target": [x, y, z, qx, qy, qz, qw] in W, or null}.
   nlohmann::json to_json() const;
 
  private:
-  struct Place {
+  struct DeviceFrames {
     Pose pose_WD, pose_PT;
     double position_scale = 1.0;
   };
   mutable std::mutex mutex_;
   bus::Writer<msg::OperatorTarget> targets_;
   runtime::StatusWriter status_;
-  std::optional<Place> place_;
+  std::optional<DeviceFrames> frames_;
   std::optional<msg::DeviceState> state_;
-  std::optional<std::uint64_t> page_;
+  std::optional<std::uint64_t> controlling_page_;
   std::optional<Pose> target_;  ///< T in W
-  std::int64_t aimed_ns_ = 0;
+  std::int64_t target_time_ns_ = 0;
   std::uint64_t sequence_ = 0;
 };
 

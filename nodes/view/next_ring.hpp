@@ -1,5 +1,5 @@
 #pragma once
-/// What a page chooses to run next: a shipped scene and a simulated device, or a mesh.
+/// The page's choice of the next run: a shipped scene and a simulated device, or a mesh.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -16,17 +16,16 @@ struct Next {
   std::string device;
 };
 
-/// What only the command line can do. Both may take seconds and throw std::exception, a sentence.
+/// Actions of the command line. Both may take seconds and throw std::exception with a sentence.
 struct NextActions {
   std::function<void(const Next&)> check;
-  /// A scene of the mesh in `bytes`, in a format of that ending.
+  /// Writes a scene for the mesh in `bytes`, whose format is that of `ending`; returns its file.
   std::function<std::string(const std::string& bytes, const std::string& ending,
                             const std::string& device)>
       propose;
 };
 
-/// One thread calls it, and none of its calls waits. Takes shipped names only, and no names of
-/// files.
+/// Used by one thread; no call blocks. Accepts shipped names only, no file names.
 class NextRing {
  public:
   static constexpr std::size_t kMaxMeshBytes = 16 << 20;
@@ -35,14 +34,14 @@ class NextRing {
 
   /// {"scenes": [...], "devices": [...]}
   static nlohmann::json offered();
-  /// {"scene": name, "device": name}. Throws json::exception for what is no such thing.
+  /// {"scene": name, "device": name}. Throws json::exception for other JSON.
   void choose(const nlohmann::json& order);
   /// {"ending": ".stl", "device": name, "at": 0, "of": bytes, "data": base64}: a piece of a mesh,
-  /// in order, all from one page. Throws likewise.
+  /// in order, all from one page. Throws json::exception for other JSON.
   void take_mesh(std::uint64_t page, const nlohmann::json& order);
-  /// The sentence of what was refused since the last call.
+  /// The reason for a refusal since the last call.
   std::optional<std::string> poll();
-  /// Checked: the ring may end.
+  /// The checked choice; with one the view ends.
   const std::optional<Next>& chosen() const noexcept { return chosen_; }
 
  private:

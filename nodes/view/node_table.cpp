@@ -10,7 +10,7 @@
 namespace voxtouch::view {
 namespace {
 
-/// What each node counts, by the name of the figure.
+/// The counted figure of each node.
 struct Counted {
   std::string_view node, figure, unit;
 };
@@ -20,15 +20,15 @@ constexpr std::array<Counted, 5> kCounted = {{{"device", "samples", "samples"},
                                               {"validator", "checked", "verdicts"},
                                               {"logger", "written", "messages"}}};
 
-std::size_t place(std::string_view node) {
+std::size_t order_of(std::string_view node) {
   return static_cast<std::size_t>(std::ranges::find(kCounted, node, &Counted::node) -
                                   kCounted.begin());
 }
 
-std::string word(runtime::NodeState state) {
-  constexpr const char* kWords[] = {"starting", "ready", "running", "stopped", "failed"};
+std::string name_of(runtime::NodeState state) {
+  constexpr const char* kNames[] = {"starting", "ready", "running", "stopped", "failed"};
   const auto n = static_cast<std::size_t>(state);
-  return n < std::size(kWords) ? kWords[n] : "unknown";
+  return n < std::size(kNames) ? kNames[n] : "unknown";
 }
 
 constexpr std::int64_t kRateOverNs = 900'000'000;
@@ -56,20 +56,20 @@ nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows) {
 /// Rates are counts over about a second.
 void NodeTable::take(const runtime::NodeReport& report, std::int64_t now_ns) {
   if (report.node == "up")
-    return;  // who started them is none of them
-  auto known = known_.find(report.node);
-  if (known == known_.end() && known_.size() >= kMaxNodes)
+    return;  // `up` is not a node of the ring
+  auto known = entries_.find(report.node);
+  if (known == entries_.end() && entries_.size() >= kMaxNodes)
     return;
-  const bool another =
-      known == known_.end() || known->second.row.report.participant != report.participant;
-  if (another)
-    known = known_.insert_or_assign(report.node, Known{}).first;
-  Known& k = known->second;
+  const bool is_new =
+      known == entries_.end() || known->second.row.report.participant != report.participant;
+  if (is_new)
+    known = entries_.insert_or_assign(report.node, Entry{}).first;
+  Entry& k = known->second;
   k.row.report = report;
-  k.row.state = word(report.state);
+  k.row.state = name_of(report.state);
   k.seen_ns = now_ns;
-  k.here = true;
-  if (const std::size_t n = place(report.node); n < kCounted.size()) {
+  k.present = true;
+  if (const std::size_t n = order_of(report.node); n < kCounted.size()) {
     const double count = runtime::value_of(report.figures, kCounted[n].figure);
     k.row.counted = kCounted[n].unit;
     if (k.counted_ns == 0 || count < k.counted_before || now_ns < k.counted_ns) {
@@ -85,40 +85,42 @@ void NodeTable::take(const runtime::NodeReport& report, std::int64_t now_ns) {
 }
 
 void NodeTable::update(const runtime::NodeRegistry& registry, std::int64_t now_ns) {
-  for (auto& [name, known] : known_)
-    known.here = false;
+  for (auto& [name, known] : entries_)
+    known.present = false;
   for (const runtime::NodeReport& report : registry.reports()) {
-    const auto known = known_.find(report.node);
-    // Of two of one name the one that goes on is shown.
-    if (report.final() && known != known_.end() && known->second.here)
+    const auto known = entries_.find(report.node);
+    // Of two nodes with one name, show the running one.
+    if (report.final() && known != entries_.end() && known->second.present)
       continue;
     take(report, now_ns);
   }
   for (const runtime::Hung& hung : registry.hung())
-    if (const auto known = known_.find(hung.node); known != known_.end() && known->second.here) {
+    if (const auto known = entries_.find(hung.node);
+        known != entries_.end() && known->second.present) {
       known->second.row.state = "hangs";
       known->second.row.report.message = hung.sentence;
     }
-  std::erase_if(known_, [&](const auto& entry) {
-    return !entry.second.here && static_cast<double>(now_ns - entry.second.seen_ns) * 1e-9 > kKeptS;
+  std::erase_if(entries_, [&](const auto& entry) {
+    return !entry.second.present &&
+           static_cast<double>(now_ns - entry.second.seen_ns) * 1e-9 > kRetentionS;
   });
 }
 
 void NodeTable::update(runtime::NodeReport report, std::int64_t now_ns) {
   constexpr std::int64_t kGoneNs = 2'000'000'000;
-  for (auto& [name, known] : known_)
-    known.here = now_ns - known.seen_ns < kGoneNs;
+  for (auto& [name, known] : entries_)
+    known.present = now_ns - known.seen_ns < kGoneNs;
   take(report, now_ns);
 }
 
 std::vector<NodeRow> NodeTable::rows(std::int64_t now_ns) const {
   std::vector<NodeRow> rows;
-  for (const auto& [name, known] : known_) {
+  for (const auto& [name, known] : entries_) {
     NodeRow row = known.row;
-    const bool runs = known.here && !row.report.final() && row.state != "hangs";
+    const bool runs = known.present && !row.report.final() && row.state != "hangs";
     if (!runs)
       row.rate_hz.reset(), row.answered_ratio.reset();
-    if (!known.here && !row.report.final()) {
+    if (!known.present && !row.report.final()) {
       row.state = "gone";
       row.report.message =
           "lost without a final status " +
@@ -127,7 +129,7 @@ std::vector<NodeRow> NodeTable::rows(std::int64_t now_ns) const {
     }
     rows.push_back(std::move(row));
   }
-  std::ranges::stable_sort(rows, {}, [](const NodeRow& row) { return place(row.report.node); });
+  std::ranges::stable_sort(rows, {}, [](const NodeRow& row) { return order_of(row.report.node); });
   return rows;
 }
 

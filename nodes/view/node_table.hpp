@@ -1,6 +1,5 @@
 #pragma once
-/// The nodes of a rig as a table: who runs, how fast, and its last sentence; also of those that
-/// hang or have gone.
+/// The nodes of a rig as a table: state, rate and last message, also of hung and lost nodes.
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -16,39 +15,39 @@ namespace voxtouch::view {
 struct NodeRow {
   runtime::NodeReport report;
   std::string state;                     ///< starting, ready, running, stopped, failed, hangs, gone
-  std::optional<double> rate_hz;         ///< of what it counts
-  std::string counted;                   ///< what that is: samples, messages
-  std::optional<double> answered_ratio;  ///< of the device: in the last second
+  std::optional<double> rate_hz;         ///< rate of `counted`
+  std::string counted;                   ///< samples, messages, verdicts
+  std::optional<double> answered_ratio;  ///< device only: over the last second
 };
 
-/// Of each row node, host, pid, state, rate_hz, counted, answered_ratio and sentence; null for what
-/// is not known.
+/// node, host, pid, state, rate_hz, counted, answered_ratio and sentence of each row; null if
+/// unknown.
 nlohmann::ordered_json to_json(const std::vector<NodeRow>& rows);
 
 class NodeTable {
  public:
-  /// Everything that a registry knows now; nodes that it knows no more stay in the table as gone,
-  /// until another takes the name or kKeptS are over.
+  /// Takes all reports of a registry. Nodes that left it stay in the table as `gone` for
+  /// kRetentionS, or until another node takes the name.
   void update(const runtime::NodeRegistry& registry, std::int64_t now_ns);
-  /// One report from a bag.
+  /// Takes one report from a bag.
   void update(runtime::NodeReport report, std::int64_t now_ns);
-  void forget() { known_.clear(); }
-  /// By the way that a sample goes: device, rendering, coupling, then the taps.
+  void clear() { entries_.clear(); }
+  /// In the order of the ring: device, rendering, coupling, then the taps.
   std::vector<NodeRow> rows(std::int64_t now_ns) const;
 
-  static constexpr double kKeptS = 60.0;
+  static constexpr double kRetentionS = 60.0;
   static constexpr std::size_t kMaxNodes = 32;
 
  private:
-  struct Known {
+  struct Entry {
     NodeRow row;
     std::int64_t seen_ns = 0;
     double counted_before = 0.0;
     std::int64_t counted_ns = 0;
-    bool here = true;
+    bool present = true;
   };
   void take(const runtime::NodeReport& report, std::int64_t now_ns);
-  std::map<std::string, Known> known_;
+  std::map<std::string, Entry> entries_;
 };
 
 }  // namespace voxtouch::view

@@ -19,7 +19,7 @@ constexpr const char* kOwn[] = {"index.html", "page.css",  "main.js", "scene3d.j
 constexpr const char* kScript = "text/javascript; charset=utf-8";
 
 struct Library {
-  const char *asked, *path, *mime, *package;
+  const char *url, *path, *mime, *package;
 };
 constexpr Library kLibraries[] = {
     {"/three.js", "/usr/share/javascript/three/three.min.js", kScript, "libjs-three"},
@@ -52,7 +52,7 @@ std::map<std::string, PageFile> find_page_files() {
     if (!fs::exists(library.path))
       throw std::runtime_error(fmt::format("{} is missing: install {} (deploy/setup does)",
                                            library.path, library.package));
-    files[library.asked] = {library.path, library.mime};
+    files[library.url] = {library.path, library.mime};
   }
   return files;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The files that the page is made of: its own, and three.js and dygraphs as Debian installs them.
+/// The files of the page: its own, and three.js and dygraphs as Debian installs them.
 #include <map>
 #include <string>
 
@@ -9,8 +9,8 @@ struct PageFile {
   std::string path, mime;
 };
 
-/// By what a browser asks for ("/", "/page.css"). Nothing else is ever served. Throws
-/// std::runtime_error, a sentence, where one is missing.
+/// Files by URL path ("/", "/page.css"); the server serves no others. Throws std::runtime_error,
+/// with a sentence, if a file is missing.
 std::map<std::string, PageFile> find_page_files();
 
 }  // namespace voxtouch::view

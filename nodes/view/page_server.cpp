@@ -39,7 +39,7 @@ std::string token_of(lws* wsi) {
   return token ? token : "";
 }
 
-/// Throws for what is no address of one interface.
+/// Throws if `address` is not the address of one interface.
 void check_address(const std::string& address) {
   in_addr place{};
   if (inet_pton(AF_INET, address.c_str(), &place) != 1 || place.s_addr == INADDR_ANY)
@@ -47,8 +47,7 @@ void check_address(const std::string& address) {
         fmt::format("'{}' is not an IPv4 address of one interface, such as 127.0.0.1", address));
 }
 
-/// What browsers receive about every file: nothing from elsewhere, no frame around it, no name of
-/// it to others.
+/// Content security policy of every file: no foreign content, no embedding.
 constexpr std::string_view kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' "
     "data:; connect-src 'self'; "
@@ -57,7 +56,7 @@ constexpr std::string_view kPolicy =
 }  // namespace
 
 class PageServer::Impl {
-  /// A message with the room in front of it that libwebsockets writes its header into.
+  /// A message with space for the header of libwebsockets in front.
   struct Outgoing {
     std::vector<unsigned char> bytes;
     bool frame = false;
@@ -74,36 +73,36 @@ class PageServer::Impl {
 
   /// One WebSocket.
   struct Client {
-    std::deque<Shared> waiting;
-    std::size_t frames = 0;  ///< among them
+    std::deque<Shared> queue;
+    std::size_t frames = 0;  ///< number of frames in `queue`
     std::string incoming;
     Clock::time_point second{};
     int messages = 0;      ///< in this second
-    bool refused = false;  ///< gets one sentence and is closed
+    bool refused = false;  ///< receives one sentence, then is closed
     std::uint64_t number = 0;
   };
 
  public:
-  Impl(const ServerOptions& options, std::function<std::string()> greeting, Heard received,
-       Closed closed)
+  Impl(const ServerOptions& options, std::function<std::string()> greeting, OnMessage received,
+       OnClose closed)
       : files_(find_page_files()),
         greeting_(std::move(greeting)),
         received_(std::move(received)),
         closed_(std::move(closed)) {
     check_address(options.address);
     access_ = {options.address, options.port, options.token.empty() ? make_token() : options.token};
-    lws_set_log_level(0, nullptr);  // that a port is taken is said below
+    lws_set_log_level(0, nullptr);  // the message below reports a port in use
     lws_context_creation_info info{};
     info.options = LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND |
                    LWS_SERVER_OPTION_DISABLE_IPV6;
-    info.fd_limit_per_thread = kMaxConnections + 8;  // and the server's own
+    info.fd_limit_per_thread = kMaxConnections + 8;  // plus the server's own
     info.pt_serv_buf_size = 16 * 1024;
     info.timeout_secs = 10;
     context_ = lws_create_context(&info);
     if (!context_)
       throw std::runtime_error("cannot create the page server");
     static const lws_protocols protocols[] = {
-        {"voxtouch-view", &Impl::called, sizeof(Client*), kMaxMessageBytes, 0, nullptr, 0}, {}};
+        {"voxtouch-view", &Impl::on_event, sizeof(Client*), kMaxMessageBytes, 0, nullptr, 0}, {}};
     info.port = access_.port;
     info.iface = access_.address.c_str();
     info.protocols = protocols;
@@ -150,7 +149,7 @@ class PageServer::Impl {
   void send(std::string_view text, bool frame) {
     {
       const std::lock_guard lock(mutex_);
-      if (frame && to_send_.size() > kMaxWaiting)
+      if (frame && to_send_.size() > kMaxQueuedFrames)
         return;
       to_send_.push_back(outgoing(text, frame));
     }
@@ -158,28 +157,29 @@ class PageServer::Impl {
   }
 
  private:
-  static int called(lws* wsi, lws_callback_reasons reason, void* session, void* in,
-                    std::size_t length) {
+  static int on_event(lws* wsi, lws_callback_reasons reason, void* session, void* in,
+                      std::size_t length) {
     lws_vhost* vhost = lws_get_vhost(wsi);
     auto* self = vhost ? static_cast<Impl*>(lws_get_vhost_user(vhost)) : nullptr;
     if (!self)
       return 0;
     try {
-      return self->call(wsi, reason, static_cast<Client**>(session), in, length);
+      return self->handle_event(wsi, reason, static_cast<Client**>(session), in, length);
     } catch (const std::exception& error) {
       console::log("page server: {}\n", error.what());
       return -1;
     }
   }
 
-  int call(lws* wsi, lws_callback_reasons reason, Client** client, void* in, std::size_t length) {
+  int handle_event(lws* wsi, lws_callback_reasons reason, Client** client, void* in,
+                   std::size_t length) {
     switch (reason) {
       case LWS_CALLBACK_HTTP:
         return serve(wsi, std::string(static_cast<const char*>(in), length));
       case LWS_CALLBACK_HTTP_FILE_COMPLETION:
         return lws_http_transaction_completed(wsi) ? -1 : 0;
       case LWS_CALLBACK_FILTER_PROTOCOL_CONNECTION:
-        return no_client_reason(wsi).empty() ? 0 : -1;
+        return client_refusal(wsi).empty() ? 0 : -1;
       case LWS_CALLBACK_ESTABLISHED:
         return open(wsi, client);
       case LWS_CALLBACK_RECEIVE:
@@ -189,13 +189,13 @@ class PageServer::Impl {
       case LWS_CALLBACK_CLOSED:
         return close(wsi, client);
       case LWS_CALLBACK_EVENT_WAIT_CANCELLED:
-        return hand_out();
+        return distribute();
       default:
         return lws_callback_http_dummy(wsi, reason, client, in, length);
     }
   }
 
-  /// Host and Origin of any request; empty: it may come in.
+  /// Checks Host and Origin; returns the reason for a refusal, or empty.
   std::string refusal(lws* wsi) const {
     if (const std::string host = header(wsi, WSI_TOKEN_HOST); !access_.admits_host(host))
       return "This server accepts requests to its own address only." + access_.remedy_for(host);
@@ -204,20 +204,20 @@ class PageServer::Impl {
     return {};
   }
 
-  std::string no_client_reason(lws* wsi) const {
+  std::string client_refusal(lws* wsi) const {
     std::string why = refusal(wsi);
     if (why.empty() && !access_.admits_token(token_of(wsi)))
       why = "The token in the address is missing or invalid.";
     return why;
   }
 
-  int serve(lws* wsi, const std::string& asked) {
+  int serve(lws* wsi, const std::string& path) {
     std::string why = refusal(wsi);
-    if (why.empty() && asked == "/" && !access_.admits_token(token_of(wsi)))
+    if (why.empty() && path == "/" && !access_.admits_token(token_of(wsi)))
       why = "The token in the address is missing or invalid: use the address printed by voxtouch.";
     if (!why.empty())
       return refuse(wsi, HTTP_STATUS_FORBIDDEN, why);
-    const auto file = files_.find(asked);
+    const auto file = files_.find(path);
     if (file == files_.end())
       return refuse(wsi, HTTP_STATUS_NOT_FOUND, "Page not found.");
     unsigned char more[1024];
@@ -245,10 +245,10 @@ class PageServer::Impl {
   }
 
   int open(lws* wsi, Client** client) {
-    *client = new Client;                  // libwebsockets keeps the pointer; `close` ends it
+    *client = new Client;                  // libwebsockets keeps the pointer; `close` deletes it
     if (clients_.size() >= kMaxClients) {  // a browser shows no reason of a refused WebSocket
       (*client)->refused = true;
-      (*client)->waiting.push_back(outgoing(
+      (*client)->queue.push_back(outgoing(
           fmt::format(
               R"({{"type":"refused","sentence":"{} pages are open, which is the limit: close one"}})",
               kMaxClients),
@@ -259,9 +259,9 @@ class PageServer::Impl {
     clients_.insert({wsi, *client});
     count_.store(clients_.size());
     (*client)->number = ++last_number_;
-    (*client)->waiting.push_back(
+    (*client)->queue.push_back(
         outgoing(fmt::format(R"({{"type":"page","page":{}}})", last_number_), false));
-    (*client)->waiting.push_back(outgoing(greeting_(), false));
+    (*client)->queue.push_back(outgoing(greeting_(), false));
     lws_callback_on_writable(wsi);
     return 0;
   }
@@ -278,29 +278,29 @@ class PageServer::Impl {
   int receive(lws* wsi, Client& client, std::string_view part) {
     if (client.refused)
       return 0;
-    const auto end_it = [&](lws_close_status status, const char* why) {
+    const auto close_with = [&](lws_close_status status, const char* why) {
       std::string text = why;
       lws_close_reason(wsi, status, reinterpret_cast<unsigned char*>(text.data()), text.size());
       return -1;
     };
     if (client.incoming.size() + part.size() > kMaxMessageBytes)
-      return end_it(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
+      return close_with(LWS_CLOSE_STATUS_MESSAGE_TOO_LARGE, "too long");
     client.incoming += part;
     if (!lws_is_final_fragment(wsi) || lws_remaining_packet_payload(wsi) > 0)
       return 0;
     if (const auto now = Clock::now(); now - client.second > std::chrono::seconds(1))
       client.second = now, client.messages = 0;
     if (++client.messages > kMaxMessagesASecond)
-      return end_it(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
+      return close_with(LWS_CLOSE_STATUS_POLICY_VIOLATION, "too many messages");
     received_(client.number, std::exchange(client.incoming, {}));
     return 0;
   }
 
   int write(lws* wsi, Client& client) {
-    if (client.waiting.empty())
+    if (client.queue.empty())
       return 0;
-    const Shared message = client.waiting.front();
-    client.waiting.pop_front();
+    const Shared message = client.queue.front();
+    client.queue.pop_front();
     if (message->frame)
       --client.frames;
     const std::size_t size = message->bytes.size() - LWS_PRE;
@@ -308,7 +308,7 @@ class PageServer::Impl {
     if (lws_write(wsi, message->bytes.data() + LWS_PRE, size, LWS_WRITE_TEXT) <
         static_cast<int>(size))
       return -1;
-    if (!client.waiting.empty())
+    if (!client.queue.empty())
       lws_callback_on_writable(wsi);
     if (!client.refused)
       return 0;
@@ -316,8 +316,8 @@ class PageServer::Impl {
     return -1;
   }
 
-  /// Facts are few; a client that lets so many lie is gone.
-  int hand_out() {
+  /// Facts are rare; a client with so many queued is lost.
+  int distribute() {
     std::deque<Shared> messages;
     {
       const std::lock_guard lock(mutex_);
@@ -325,16 +325,16 @@ class PageServer::Impl {
     }
     for (const auto& [wsi, client] : clients_) {
       for (const Shared& message : messages) {
-        if (message->frame && client->frames >= kMaxWaiting)
+        if (message->frame && client->frames >= kMaxQueuedFrames)
           continue;
-        if (client->waiting.size() >= 8 * kMaxWaiting) {
+        if (client->queue.size() >= 8 * kMaxQueuedFrames) {
           lws_set_timeout(wsi, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
           break;
         }
         client->frames += message->frame ? 1 : 0;
-        client->waiting.push_back(message);
+        client->queue.push_back(message);
       }
-      if (!client->waiting.empty())
+      if (!client->queue.empty())
         lws_callback_on_writable(wsi);
     }
     return 0;
@@ -342,8 +342,8 @@ class PageServer::Impl {
 
   std::map<std::string, PageFile> files_;
   std::function<std::string()> greeting_;
-  Heard received_;
-  Closed closed_;
+  OnMessage received_;
+  OnClose closed_;
   std::uint64_t last_number_ = 0;
   Access access_;
   lws_context* context_ = nullptr;
@@ -356,7 +356,7 @@ class PageServer::Impl {
 };
 
 PageServer::PageServer(const ServerOptions& options, std::function<std::string()> greeting,
-                       Heard received, Closed closed)
+                       OnMessage received, OnClose closed)
     : impl_(std::make_unique<Impl>(options, std::move(greeting), std::move(received),
                                    std::move(closed))) {}
 PageServer::~PageServer() = default;

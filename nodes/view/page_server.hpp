@@ -12,39 +12,36 @@ namespace voxtouch::view {
 struct ServerOptions {
   std::string address = "127.0.0.1";  ///< an IPv4 address of this machine
   int port = 8765;                    ///< 0: any
-  bool port_is_requested =
-      false;          ///< this very port was requested: where it is taken, that is an error
-  std::string token;  ///< empty: a new one
+  bool port_is_requested = false;     ///< fail if this port is in use
+  std::string token;                  ///< empty: a new one
 };
 
-/// Bounds of what clients may cost.
+/// Limits for clients.
 inline constexpr std::size_t kMaxClients = 64;
 inline constexpr std::size_t kMaxConnections = 128;     ///< a browser opens several for one page
 inline constexpr std::size_t kMaxMessageBytes = 65536;  ///< of a client [bytes]
-inline constexpr int kMaxMessagesASecond = 100;  ///< of a client; one that leads the hand sends 60
-inline constexpr std::size_t kMaxWaiting =
-    64;  ///< frames for a client that is slow; what comes then is left out for it
+inline constexpr int kMaxMessagesASecond = 100;  ///< of a client; control of the hand uses 60
+inline constexpr std::size_t kMaxQueuedFrames =
+    64;  ///< of one slow client; further frames are dropped for it
 
 class PageServer {
  public:
-  /// What a client sends; it is a number from 1 on, and of no other one.
-  using Heard = std::function<void(std::uint64_t client, std::string text)>;
-  using Closed = std::function<void(std::uint64_t client)>;
+  /// Receives a message of a client. Client numbers start at 1 and are never reused.
+  using OnMessage = std::function<void(std::uint64_t client, std::string text)>;
+  using OnClose = std::function<void(std::uint64_t client)>;
 
-  /// `greeting` gives what a client that has just come must know, as one message, after
-  /// {"type": "page", "page": its number}. All three are called from the server's thread. Throws
-  /// std::runtime_error, a sentence, where the address cannot be had or the page's files are
-  /// missing.
-  PageServer(const ServerOptions& options, std::function<std::string()> greeting, Heard received,
-             Closed closed);
+  /// `greeting` returns the first message to a new client after {"type": "page", "page": number}.
+  /// The server's thread calls all three functions. Throws std::runtime_error, with a sentence, if
+  /// the address is not available or a file of the page is missing.
+  PageServer(const ServerOptions& options, std::function<std::string()> greeting,
+             OnMessage received, OnClose closed);
   ~PageServer();
   PageServer(const PageServer&) = delete;
   PageServer& operator=(const PageServer&) = delete;
 
-  /// For people, with the token.
+  /// The address with the token, to print.
   std::string address() const;
-  /// To all clients, in order. A frame is left out for a client that has too many waiting; a fact
-  /// waits for it. Any thread.
+  /// Sends to all clients, in order. A full queue drops frames but keeps facts. Thread-safe.
   void send_frame(std::string text);
   void send_fact(std::string text);
   std::size_t clients() const noexcept;

@@ -23,30 +23,32 @@ json to_json(const Pose& p) {
           rounded(p.orientation.w())};
 }
 
-/// The force of a command in the world's axes; its size is what the device gives.
+/// The force of a command in world axes; its norm is that of the device.
 Vec3 in_world(const msg::ForceCommand& command, const scene::Scene* scene) {
   const Vec3 force = from_msg(command.wrench.force);
   return scene ? scene->device.pose_WD.orientation * force : force;
 }
 
-using Words = std::pair<std::uint32_t, const char*>;
-constexpr Words kContactWords[] = {{msg::contact_state::kFlagLatched, "latched"},
-                                   {msg::contact_state::kFlagFast, "fast"},
-                                   {msg::contact_state::kFlagRefusedSample, "sample refused"},
-                                   {msg::contact_state::kFlagSaturated, "saturated"},
-                                   {msg::contact_state::kFlagFading, "fading"},
-                                   {msg::contact_state::kFlagTunnellingSuspected, "tunnelling"},
-                                   {msg::contact_state::kFlagClutched, "clutch"},
-                                   {msg::contact_state::kFlagFallback, "fallback"}};
-constexpr Words kCommandWords[] = {{msg::force_command::kStatusRamping, "ramping"},
-                                   {msg::force_command::kStatusLatchedInput, "input latched"},
-                                   {msg::force_command::kStatusClamped, "clamped"},
-                                   {msg::force_command::kStatusCapped, "capped"},
-                                   {msg::force_command::kStatusGrowing, "growing"},
-                                   {msg::force_command::kStatusBounded, "damping bounded"}};
+using FlagName = std::pair<std::uint32_t, const char*>;
+constexpr FlagName kContactFlagNames[] = {
+    {msg::contact_state::kFlagLatched, "latched"},
+    {msg::contact_state::kFlagFast, "fast"},
+    {msg::contact_state::kFlagRefusedSample, "sample refused"},
+    {msg::contact_state::kFlagSaturated, "saturated"},
+    {msg::contact_state::kFlagFading, "fading"},
+    {msg::contact_state::kFlagTunnellingSuspected, "tunnelling"},
+    {msg::contact_state::kFlagClutched, "clutch"},
+    {msg::contact_state::kFlagFallback, "fallback"}};
+constexpr FlagName kCommandStatusNames[] = {
+    {msg::force_command::kStatusRamping, "ramping"},
+    {msg::force_command::kStatusLatchedInput, "input latched"},
+    {msg::force_command::kStatusClamped, "clamped"},
+    {msg::force_command::kStatusCapped, "capped"},
+    {msg::force_command::kStatusGrowing, "growing"},
+    {msg::force_command::kStatusBounded, "damping bounded"}};
 
-/// The words of the bits that are set.
-json words_of(std::uint32_t bits, std::span<const Words> known) {
+/// Names of the set bits.
+json names_of(std::uint32_t bits, std::span<const FlagName> known) {
   json words = json::array();
   for (const auto& [bit, word] : known)
     if (bits & bit)
@@ -54,7 +56,7 @@ json words_of(std::uint32_t bits, std::span<const Words> known) {
   return words;
 }
 
-double size_of(const msg::geometry_msgs_Wrench& wrench) { return from_msg(wrench.force).norm(); }
+double force_norm(const msg::geometry_msgs_Wrench& wrench) { return from_msg(wrench.force).norm(); }
 
 }  // namespace
 
@@ -93,7 +95,7 @@ json LatencyCounts::to_json() const {
 void Picture::begin(std::uint64_t session, std::int64_t sample_time_ns) {
   if (session == session_ && begin_ns_)
     return;
-  forget();
+  clear();
   session_ = session;
   begin_ns_ = sample_time_ns;
 }
@@ -103,25 +105,25 @@ void Picture::take(const msg::DeviceState& state, std::int64_t written_ns) {
   state_ = state;
   time_s_ = runtime::seconds_between(*begin_ns_, state.sample_time_ns);
   latency_.sample(state.sequence_number, written_ns);
-  news_ = true;
+  has_update_ = true;
 }
 
 void Picture::take(const msg::ContactState& contact) {
   if (contact.session_id != session_)
     return;
-  if (!contact_) {  // the rendering knows when the session began
+  if (!contact_) {  // the rendering defines the start of the session
     begin_ns_ = runtime::ns_between(contact.scene_time_ns, contact.sample_time_ns);
     open_.clear();
   }
   contact_ = contact;
-  news_ = true;
+  has_update_ = true;
   Row* at = row(contact.sample_time_ns);
   if (!at)
     return;
-  const auto more = [](const msg::ContactState& c) {
-    return std::pair{c.deepest_depth_m, size_of(c.contact_wrench)};
+  const auto peak_of = [](const msg::ContactState& c) {
+    return std::pair{c.deepest_depth_m, force_norm(c.contact_wrench)};
   };
-  if (!at->contact || more(contact) > more(*at->contact))
+  if (!at->contact || peak_of(contact) > peak_of(*at->contact))
     at->contact = contact;
 }
 
@@ -130,41 +132,41 @@ void Picture::take(const msg::ForceCommand& command, std::int64_t written_ns) {
     return;
   command_ = command;
   latency_.command(command.sequence_number, written_ns);
-  news_ = true;
+  has_update_ = true;
   Row* at = row(command.sample_time_ns);
-  if (at && (!at->command || size_of(command.wrench) > size_of(at->command->wrench)))
+  if (at && (!at->command || force_norm(command.wrench) > force_norm(at->command->wrench)))
     at->command = command;
 }
 
-/// None for a sample whose row has been given away, and for stamps that cannot be: any participant
-/// may send some.
+/// Null for a sample whose row is final, and for invalid time stamps, which any participant can
+/// send.
 Picture::Row* Picture::row(std::int64_t sample_time_ns) {
-  constexpr std::size_t kMaxOpen = 4096;
+  constexpr std::size_t kMaxOpenRows = 4096;
   const std::int64_t index = runtime::ns_between(*begin_ns_, sample_time_ns) / kRowNs;
-  if (index <= closed_to_ || (open_.size() >= kMaxOpen && !open_.contains(index)))
+  if (index <= closed_to_ || (open_.size() >= kMaxOpenRows && !open_.contains(index)))
     return nullptr;
   return &open_[index];
 }
 
-/// A row is closed once samples have come that are well behind it: its command is one pass of the
-/// ring later than its contact.
+/// Closes rows two rows after their end: the command of a sample arrives one pass of the ring after
+/// its contact.
 void Picture::close_rows(const scene::Scene* scene) {
   constexpr std::int64_t kRowsBehind = 2;
   while (!open_.empty() && open_.begin()->first + kRowsBehind < open_.rbegin()->first) {
     const auto oldest = open_.begin();
     closed_.push_back(row_json(oldest->first, oldest->second, scene));
     closed_to_ = oldest->first;
-    ++fresh_;
+    ++unsent_rows_;
     open_.erase(oldest);
   }
   const double newest_s = closed_.empty() ? 0.0 : closed_.back()[0].get<double>();
   while (!closed_.empty() && closed_.front()[0].get<double>() < newest_s - kPastS)
     closed_.pop_front();
-  fresh_ = std::min(fresh_, closed_.size());
+  unsent_rows_ = std::min(unsent_rows_, closed_.size());
 }
 
-/// s; returned force x, y, z and size, contact force [N]; depth [mm]; energy [mJ]; force of
-/// injected damping [N]. Null where nothing came.
+/// time [s]; returned force x, y, z and norm, contact force [N]; depth [mm]; energy [mJ]; force of
+/// injected damping [N]. Null without a message.
 json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* scene) const {
   json r = {rounded(static_cast<double>(index * kRowNs) * 1e-9)};
   if (row.command) {
@@ -175,7 +177,7 @@ json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* s
     r.insert(r.end(), 4, nullptr);
   }
   if (row.contact) {
-    r.push_back(rounded(size_of(row.contact->contact_wrench)));
+    r.push_back(rounded(force_norm(row.contact->contact_wrench)));
     r.push_back(rounded(row.contact->deepest_depth_m * 1e3));
   } else {
     r.insert(r.end(), 2, nullptr);
@@ -202,7 +204,7 @@ json Picture::frame(const scene::Scene* scene) {
     f["effects_force"] = to_json(from_msg(c.effects_wrench.force));
     f["depth"] = rounded(c.deepest_depth_m);
     f["hits"] = c.surface_hits + c.interior_hits;
-    f["flags"] = words_of(c.flags, kContactWords);
+    f["flags"] = names_of(c.flags, kContactFlagNames);
     if (scene)
       for (std::size_t n = 0; n < scene->objects.size(); ++n)
         if (const auto& moves = scene->objects[n].moves)
@@ -211,11 +213,12 @@ json Picture::frame(const scene::Scene* scene) {
   }
   if (command_) {
     f["force"] = to_json(in_world(*command_, scene));
-    f["limits"] = words_of(command_->status, kCommandWords);
+    f["limits"] = names_of(command_->status, kCommandStatusNames);
   }
-  f["rows"] = std::vector<json>(closed_.end() - static_cast<std::ptrdiff_t>(fresh_), closed_.end());
-  fresh_ = 0;
-  news_ = false;
+  f["rows"] =
+      std::vector<json>(closed_.end() - static_cast<std::ptrdiff_t>(unsent_rows_), closed_.end());
+  unsent_rows_ = 0;
+  has_update_ = false;
   return f;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// What of the ring can be seen now, and the strip charts of its last seconds: messages in, JSON
-/// for the page out. One thread; no clock.
+/// The newest sample of the ring and the strip charts of its last seconds: messages in, JSON for
+/// the page out. One thread; no clock.
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -14,23 +14,22 @@
 
 namespace voxtouch::view {
 
-/// The charts show one row for each stretch of this length, with the largest values in it: no peak
-/// is lost.
+/// Length of a chart row. A row holds the largest values of its interval, so no peak is lost.
 inline constexpr std::int64_t kRowNs = 8'000'000;
-/// How much of the past a page gets that comes later.
+/// History that a new page receives.
 inline constexpr double kPastS = 10.0;
 
-/// How long samples took from the device's write to the write of their command.
+/// Latency from the device's write of a sample to the write of its command.
 class LatencyCounts {
  public:
   static constexpr double kBinUs = 25.0;
-  static constexpr std::size_t kBins = 41;  ///< the last one holds all that took longer
+  static constexpr std::size_t kBins = 41;  ///< the last one holds all larger values
 
-  /// When the device wrote a sample and the coupling its command, by one clock; 0: not known.
+  /// Write times of sample and command, by one clock; 0: unknown.
   void sample(std::uint64_t sequence, std::int64_t written_ns) noexcept;
   void command(std::uint64_t sequence, std::int64_t written_ns) noexcept;
   void clear() noexcept { *this = {}; }
-  /// Median and 99th percentile [us] and the counts of the last seconds; null where there are none.
+  /// Median, 99th percentile [us] and counts of the last seconds; null without samples.
   nlohmann::json to_json() const;
 
  private:
@@ -45,17 +44,16 @@ class LatencyCounts {
 
 class Picture {
  public:
-  /// `written_ns`: when its writer wrote it, or 0 where that is not known.
+  /// `written_ns`: write time, or 0 if unknown.
   void take(const msg::DeviceState& state, std::int64_t written_ns);
   void take(const msg::ContactState& contact);
   void take(const msg::ForceCommand& command, std::int64_t written_ns);
-  /// As if nothing had ever come.
-  void forget() { *this = {}; }
+  void clear() { *this = {}; }
 
-  /// Something has come since the last frame.
-  bool has_news() const noexcept { return news_; }
-  /// The newest sample, and the rows of the charts that are new since the last frame. `scene` (if
-  /// known) says how the device lies in the world and where moving objects are.
+  /// Whether a message arrived since the last frame.
+  bool has_update() const noexcept { return has_update_; }
+  /// The newest sample, and the chart rows since the last frame. `scene`, if not null, defines the
+  /// frame of the device and the path of moving objects.
   nlohmann::json frame(const scene::Scene* scene);
   /// All rows of the last kPastS.
   nlohmann::json past(const scene::Scene* scene);
@@ -66,7 +64,7 @@ class Picture {
  private:
   struct Row {
     std::optional<msg::ForceCommand> command;  ///< with the largest force
-    std::optional<msg::ContactState> contact;  ///< the deepest, or the one with the largest force
+    std::optional<msg::ContactState> contact;  ///< with the largest depth, then force
   };
   void begin(std::uint64_t session, std::int64_t sample_time_ns);
   Row* row(std::int64_t sample_time_ns);
@@ -74,16 +72,16 @@ class Picture {
   nlohmann::json row_json(std::int64_t index, const Row& row, const scene::Scene* scene) const;
 
   std::uint64_t session_ = 0;
-  std::optional<std::int64_t> begin_ns_;  ///< device's clock at the session's begin
-  bool news_ = false;
-  double time_s_ = 0.0;  ///< of the newest sample, since the session's begin
+  std::optional<std::int64_t> begin_ns_;  ///< device's clock at the start of the session
+  bool has_update_ = false;
+  double time_s_ = 0.0;  ///< of the newest sample, since the start of the session
   std::optional<msg::DeviceState> state_;
   std::optional<msg::ContactState> contact_;
   std::optional<msg::ForceCommand> command_;
-  std::map<std::int64_t, Row> open_;   ///< rows that may still change
-  std::int64_t closed_to_ = -1;        ///< rows up to this one have been given away
+  std::map<std::int64_t, Row> open_;   ///< rows that may change
+  std::int64_t closed_to_ = -1;        ///< rows up to this one are final
   std::deque<nlohmann::json> closed_;  ///< of the last kPastS
-  std::size_t fresh_ = 0;              ///< how many of them no frame has had
+  std::size_t unsent_rows_ = 0;        ///< number of rows in `closed_` not sent
   LatencyCounts latency_;
 };
 

@@ -5,10 +5,9 @@
 namespace voxtouch::view {
 namespace {
 
-constexpr int kMaxAtOnce =
-    256;  ///< of what comes seldom: a flood of it must not hold up the picture
+constexpr int kMaxPerPoll = 256;  ///< rare messages per poll, so that a flood does not delay frames
 
-/// As every tap, with room for a second of the ring: this process waits for all others.
+/// The profile of taps, with a queue of one second: this process has the lowest priority.
 const qos::Profile& tap() {
   static const qos::Profile profile = [] {
     qos::Profile deep = qos::profile(qos::ProfileId::kTap);
@@ -44,11 +43,11 @@ void RingTap::take(Picture& picture, Facts& facts, NodeTable& nodes, std::int64_
   commands_.take_each([&](const msg::ForceCommand& m, const dds_sample_info_t& info) {
     picture.take(m, info.source_timestamp);
   });
-  devices_.take_each([&](const msg::DeviceDescription& m) { facts.take(m); }, kMaxAtOnce);
-  plans_.take_each([&](const msg::ScenePlan& m) { facts.take(m); }, kMaxAtOnce);
-  designs_.take_each([&](const msg::CouplingDesign& m) { facts.take(m); }, kMaxAtOnce);
-  changes_.take_each([&](const msg::EffectChange& m) { facts.take(m); }, kMaxAtOnce);
-  answers_.take_each([&](const msg::EffectChanged& m) { facts.take(m); }, kMaxAtOnce);
+  devices_.take_each([&](const msg::DeviceDescription& m) { facts.take(m); }, kMaxPerPoll);
+  plans_.take_each([&](const msg::ScenePlan& m) { facts.take(m); }, kMaxPerPoll);
+  designs_.take_each([&](const msg::CouplingDesign& m) { facts.take(m); }, kMaxPerPoll);
+  changes_.take_each([&](const msg::EffectChange& m) { facts.take(m); }, kMaxPerPoll);
+  answers_.take_each([&](const msg::EffectChanged& m) { facts.take(m); }, kMaxPerPoll);
 }
 
 std::string RingTap::scene_file() const {

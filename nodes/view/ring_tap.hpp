@@ -1,5 +1,5 @@
 #pragma once
-/// Readers of a ring that runs, as taps: they slow no node.
+/// Readers of a running ring, as best-effort taps.
 #include "nodes/bus/reader.hpp"
 #include "nodes/runtime/node_registry.hpp"
 #include "nodes/runtime/options.hpp"
@@ -12,10 +12,9 @@ namespace voxtouch::view {
 class RingTap {
  public:
   RingTap(const bus::Participant& participant, const runtime::NodeOptions& options);
-  /// Takes what has come since the last call, at most the last second of a stream.
+  /// Takes all messages since the last call, at most the last second of a stream.
   void take(Picture& picture, Facts& facts, NodeTable& nodes, std::int64_t now_ns);
-  /// The scene's file on this host, as the rendering node says it; empty where it runs elsewhere or
-  /// has not said it.
+  /// The scene's file, from the status of a rendering node on this host; else empty.
   std::string scene_file() const;
 
  private:

@@ -6,8 +6,7 @@
 
 namespace voxtouch::view {
 
-/// To six digits: more is never seen, and a page gets many. What is no finite number is null: JSON
-/// has no word for it.
+/// Rounds to six digits, enough for display. NaN and infinity become null, since JSON has neither.
 inline nlohmann::json rounded(double value) {
   if (!std::isfinite(value))
     return nullptr;

@@ -1,5 +1,5 @@
 #pragma once
-/// The meshes of a scene as a page draws them: large ones coarser.
+/// The meshes of a scene for the page; large ones are simplified.
 #include <atomic>
 
 #include <nlohmann/json_fwd.hpp>
@@ -9,8 +9,8 @@
 namespace voxtouch::view {
 
 /// {"meshes": [{"name", "role", "object", "positions", "indices", "triangles", "shown"}], "notes":
-/// [sentence]}: static ones and moving objects in W where they rest, the dynamic one in T. A mesh
-/// that cannot be read is a note. Reads files, until `stop`; takes as long as they are large.
+/// [sentence]}: static meshes and moving objects at rest in W, the dynamic mesh in T. An unreadable
+/// mesh becomes a note. Reads files, which can take seconds; ends early on `stop`.
 nlohmann::json shapes_of(const scene::Scene& scene, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::view

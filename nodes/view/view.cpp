@@ -15,7 +15,7 @@
 
 #include "core/scene/scene_file.hpp"
 #include "nodes/console/log.hpp"
-#include "nodes/runtime/change_asker.hpp"
+#include "nodes/runtime/change_client.hpp"
 #include "nodes/runtime/clock.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/view/bag_player.hpp"
@@ -33,7 +33,7 @@ using nlohmann::json;
 
 constexpr std::int64_t kFrameNs = 33'333'333, kFactsNs = 200'000'000;
 
-/// Text of any participant may stand in it, also such as is no UTF-8.
+/// Replaces invalid UTF-8, which any participant can send.
 std::string text_of(const json& j) {
   return j.dump(-1, ' ', false, json::error_handler_t::replace);
 }
@@ -44,7 +44,7 @@ bool is_bag(const std::filesystem::path& path) {
          path.extension() == ".mcap";
 }
 
-/// What the device's guard and clock have counted, for the line above the charts.
+/// Counters of the device's guard and clock, for the line above the charts.
 json counts_of(const std::vector<NodeRow>& rows) {
   for (const NodeRow& row : rows) {
     if (row.report.node != "device")
@@ -81,7 +81,7 @@ class View {
     else
       tap_.emplace(participant_, options.node);
     if (tap_)
-      asker_.emplace(participant_, options.node);
+      change_client_.emplace(participant_, options.node);
     if (!options.choice.empty())
       next_.emplace(options.next);
     if (!player_ && !options.shown.empty())
@@ -104,29 +104,29 @@ class View {
                  facts_at_ns = 0;
     while (!stop.load()) {
       const std::int64_t now_ns = runtime::monotonic_ns();
-      obey();
-      look_after_changes();
+      process_orders();
+      poll_changes();
       if (next_ && has_chosen())
         return kChosenStatus;
-      points_.look();
+      points_.poll();
       advance(now_ns, std::min(kMaxStepS, static_cast<double>(now_ns - before_ns) * 1e-9));
       before_ns = now_ns;
       if (at_ns >= frame_at_ns)
-        send_frame(), frame_at_ns = at_ns + kFrameNs - kTurnNs / 2;
+        send_frame(), frame_at_ns = at_ns + kFrameNs - kCycleNs / 2;
       if (now_ns >= facts_at_ns)
         send_facts(now_ns), facts_at_ns = now_ns + kFactsNs;
-      at_ns = runtime::next_deadline(at_ns, runtime::monotonic_ns(), kTurnNs).at_ns;
+      at_ns = runtime::next_deadline(at_ns, runtime::monotonic_ns(), kCycleNs).at_ns;
       runtime::sleep_until(at_ns);
     }
     return 0;
   }
 
  private:
-  static constexpr std::int64_t kTurnNs = kFrameNs / 2;
+  static constexpr std::int64_t kCycleNs = kFrameNs / 2;
   static constexpr double kMaxStepS =
-      0.25;  ///< a recorded run waits where this thread was held up, and no part of it is missed
+      0.25;  ///< a delayed thread pauses the playback, so no part is skipped
 
-  /// A choice was checked and is written down.
+  /// Writes a checked choice to its file.
   bool has_chosen() {
     if (const std::optional<std::string> problem = next_->poll())
       server_.send_fact(text_of({{"type", "choice"}, {"sentence", *problem}}));
@@ -142,17 +142,17 @@ class View {
     if (tap_) {
       tap_->take(picture_, facts_, nodes_, now_ns);
       if (hand_ && picture_.state())
-        hand_->see(*picture_.state());
+        hand_->set_state(*picture_.state());
     } else if (player_->advance(server_.clients() > 0 ? elapsed_s : 0.0, picture_, facts_,
                                 nodes_)) {
-      server_.send_fact(text_of(picture_.past(known_scene())));
+      server_.send_fact(text_of(picture_.past(scene_or_null())));
     }
   }
 
   void send_frame() {
-    if (!picture_.has_news())
+    if (!picture_.has_update())
       return;
-    json frame = picture_.frame(known_scene());
+    json frame = picture_.frame(scene_or_null());
     if (is_same_scene())
       if (const auto points = points_.points()) {
         json all = json::array();
@@ -164,13 +164,13 @@ class View {
     if (server_.clients() == 0)
       return;
     if (const auto& contact = picture_.contact())  // for the next frame
-      points_.ask(runtime::from_msg(contact->object_pose),
-                  static_cast<double>(contact->scene_time_ns) * 1e-9);
+      points_.request(runtime::from_msg(contact->object_pose),
+                      static_cast<double>(contact->scene_time_ns) * 1e-9);
     server_.send_frame(text_of(frame));
   }
 
   void send_facts(std::int64_t now_ns) {
-    look_after_shapes();
+    poll_shapes();
     follow_scene();
     if (hand_)
       hand_->claim();
@@ -194,25 +194,25 @@ class View {
     send_slice();
   }
 
-  /// Of what a page has asked for, and only where it is another one than the last.
+  /// Sends the requested slice if it differs from the last one.
   void send_slice() {
     if (!slice_ || !is_same_scene())
       return;
     if (const auto found = points_.take_slice(); found && !found->is_null())
-      if (std::string text = text_of(*found); text != slice_text_)
-        server_.send_fact(slice_text_ = std::move(text));
-    SliceQuestion question{slice_->axis, slice_->at_m.value_or(0.0), 0.0};
+      if (std::string text = text_of(*found); text != last_slice_text_)
+        server_.send_fact(last_slice_text_ = std::move(text));
+    SliceRequest request{slice_->axis, slice_->at_m.value_or(0.0), 0.0};
     if (const auto& contact = picture_.contact()) {
       if (!slice_->at_m)
-        question.at_m = runtime::from_msg(contact->object_pose).position[question.axis];
-      question.scene_time_s = static_cast<double>(contact->scene_time_ns) * 1e-9;
+        request.at_m = runtime::from_msg(contact->object_pose).position[request.axis];
+      request.scene_time_s = static_cast<double>(contact->scene_time_ns) * 1e-9;
     }
-    points_.ask(question);
+    points_.request(request);
   }
 
-  const scene::Scene* known_scene() const { return scene_ ? &*scene_ : nullptr; }
+  const scene::Scene* scene_or_null() const { return scene_ ? &*scene_ : nullptr; }
 
-  /// The scene that the ring runs, or ran, is the one that is shown here.
+  /// Whether the displayed scene is that of the ring or recording.
   bool is_same_scene() const {
     return scene_ && (facts_.scene_hash().empty() || facts_.scene_hash() == scene_->hash);
   }
@@ -224,11 +224,11 @@ class View {
     if (!is_same_scene())
       return fmt::format("{} differs from the version in the ring: its meshes may differ.",
                          scene_->file.filename().string());
-    const std::string why = points_.refusal();
+    const std::string why = points_.missing_reason();
     return why.empty() ? "" : "No contact points: " + why + ".";
   }
 
-  /// A ring, or a bag, names its scene's file; another version of it is read again.
+  /// Reads the scene file that the ring or bag names, also after a change.
   void follow_scene() {
     const std::string named = player_ ? player_->scene_file() : tap_->scene_file();
     const std::filesystem::path file = !named.empty() ? std::filesystem::path(named)
@@ -236,9 +236,9 @@ class View {
                                                       : options_.shown;
     if (shapes_.valid() || file.empty() || facts_.scene_hash().empty() || is_same_scene())
       return;
-    if (tried_ == std::pair(file, facts_.scene_hash()))
+    if (last_tried_ == std::pair(file, facts_.scene_hash()))
       return;
-    tried_ = {file, facts_.scene_hash()};
+    last_tried_ = {file, facts_.scene_hash()};
     show(file);
   }
 
@@ -251,10 +251,10 @@ class View {
       console::log("warning: view: {}\n", no_scene_reason_);
       return;
     }
-    facts_.scene_is(*scene_);
+    facts_.set_scene(*scene_);
     if (hand_)
       hand_->set_scene(*scene_);
-    // Large meshes take seconds to read; forces and charts do not wait for them.
+    // Large meshes take seconds to read: do not delay forces and charts.
     shapes_ = std::async(std::launch::async, [this, scene = *scene_] {
       json shapes = shapes_of(scene, ended_);
       shapes["type"] = "scene";
@@ -262,31 +262,31 @@ class View {
       shapes["file"] = scene.file.filename().string();
       return text_of(shapes);
     });
-    points_.scene_is(*scene_);
+    points_.set_scene(*scene_);
   }
 
-  /// What pages want changed, one thing after the other, each in a thread of its own: an answer may
-  /// take its time.
-  void look_after_changes() {
-    if (asking_.valid()) {
-      if (asking_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
+  /// Runs requested changes one after the other, each in a thread, since an answer can take long.
+  void poll_changes() {
+    if (pending_change_.valid()) {
+      if (pending_change_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
         return;
-      answer(changes_.front(), asking_.get());
+      answer(changes_.front(), pending_change_.get());
       changes_.pop_front();
     }
     if (changes_.empty())
       return;
-    asking_ = std::async(std::launch::async, [this, change = changes_.front()]() -> std::string {
-      try {
-        return asker_->ask(
-            change, [](const auto&) {}, [](const auto&) {}, [this] { return ended_.load(); });
-      } catch (const std::exception& error) {
-        return error.what();
-      }
-    });
+    pending_change_ =
+        std::async(std::launch::async, [this, change = changes_.front()]() -> std::string {
+          try {
+            return change_client_->request(
+                change, [](const auto&) {}, [](const auto&) {}, [this] { return ended_.load(); });
+          } catch (const std::exception& error) {
+            return error.what();
+          }
+        });
   }
 
-  /// `problem`: why it was not done; empty: it was.
+  /// `problem`: the reason for a refusal; empty: applied.
   void answer(const runtime::ChangeWords& change, const std::string& problem) {
     server_.send_fact(text_of({{"type", "answer"},
                                {"words", change.words},
@@ -294,7 +294,7 @@ class View {
                                {"sentence", problem}}));
   }
 
-  void look_after_shapes() {
+  void poll_shapes() {
     if (!shapes_.valid() || shapes_.wait_for(std::chrono::seconds(0)) != std::future_status::ready)
       return;
     std::string text = shapes_.get();
@@ -306,7 +306,7 @@ class View {
   /// From the server's thread.
   std::string greeting() {
     const std::lock_guard lock(mutex_);
-    if (orders_.empty() || !orders_.back().contains("past"))  // many pages may come at once
+    if (orders_.empty() || !orders_.back().contains("past"))  // many pages may connect at once
       orders_.push_back(json::object({{"past", true}}));
     return scene_text_;
   }
@@ -314,9 +314,9 @@ class View {
     json order = json::parse(text, nullptr, false);
     if (hand_ && order.is_object() && order.contains("aim")) {
       try {
-        hand_->aim(page, order["aim"], runtime::monotonic_ns());
+        hand_->set_target(page, order["aim"], runtime::monotonic_ns());
       } catch (const json::exception&) {
-        // It is none of ours: a page sends no such thing.
+        // Not from a page of this server: ignore it.
       }
       return;
     }
@@ -328,8 +328,8 @@ class View {
     orders_.push_back(std::move(order));
   }
 
-  /// What pages have asked for.
-  void obey() {
+  /// Processes the messages of pages.
+  void process_orders() {
     std::deque<json> orders;
     {
       const std::lock_guard lock(mutex_);
@@ -337,23 +337,23 @@ class View {
     }
     for (const json& order : orders) {
       try {
-        obey(order);
+        process_order(order);
       } catch (const json::exception&) {
-        // It is none of ours: a page sends no such thing.
+        // Not from a page of this server: ignore it.
       }
     }
   }
 
-  void obey(const json& order) {
+  void process_order(const json& order) {
     if (order.contains("past")) {
-      server_.send_fact(text_of(picture_.past(known_scene())));
-      slice_text_.clear();  // for a page that has come
+      server_.send_fact(text_of(picture_.past(scene_or_null())));
+      last_slice_text_.clear();  // for the new page
     }
     if (order.contains("slice"))
-      cut(order["slice"]);
-    if (order.contains("change") && asker_)
+      set_slice(order["slice"]);
+    if (order.contains("change") && change_client_)
       change({order["change"].get<std::vector<std::string>>(), false, 0.0, "", 0});
-    if (order.contains("model") && asker_)
+    if (order.contains("model") && change_client_)
       change({{}, true, 0.0, order["model"].get<std::string>(), 0});
     if (order.contains("choose") && next_)
       next_->choose(order["choose"]);
@@ -377,26 +377,27 @@ class View {
       answer(words, "too many pending changes");
   }
 
-  /// {"axis": "z", "at": 0.01}: there, or without `at` where the tool is; null: none.
-  void cut(const json& order) {
-    slice_.reset(), slice_text_.clear();
+  /// {"axis": "z", "at": 0.01}: a slice there, or at the tool without `at`; null: no slice.
+  void set_slice(const json& order) {
+    slice_.reset(), last_slice_text_.clear();
     if (!order.is_object())
       return;
     const std::size_t axis = std::string("xyz").find(order.at("axis").get<std::string>());
     if (axis > 2)
       return;
-    slice_ = Cut{static_cast<int>(axis),
-                 order.contains("at") ? std::optional(order["at"].get<double>()) : std::nullopt};
+    slice_ =
+        SlicePlane{static_cast<int>(axis),
+                   order.contains("at") ? std::optional(order["at"].get<double>()) : std::nullopt};
   }
-  struct Cut {
+  struct SlicePlane {
     int axis = 2;
-    std::optional<double> at_m;  ///< nothing: at the tool
+    std::optional<double> at_m;  ///< unset: at the tool
   };
 
   const Options& options_;
   bus::Participant participant_;
-  std::optional<Cut> slice_;
-  std::string slice_text_;  ///< as it was sent last
+  std::optional<SlicePlane> slice_;
+  std::string last_slice_text_;  ///< last text sent
   Picture picture_;
   Facts facts_;
   NodeTable nodes_;
@@ -404,7 +405,7 @@ class View {
   std::string no_scene_reason_;
   std::atomic<bool> ended_{false};
   std::future<std::string> shapes_;  ///< being read
-  std::pair<std::filesystem::path, std::string> tried_;
+  std::pair<std::filesystem::path, std::string> last_tried_;
   ContactPoints points_;
   std::mutex mutex_;
   std::string scene_text_ = R"({"type":"scene","meshes":[],"notes":[]})";
@@ -413,17 +414,17 @@ class View {
   PageServer server_;
   std::optional<RingTap> tap_;
   std::optional<BagPlayer> player_;
-  std::optional<runtime::ChangeAsker> asker_;  ///< of a ring
-  std::deque<runtime::ChangeWords> changes_;   ///< the first is being asked for
-  std::future<std::string> asking_;
+  std::optional<runtime::ChangeClient> change_client_;  ///< of a ring
+  std::deque<runtime::ChangeWords> changes_;            ///< the first is pending
+  std::future<std::string> pending_change_;
   std::optional<NextRing> next_;  ///< if pages may choose
 };
 
 }  // namespace
 
 int run(const Options& options, const std::atomic<bool>& stop) {
-  setpriority(PRIO_PROCESS, 0, 10);  // this thread and those that it starts, DDS's too: who looks
-                                     // on comes after everything else
+  setpriority(PRIO_PROCESS, 0, 10);  // this thread and all that it starts, including DDS: viewing
+                                     // has the lowest priority
   return View(options).run(stop);
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-/// A page that shows a ring while it runs, or a recorded run.
+/// Serves a page that displays a running ring or a recorded run.
 #include <atomic>
 #include <filesystem>
 
@@ -10,24 +10,22 @@
 namespace voxtouch::view {
 
 struct Options {
-  runtime::NodeOptions node;  ///< rig, domain, interface
-  std::filesystem::path
-      shown;  ///< a bag, a scene file, or empty: the ring's own scene, if its file is at hand
+  runtime::NodeOptions node;    ///< rig, domain, interface
+  std::filesystem::path shown;  ///< a bag, a scene file, or empty: the scene file of the ring
   ServerOptions server;
   bool leads_hand = false;  ///< pages move the hand of the ring's device
   bool opens_browser = false;
-  /// Where a page's choice of what runs next is written to: scene, device and address of the page,
-  /// a line each. Empty: pages choose nothing.
+  /// File for a page's choice of the next run: scene, device and address of the page, a line each.
+  /// Empty: no choice.
   std::filesystem::path choice;
-  NextActions next;  ///< with `choice`
-  bool to_stderr =
-      false;  ///< the address is printed there, since stdout belongs to another program
+  NextActions next;        ///< with `choice`
+  bool to_stderr = false;  ///< print the address to stderr; stdout belongs to another program
 };
 
-/// Status with which `run` ends once a page has chosen what runs next.
+/// Return value of `run` after a page has chosen the next run.
 inline constexpr int kChosenStatus = 10;
 
-/// Serves until `stop`, or until a page has chosen what runs next. Throws std::runtime_error, a
+/// Serves until `stop`, or until a page has chosen the next run. Throws std::runtime_error, with a
 /// sentence.
 int run(const Options& options, const std::atomic<bool>& stop);
 

@@ -17,7 +17,7 @@ Vec3 displacement(const rendering::StaticObject& object, double scene_time_s) {
   return object.moves ? motion_at(*object.moves, scene_time_s).position : Vec3::Zero();
 }
 
-/// What lies at a place in W; far outside it is free, and no index leaves its range.
+/// The voxel at a position in W; free far outside, so that no index overflows.
 VoxelKind kind_at(const rendering::StaticObject& object, const Vec3& shift, const Vec3& x) {
   const Vec3 u = object.voxmap.grid().to_grid(x - shift);
   constexpr double kFar = 1 << 30;
@@ -27,7 +27,7 @@ VoxelKind kind_at(const rendering::StaticObject& object, const Vec3& shift, cons
 
 }  // namespace
 
-nlohmann::json slice_of(const rendering::ObjectContacts& objects, const SliceQuestion& q) {
+nlohmann::json slice_of(const rendering::ObjectContacts& objects, const SliceRequest& q) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t n = 0; n < objects.size(); ++n) {
     const voxmap::Voxmap& map = objects.object(n).voxmap;
@@ -43,7 +43,7 @@ nlohmann::json slice_of(const rendering::ObjectContacts& objects, const SliceQue
     return nullptr;
   const int u = q.axis == 0 ? 1 : 0, v = q.axis == 2 ? 1 : 2;
   const double edge = objects.object(0).voxmap.grid().edge;
-  // Cells begin where voxels of the first object do.
+  // Cells align with the voxels of the first object.
   const double every = std::max(1.0, std::ceil(std::max(high[u] - low[u], high[v] - low[v]) / edge /
                                                static_cast<double>(kMaxCellsPerSide)));
   const double step = every * edge;

@@ -48,6 +48,12 @@ TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
   expect_refused({"sing"}, "subcommand");
 }
 
+TEST_F(BadCall, WithARenamedOptionNamesTheNewOne) {
+  expect_refused({"design", "--held"}, "--held; its name is --gripped");
+  expect_refused({"up", "cup", "--let-go-at=2"}, "--let-go-at; its name is --release-time");
+  expect_refused({"report", "bag", "--beside", "bag"}, "--beside; its name is --compare-with");
+}
+
 TEST_F(BadCall, WithANameOf300LettersIsReported) {
   const std::string name(300, 'a'), said = std::string(64, 'a');
   for (const char* verb : {"up", "view", "plan", "accuracy", "report", "replay"})

@@ -17,6 +17,19 @@ TEST(DesignVerb, PrintsTheDesignItsMarginAndItsLimit) {
     EXPECT_NE(run.out.find(word), std::string::npos) << word << " in\n" << run.out;
 }
 
+/// The status of the design refers to remedies: each is printed, and in the JSON.
+TEST(DesignVerb, PrintsTheRemediesOfAReducedStiffness) {
+  std::vector<std::string> words{"design", "--device", "sim-phantom", "--scene", kCup};
+  const Finished text = voxtouch(words);
+  words.push_back("--json");
+  const nlohmann::json j = nlohmann::json::parse(voxtouch(words).out);
+  ASSERT_EQ(j["status"], "stiffness_reduced");
+  ASSERT_FALSE(j["remedies"].empty());
+  EXPECT_NE(text.out.find("Remedies:\n"), std::string::npos) << text.out;
+  for (const auto& remedy : j["remedies"])
+    EXPECT_NE(text.out.find(remedy.get<std::string>()), std::string::npos) << remedy;
+}
+
 TEST(DesignVerb, PrintsOneJsonObjectWithTheRequestedMargin) {
   for (const double margin : {1.5, 2.0, 3.0}) {
     const Finished run = voxtouch({"design", "--device", "sim-phantom", "--kind", "shaping_filter",
@@ -61,7 +74,7 @@ TEST(DesignVerb, PaperRecipeIsStableForSoftContactAndDamping) {
   ASSERT_EQ(run.status, 0) << run.err;
   const nlohmann::json j = nlohmann::json::parse(run.out);
   EXPECT_EQ(j["paper_recipe"]["released"]["stable"], true);
-  EXPECT_EQ(j["paper_recipe"]["held"]["stable"], true);
+  EXPECT_EQ(j["paper_recipe"]["gripped"]["stable"], true);
 }
 
 TEST(DesignVerb, DesignsForADeviceFile) {

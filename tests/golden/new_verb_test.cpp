@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <sstream>
 
 #include "tests/golden/golden.hpp"
 
@@ -44,6 +45,41 @@ TEST(NewVerb, NeverWritesOverAFile) {
       voxtouch({"new", (kMeshes / "block.obj").string(), "--out", scene.string()});
   EXPECT_EQ(made.status, 1);
   EXPECT_EQ(file_text(scene), "mine\n");
+}
+
+/// The folder of a part and its scene can be moved, and holds no path of this machine.
+TEST(NewVerb, WritesASceneThatCanBeMoved) {
+  const TemporaryFolder out;
+  std::filesystem::create_directories(out / "first" / "scenes");
+  const std::filesystem::path part = out / "first" / "block.obj",
+                              scene = out / "first" / "scenes" / "mine.yaml";
+  std::filesystem::copy(kMeshes / "block.obj", part);
+  const Finished made = voxtouch({"new", part.string(), "--out", scene.string()});
+  ASSERT_EQ(made.status, 0) << made.err;
+  std::istringstream lines(file_text(scene));
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("mesh:") != std::string::npos) {
+      EXPECT_EQ(line.find("\"/"), std::string::npos) << line;
+    }
+  }
+  std::filesystem::rename(out / "first", out / "second");
+  const std::filesystem::path moved = out / "second" / "scenes" / "mine.yaml";
+  const Finished plan = voxtouch({"plan", moved.string()});
+  EXPECT_EQ(plan.status, 0) << plan.out << plan.err;
+  EXPECT_EQ(file_text(out / "second" / "scenes" / "mine.tool.obj"),
+            file_text(kMeshes / "sphere.obj"));
+}
+
+TEST(NewVerb, KeepsAForeignFileWithTheToolsName) {
+  const TemporaryFolder out;
+  const std::filesystem::path scene = out / "mine.yaml", tool = out / "mine.tool.obj";
+  std::ofstream(tool) << "mine\n";
+  const Finished made =
+      voxtouch({"new", (kMeshes / "block.obj").string(), "--out", scene.string()});
+  EXPECT_EQ(made.status, 1);
+  EXPECT_NE(made.err.find("mine.tool.obj"), std::string::npos) << made.err;
+  EXPECT_EQ(file_text(tool), "mine\n");
+  EXPECT_FALSE(std::filesystem::exists(scene));
 }
 
 /// A box of `length` of the file's units, in COLLADA.

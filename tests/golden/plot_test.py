@@ -327,7 +327,7 @@ class Pictures(unittest.TestCase):
         with plot.matplotlib.rc_context(plot.STYLE):
             figure = plot.forces_figure(bag)[0]
             self.judge(figure)
-            self.assertIn(f" {max(returned['force']):.2g} N ", figure._suptitle.get_text())
+            self.assertIn(f" {max(returned['force']):.2g} N", figure._suptitle.get_text())
             self.assertTrue(
                 any(
                     "not displayed directly" in " ".join(text.get_text().split())
@@ -340,6 +340,22 @@ class Pictures(unittest.TestCase):
             tool("forces", bag, self.at / "refused.png", "--rig", "other"),
             "/other/rendering/contact",
         )
+
+    def test_forces_of_a_virtual_tool_show_its_distance_from_the_hand(self):
+        bag = self.at / "virtual_tool"
+        run = voxtouch(
+            *("up", "cup_virtual_tool", "--motion", "slide", "--duration", "2", "--lockstep"),
+            *("--one-process", "--record", bag, "--no-report", "--json"),
+        )
+        self.assertEqual(run.returncode, 0, run.stderr)
+        contact, _, _ = read_run(bag, "haptic")
+        self.assertTrue(contact["constrained"].any())
+        with plot.matplotlib.rc_context(plot.STYLE):
+            figure = plot.forces_figure(bag)[0]
+            self.judge(figure)
+        self.assertEqual(len(figure.axes), 2, "no row of a body")
+        title = figure._suptitle.get_text()
+        self.assertIn(f"{max(contact['stretch']):.2g} mm from the virtual tool", title)
 
     def test_tool_prints_the_version_of_its_build(self):
         reported, of_build = (

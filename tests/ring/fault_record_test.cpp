@@ -115,7 +115,7 @@ std::filesystem::path unstable_scene(const std::filesystem::path& folder) {
   return folder / "unstable.yaml";
 }
 
-TEST(ForceLock, HoldsAfterInstabilityUntilRecover) {
+TEST(FaultLatch, HoldsAfterInstabilityUntilRecover) {
   const TemporaryFolder folder;
   Process up(up_arguments(unstable_scene(folder.path()), {"--motion", "hit", "--duration", "0",
                                                           "--record", (folder / "bag").string()}));
@@ -140,7 +140,7 @@ TEST(ForceLock, HoldsAfterInstabilityUntilRecover) {
   EXPECT_NE(summary["problems"].dump().find("coupling latched"), std::string::npos) << end.out;
 }
 
-TEST(ForceLock, HasNothingToResetWithoutAFault) {
+TEST(FaultLatch, HasNothingToResetWithoutAFault) {
   Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--rig", "nobody",
                                            "--domain", fresh_domain(), "--json"});
   const Finished said = recover.wait();

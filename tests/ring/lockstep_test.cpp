@@ -45,7 +45,7 @@ std::map<std::string, bag::TopicHash> lockstep_run(const TemporaryFolder& folder
                            (folder / name).string()});
   const RingResult r = run_ring(shipped_scene("cup"), more);
   EXPECT_EQ(r.process.status, 0) << r.process.err << r.process.out;
-  EXPECT_EQ(r.summary["ring_latency_us"]["p50"], 0.0) << "measured durations read 0 in lockstep";
+  EXPECT_TRUE(r.summary["ring_latency_us"]["p50"].is_null()) << "lockstep measures no latency";
   return hashes(folder / name);
 }
 

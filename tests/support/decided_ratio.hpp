@@ -1,6 +1,6 @@
 #pragma once
-/// How much a judge could decide.
-#include "core/reference/judgement.hpp"
+/// Ratio of samples that the validation decides.
+#include "core/reference/contact_validator.hpp"
 
 namespace voxtouch::test {
 
@@ -8,7 +8,7 @@ namespace voxtouch::test {
 inline constexpr double kMinDecidedRatio = 0.2;
 
 /// 0 before the first sample.
-inline double decided_ratio(const reference::JudgeCounts& counts) noexcept {
+inline double decided_ratio(const reference::ValidationCounts& counts) noexcept {
   return counts.checked > 0
              ? static_cast<double>(counts.decided) / static_cast<double>(counts.checked)
              : 0.0;

@@ -40,7 +40,7 @@ struct Ground {
   std::vector<Vec3> path;
   Vec3 up;
 
-  reference::JudgeSettings settings() const {
+  reference::ValidatorSettings settings() const {
     return {kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0};
   }
 };
@@ -73,32 +73,32 @@ Ground cylinder() {
 
 /// Judges the whole path; `tamper` may change a report, given its place in the path.
 template <class Tamper>
-reference::Judge judged(const Ground& ground, const Fault& fault, Tamper tamper,
-                        std::string* first_sentence = nullptr) {
-  reference::Judge judge(ground.settings());
+reference::ContactValidator judged(const Ground& ground, const Fault& fault, Tamper tamper,
+                                   std::string* first_sentence = nullptr) {
+  reference::ContactValidator validator(ground.settings());
   for (std::size_t i = 0; i < ground.path.size(); ++i) {
     reference::ReportedContact report = ground.rendering.at(ground.path[i], fault);
     tamper(i, report);
     report.pose_WT = at(ground.path[i]);
     const reference::GapResult gap = ground.reference.gap(report.pose_WT);
-    const reference::Judgement found = judge.judge(gap, report);
+    const reference::Validation found = validator.validate(gap, report);
     if (found.verdict == reference::Verdict::kDisagree && first_sentence != nullptr &&
         first_sentence->empty())
       *first_sentence =
           found.explanation + " at a gap of " + std::to_string(gap.gap_m / kEdge) + " e";
   }
-  return judge;
+  return validator;
 }
 
-reference::Judge judged(const Ground& ground, const Fault& fault = {},
-                        std::string* first_sentence = nullptr) {
+reference::ContactValidator judged(const Ground& ground, const Fault& fault = {},
+                                   std::string* first_sentence = nullptr) {
   return judged(
       ground, fault, [](std::size_t, reference::ReportedContact&) {}, first_sentence);
 }
 
-void expect_caught(const reference::Judge& judge, const std::string& what) {
-  EXPECT_GT(judge.counts().disagree, 0U) << what;
-  EXPECT_EQ(judge.counts().reference, 0U) << what << ": the fault is the rendering's";
+void expect_caught(const reference::ContactValidator& validator, const std::string& what) {
+  EXPECT_GT(validator.counts().disagree, 0U) << what;
+  EXPECT_EQ(validator.counts().reference, 0U) << what << ": the fault is the rendering's";
 }
 
 class PlantedFaults : public testing::TestWithParam<Ground (*)()> {};
@@ -106,10 +106,10 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, PlantedFaults, testing::Values(&tilted_plane,
 
 TEST_P(PlantedFaults, AbsentRaiseNoAlarmAndAFifthIsDecided) {
   std::string sentence;
-  const reference::Judge judge = judged(GetParam()(), {}, &sentence);
-  EXPECT_EQ(judge.counts().disagree, 0U) << sentence;
-  EXPECT_GT(test::decided_ratio(judge.counts()), test::kMinDecidedRatio);
-  EXPECT_EQ(judge.counts().checked, judge.counts().agree + judge.counts().in_band);
+  const reference::ContactValidator validator = judged(GetParam()(), {}, &sentence);
+  EXPECT_EQ(validator.counts().disagree, 0U) << sentence;
+  EXPECT_GT(test::decided_ratio(validator.counts()), test::kMinDecidedRatio);
+  EXPECT_EQ(validator.counts().checked, validator.counts().agree + validator.counts().in_band);
 }
 
 TEST_P(PlantedFaults, ShiftedGridIsDetected) {
@@ -177,14 +177,15 @@ TEST(FaultlessReports, RaiseNoAlarmOverFacesEdgesAndCornersOfABox) {
     const reference::ReferenceScene reference(scene(spec));
     const Rendering rendering(synthetic::box(Vec3(-0.375, -0.25, -0.25), Vec3(0.375, 0.25, 0.25)),
                               kEdge, Vec3(-0.611, -0.523, -0.507), kSphereRadius);
-    reference::Judge judge({kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0});
+    reference::ContactValidator validator(
+        {kEdge, reference.chord_error_m(), rendering.shell_gap(), 0.0});
     for (int i = 0; i < 1500; ++i) {
       const Vec3 surface = Vec3(0.375, 0.25, 0.25)
                                .cwiseProduct(Vec3(unit(random), unit(random), unit(random)) * 1.5);
       const Vec3 out = Vec3(unit(random), unit(random), unit(random)).normalized();
       const Vec3 centre = surface + (kSphereRadius + kEdge * 2 * unit(random)) * out;
-      const reference::Judgement found =
-          judge.judge(reference.gap(at(centre)), rendering.at(centre));
+      const reference::Validation found =
+          validator.validate(reference.gap(at(centre)), rendering.at(centre));
       EXPECT_NE(found.verdict, reference::Verdict::kDisagree)
           << found.explanation << " at " << centre.transpose();
     }

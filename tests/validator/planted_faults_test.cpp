@@ -59,7 +59,7 @@ TEST_P(RealRendering, IsNeverRejectedAndAFifthIsDecided) {
   const Prepared& scene = prepared(GetParam());
   for (const Walk& walk : scene.walks) {
     const Outcome outcome = scene.ground.judged(walk);
-    const reference::JudgeCounts& c = outcome.counts;
+    const reference::ValidationCounts& c = outcome.counts;
     EXPECT_EQ(c.disagree, 0U) << outcome.first;
     EXPECT_EQ(c.checked, walk.gaps.size());
     EXPECT_EQ(c.checked, c.agree + c.in_band);
@@ -109,7 +109,7 @@ Fault tampered(const std::string& name, std::function<void(reference::ReportedCo
 
 /// Axes a shift of the grid cannot be reported along, and why. A shift counts by its part along the
 /// normals of the faces that are touched; below 1.5 e it may hide in the rules' tolerances
-/// (judgement.hpp), at 0 there is nothing to see at all.
+/// (contact_validator.hpp), at 0 there is nothing to see at all.
 const std::map<std::string, std::string> kBlindAxes = {
     {"cup", "z"},              // the motions touch the walls, which are the same all along z
     {"cup_field", "z"},        // likewise

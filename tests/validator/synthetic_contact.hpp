@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/reference/judgement.hpp"
+#include "core/reference/contact_validator.hpp"
 
 namespace voxtouch::synthetic {
 

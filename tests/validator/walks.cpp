@@ -69,7 +69,7 @@ std::size_t Walk::contacts() const {
 }
 
 Outcome& Outcome::operator+=(const Outcome& other) {
-  const reference::JudgeCounts& more = other.counts;
+  const reference::ValidationCounts& more = other.counts;
   counts.checked += more.checked, counts.decided += more.decided, counts.agree += more.agree;
   counts.in_band += more.in_band, counts.disagree += more.disagree;
   counts.rendering += more.rendering, counts.reference += more.reference;
@@ -84,8 +84,8 @@ Ground::Ground(scene::Scene scene, const Vec3& tool_to_sphere)
       built_(rendering::build_scene(scene_, serial_for())),
       reference_(scene_) {}
 
-reference::JudgeSettings Ground::settings() const {
-  reference::JudgeSettings settings;
+reference::ValidatorSettings Ground::settings() const {
+  reference::ValidatorSettings settings;
   const double e = settings.edge_m = scene_.voxel_size_m;
   settings.chord_error_m = reference_.chord_error_m();
   settings.shell_gap_m = std::min(built_->largest_shell_gap_m(), std::sqrt(3.0) * e);
@@ -143,7 +143,7 @@ Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
   contact::ContactRenderer& renderer = fault.renderer ? *fault.renderer : built_->renderer();
   const Fault::Tamper tamper =
       fault.tamper ? fault.tamper() : [](std::size_t, reference::ReportedContact&) {};
-  reference::Judge judge(settings());
+  reference::ContactValidator validator(settings());
   Outcome outcome;
   renderer.reset();
   for (std::size_t n = 0; n < walk.poses.size(); ++n) {
@@ -157,7 +157,7 @@ Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
     if (n % walk.every != 0)
       continue;
     const reference::GapResult& gap = walk.gaps[n / walk.every];
-    const reference::Judgement found = judge.judge(gap, report);
+    const reference::Validation found = validator.validate(gap, report);
     if (found.verdict != reference::Verdict::kDisagree || !outcome.first.empty())
       continue;
     const char* const whose =
@@ -165,7 +165,7 @@ Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
     outcome.first = fmt::format("{}, pose {} ({}): {}; the gap is {:.3f} e", walk.name, n, whose,
                                 found.explanation, gap.gap_m / scene_.voxel_size_m);
   }
-  outcome.counts = judge.counts();
+  outcome.counts = validator.counts();
   return outcome;
 }
 

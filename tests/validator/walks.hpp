@@ -1,12 +1,12 @@
 #pragma once
-/// The rendering walks a scene's motions at 1 kHz and a Judge checks every 20th frame, as the
-/// validator node does.
+/// The rendering walks a scene's motions at 1 kHz and a ContactValidator checks every 20th frame,
+/// as the validator node does.
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "core/reference/judgement.hpp"
+#include "core/reference/contact_validator.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/rendering/build.hpp"
 
@@ -41,7 +41,7 @@ struct Fault {
 };
 
 struct Outcome {
-  reference::JudgeCounts counts;
+  reference::ValidationCounts counts;
   std::string first;  ///< the first disagreement, for people
 
   Outcome& operator+=(const Outcome& other);
@@ -56,7 +56,7 @@ class Ground {
 
   const scene::Scene& scene() const noexcept { return scene_; }
   rendering::BuiltScene& built() noexcept { return *built_; }
-  reference::JudgeSettings settings() const;
+  reference::ValidatorSettings settings() const;
 
   /// The scene's own motion `name` for 10 s, displaced where `perturbation` says so.
   Walk motion(const std::string& name, const Perturbation& perturbation = {}) const;

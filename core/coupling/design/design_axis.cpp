@@ -22,10 +22,10 @@ constexpr double kHandsArm = 0.05;
 double noise_limit(const DesignProblem& request, bool rotation) {
   const double force = request.device.translation.max_effort,
                torque = request.device.rotation.max_effort;
-  const double asked = request.goals.max_injected_damping_effort;
+  const double effort = request.goals.max_injected_damping_effort;
   const double of_force =
-      asked > 0.0 ? asked
-                  : std::max(kQuietForceN, std::isfinite(force) ? kQuietRatio * force : 0.0);
+      effort > 0.0 ? effort
+                   : std::max(kQuietForceN, std::isfinite(force) ? kQuietRatio * force : 0.0);
   if (!rotation)
     return of_force;
   // A torque may be as noisy as a force, relative to the range of the device.

@@ -269,9 +269,9 @@ std::string_view name_of(DesignStatus status) noexcept {
   return name_in(kNames, status);
 }
 
-Design design_coupling(const DesignProblem& asked) {
-  refuse_impossible(asked);
-  DesignProblem request = asked;
+Design design_coupling(const DesignProblem& original) {
+  refuse_impossible(original);
+  DesignProblem request = original;
   std::vector<AxisProblem> problems = axis_problems(request), floored = problems;
   const std::string out_of_reach = set_floors(request, floored);
   CandidateCache cache;
@@ -280,7 +280,7 @@ Design design_coupling(const DesignProblem& asked) {
         floored[0].damping_force_ratio = fraction;
     return damped(request, problems, floored, cache);
   };
-  const std::optional<double>& given = asked.goals.damping_force_ratio;
+  const std::optional<double>& given = original.goals.damping_force_ratio;
   const std::span<const double> fractions =
       given ? std::span(&*given, 1) : std::span<const double>(kDampingForceRatios);
   std::optional<Damped> unbounded;
@@ -310,8 +310,8 @@ Design design_coupling(const DesignProblem& asked) {
   return finalize(request, std::move(*unbounded), floored, out_of_reach);
 }
 
-Design judge_coupling(const DesignProblem& asked, const CouplingSpec& spec) {
-  DesignProblem request = asked;
+Design judge_coupling(const DesignProblem& original, const CouplingSpec& spec) {
+  DesignProblem request = original;
   request.goals.damping_force_ratio = spec.damping_force_ratio;
   refuse_impossible(request);
   const std::vector<AxisProblem> problems = axis_problems(request);

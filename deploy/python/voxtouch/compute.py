@@ -95,7 +95,7 @@ def design(
     cutoff_hz=5.0,
     gain_margin=2.0,
     stiffness_n_per_m=0.0,
-    held=False,
+    gripped=False,
     damping=True,
 ):
     """The virtual coupling that fits a device, the hands that may hold it and a contact: the dict
@@ -105,12 +105,12 @@ def design(
             one
     scene   file or shipped name, whose contact and requests are met; None: whatever the device can
             show, or stiffness_n_per_m [N/m, at the hand]
-    hand    pen, arm or any_passive; None: the scene's, else how the device is held
+    hand    pen, arm or any_passive; None: the scene's, else how the device is gripped
     kind    auto, shaping_filter, spring_damper or direct
     cutoff_hz, gain_margin  requested cut-off of the filter [Hz], and how much stiffer the worst
     case
                             may get before it is unstable [-]
-    held the device is always gripped;  damping  injected damping may be used
+    gripped the device is always gripped;  damping  injected damping may be used
 
     "status" says whether anything holds; figures are at the hand.
     """
@@ -123,7 +123,7 @@ def design(
             float(cutoff_hz),
             float(gain_margin),
             float(stiffness_n_per_m),
-            bool(held),
+            bool(gripped),
             bool(damping),
             READER,
         )

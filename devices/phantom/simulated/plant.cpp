@@ -136,7 +136,7 @@ void PhantomPlant::step(const Vec3& motor_torque) noexcept {
   const Locks stopping = resist(load);
   if (load.locks.all())
     return;
-  constexpr double h = kSubstep;
+  const double h = kSubstep;
   const Vec3 v1 = rates_, a1 = acceleration(joints_, v1, load);
   const Vec3 v2 = rates_ + 0.5 * h * a1, a2 = acceleration(joints_ + 0.5 * h * v1, v2, load);
   const Vec3 v3 = rates_ + 0.5 * h * a2, a3 = acceleration(joints_ + 0.5 * h * v2, v3, load);

@@ -301,13 +301,13 @@ std::string csv_quoted(const std::string& text) {
 std::string to_text(const AccuracyReport& r) {
   std::string text = fmt::format(
       "\n"
+      "  Chosen: {}\n"
+      "\n"
       "  Accuracy and time: scene {}, {} contacts, each {} e deep, seed {}\n"
       "\n"
       "{}\n"
-      "  Chosen: {}\n"
-      "\n"
       "{}{}\n",
-      r.scene, r.contacts, r.depth_edges, r.seed, table(r), chosen_text(r), depth_table(r),
+      chosen_text(r), r.scene, r.contacts, r.depth_edges, r.seed, table(r), depth_table(r),
       phase_table(r));
   text +=
       "  *  on the Pareto front: no other setting is both faster and better in direction (missed "

@@ -59,7 +59,7 @@ void add_design(CLI::App& app, Action& action) {
   verb->add_option("--hand", o->hand,
                    "pen, arm or any_passive; default: the scene's, else the device's grip")
       ->check(CLI::IsMember({"pen", "arm", "any_passive"}));
-  verb->add_flag("--held", o->held, "The device is always gripped: skips the released cases");
+  verb->add_flag("--gripped", o->gripped, "The device is always gripped: skips the released cases");
   verb->add_option("--kind", o->kind, "auto, shaping_filter, spring_damper or direct")
       ->capture_default_str()
       ->check(CLI::IsMember({"auto", "shaping_filter", "spring_damper", "direct"}));

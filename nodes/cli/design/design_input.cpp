@@ -51,7 +51,7 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
   if (input.damping_force_ratio)
     problem.goals.damping_force_ratio = *input.damping_force_ratio;
-  if (input.held)
+  if (input.gripped)
     problem.hand.translation.may_release = problem.hand.rotation.may_release = false;
   if (input.no_velocity_windows)
     problem.goals.velocity_windows = false;

@@ -14,7 +14,8 @@ namespace voxtouch::cli {
 struct DesignInput {
   std::filesystem::path
       scene;  ///< whose contact and design goals are to be met; empty: whatever the device can show
-  std::string hand;  ///< pen, arm or any_passive; empty: the scene's, else how the device is held
+  std::string
+      hand;  ///< pen, arm or any_passive; empty: the scene's, else how the device is gripped
   std::string kind = "auto";  ///< shaping_filter, spring_damper or direct
   double cutoff_hz = 5.0, gain_margin = 2.0;
   double stiffness_n_per_m =
@@ -22,7 +23,7 @@ struct DesignInput {
   std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
   std::optional<double>
       damping_force_ratio;  ///< as CouplingSpec has it; none: the scene's, or the standard
-  bool held = false, no_damping = false;
+  bool gripped = false, no_damping = false;
   bool no_velocity_windows = false;
 };
 

@@ -290,7 +290,7 @@ std::string to_text(const DesignReport& r) {
                                 "faster hand goes deeper and is stopped there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper", paper_line(r.paper));
-  return text + list("Limits:", d.reasons) +
+  return text + list("Limits:", d.reasons) + list("Remedies:", d.remedies) +
          list("Not covered by the certificate:", certificate_gaps(r.certificate));
 }
 
@@ -335,7 +335,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   j["dominant_mode"] = {{"released_damping_ratio", swing.released},
                         {"released", swing.released_where},
                         {"gripped_damping_ratio", swing.held},
-                        {"held", swing.held_where},
+                        {"gripped", swing.held_where},
                         {"floor_released", r.problem.goals.floors.released},
                         {"floor_gripped", r.problem.goals.floors.held},
                         {"floors_kept", floors.released + floors.held > 0.0},
@@ -351,9 +351,10 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                                 {"critical_stiffness", critical}};
   };
   verdict("released", r.paper.critical_released);
-  verdict("held", r.paper.critical_held);
+  verdict("gripped", r.paper.critical_held);
   j["certificate"] = certificate_json(r.certificate);
   j["reasons"] = r.design.reasons;
+  j["remedies"] = r.design.remedies;
   j["region"] = region_json(r);
   return j;
 }

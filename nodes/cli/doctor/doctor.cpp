@@ -87,7 +87,7 @@ Finding check_exchange(const runtime::NodeOptions& o) {
   const char* const uri = std::getenv("CYCLONEDDS_URI");
   return {Health::kBad,
           fmt::format("Two processes on this machine do not receive each other over DDS: {}",
-                      bus::deafness_cause(o.network_interface, o.domain, uri ? uri : ""))};
+                      bus::reception_fault(o.network_interface, o.domain, uri ? uri : ""))};
 }
 
 int doctor(const runtime::NodeOptions& o) {

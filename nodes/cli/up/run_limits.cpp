@@ -189,15 +189,6 @@ std::string choose_limit(const std::string& text, ChosenLimits& chosen) {
   return {};
 }
 
-std::string describe_limits() {
-  std::string text;
-  for (const Limit& limit : kLimits)
-    text +=
-        fmt::format("{}{} {} {}", text.empty() ? "" : ", ", limit.name,
-                    limit.at_least ? "at least" : "at most", with_unit(limit.value, limit.unit));
-  return text;
-}
-
 std::vector<CheckedLimit> judge_figures(const RunFigures& run, const ChosenLimits& chosen) {
   std::vector<CheckedLimit> all;
   for (const Limit& limit : kLimits) {

@@ -24,8 +24,6 @@ using ChosenLimits = std::map<std::string, double, std::less<>>;
 /// Adds "NAME=VALUE" as typed. Returns nothing, or what is wrong with it: a sentence that names the
 /// limits there are.
 std::string choose_limit(const std::string& text, ChosenLimits& chosen);
-/// For --help: every limit with its default.
-std::string describe_limits();
 
 /// What of a run is judged, in numbers.
 struct RunFigures {

@@ -7,7 +7,7 @@
 #include "nodes/cli/up/process_supervisor.hpp"
 #include "nodes/cli/up/summary.hpp"
 #include "nodes/console/log.hpp"
-#include "nodes/faults/force_lock.hpp"
+#include "nodes/faults/fault_latch.hpp"
 #include "nodes/runtime/clock.hpp"
 
 namespace voxtouch::cli {
@@ -103,7 +103,7 @@ void RunMonitor::print(const ProcessSupervisor& nodes) {
     const auto report = reports_.find(node);
     return report == reports_.end() ? "" : report->second.message;
   };
-  if (!word(reports_, "coupling", faults::ForceLock::kNumber).empty())
+  if (!word(reports_, "coupling", faults::FaultLatch::kNumber).empty())
     log_once("coupling", message("coupling"));
   if (number(reports_, "logger", "dropped") > 0)
     log_once("logger", message("logger"));

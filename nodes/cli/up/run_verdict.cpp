@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "nodes/faults/force_lock.hpp"
+#include "nodes/faults/fault_latch.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -30,9 +30,9 @@ constexpr SampleNote kSampleNotes[] = {
      "the force was saturated: use more stiffness, a thicker body or a stronger device", false},
 };
 
-class Judgement {
+class VerdictRules {
  public:
-  explicit Judgement(const RunRecord& run) : run_(run) {}
+  explicit VerdictRules(const RunRecord& run) : run_(run) {}
 
   RunVerdict verdict() && {
     for (const Found& event : run_.events)
@@ -123,7 +123,7 @@ class Judgement {
 
   void force() {
     for (const char* node : {"device", "coupling"})
-      put_count(RunFact::kLocked, node, faults::ForceLock::kCount);
+      put_count(RunFact::kLocked, node, faults::FaultLatch::kCount);
     const double displayed = count("coupling", "stiffness_at_hand_n_per_m"),
                  most = count("coupling", "device_max_stiffness_n_per_m");
     if (most > 0 && displayed > most)
@@ -182,6 +182,6 @@ std::size_t RunVerdict::limits_failed() const {
 }
 bool RunVerdict::passed() const { return faults.empty() && limits_failed() == 0; }
 
-RunVerdict judge(const RunRecord& run) { return Judgement(run).verdict(); }
+RunVerdict judge(const RunRecord& run) { return VerdictRules(run).verdict(); }
 
 }  // namespace voxtouch::cli

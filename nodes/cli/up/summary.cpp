@@ -31,6 +31,9 @@ std::uint64_t count(const Reports& reports, const std::string& node, const std::
   return runtime::as_count(number(reports, node, name));
 }
 
+/// In lockstep time is simulated: there is no latency to measure.
+bool measures_latency(const RunRecord& run) { return run.mode != "lockstep"; }
+
 using Names = std::initializer_list<const char*>;
 
 /// Figures of a node under their own names: those that count as whole numbers.
@@ -99,9 +102,11 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["seed"] = s.seed;
   j["samples"] = count(r, "device", "samples");
   j["rate_hz"] = number(r, "device", "rate_hz");
-  j["ring_latency_us"] = {{"p50", number(r, "device", "latency_p50_us")},
-                          {"p99", number(r, "device", "latency_p99_us")},
-                          {"max", number(r, "device", "latency_max_us")}};
+  for (const char* quantile : {"p50", "p99", "max"})
+    j["ring_latency_us"][quantile] =
+        measures_latency(s)
+            ? nlohmann::ordered_json(number(r, "device", fmt::format("latency_{}_us", quantile)))
+            : nlohmann::ordered_json();
   add_counts(j, r, "device", {"answered", "overruns", "deadline_misses"});
   add_counts(j, r, "rendering",
              {"contact_samples", "latched_samples", "saturated_samples", "fast_samples",
@@ -134,23 +139,30 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
 
 namespace {
 
+std::string latency_text(const RunSummary& s) {
+  const Reports& r = s.reports;
+  if (!measures_latency(s))
+    return "latency not measured (lockstep)";
+  return fmt::format("latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us",
+                     number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
+                     number(r, "device", "latency_max_us"));
+}
+
 std::string figures(const RunSummary& s) {
   const Reports& r = s.reports;
   std::string text = fmt::format(
       "  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
-      "  ring        {} answered, latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us, {} "
-      "deadlines missed\n"
+      "  ring        {} answered, {}, {} deadlines missed\n"
       "  contact     {} samples with force, {} latched, {} faster than half a voxel per sample\n"
       "  coupling    {}, {}: certified {:.4g} N/m, gain margin {:.3g}; oscillated {:.3g} s\n"
       "  guard       {} commands refused ({} too late), {} clamped\n"
       "  validator   {} checked, {} skipped: {} decided, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
-      number(r, "device", "max_force_n"), count(r, "device", "answered"),
-      number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
-      number(r, "device", "latency_max_us"), count(r, "device", "deadline_misses"),
-      count(r, "rendering", "contact_samples"), count(r, "rendering", "latched_samples"),
-      count(r, "rendering", "fast_samples"), word(r, "coupling", "design_kind"),
-      word(r, "coupling", "design_status"), number(r, "coupling", "design_displayed_n_per_m"),
+      number(r, "device", "max_force_n"), count(r, "device", "answered"), latency_text(s),
+      count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
+      count(r, "rendering", "latched_samples"), count(r, "rendering", "fast_samples"),
+      word(r, "coupling", "design_kind"), word(r, "coupling", "design_status"),
+      number(r, "coupling", "design_displayed_n_per_m"),
       number(r, "coupling", "design_gain_margin"), number(r, "coupling", "swing_s"),
       count(r, "device", "refused"), count(r, "device", "refused_late"),
       count(r, "device", "clamped"), count(r, "validator", "checked"),
@@ -206,13 +218,16 @@ std::string status_line(const Reports& r, const std::vector<std::string>& nodes)
   if (starts || (!waiting.empty() && count(r, "device", "samples") == 0))
     return "starting: waiting for " +
            (waiting.empty() ? "the device" : waiting);  // in lockstep a ready device waits too
+  const double p50_us = number(r, "device", "latency_p50_us");
+  const std::string latency = p50_us > 0.0
+                                  ? fmt::format("latency p50 {:>4.0f} us p99 {:>5.0f} us", p50_us,
+                                                number(r, "device", "latency_p99_us"))
+                                  : "latency not measured";
   return fmt::format(
-      "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  latency p50 {:>4.0f} us p99 "
-      "{:>5.0f} us  overruns {}  "
+      "{:>7} samples  force {:6.2f} N at most  answered {:5.1f} %  {}  overruns {}  "
       "contacts {}  validator {}/{} agree",
       count(r, "device", "samples"), number(r, "device", "last_second_max_force_n"),
-      100.0 * number(r, "device", "last_second_answered_ratio"),
-      number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
+      100.0 * number(r, "device", "last_second_answered_ratio"), latency,
       count(r, "device", "overruns"), count(r, "rendering", "contact_samples"),
       count(r, "validator", "agree"), count(r, "validator", "decided"));
 }

@@ -146,8 +146,8 @@ void add_up(CLI::App& app, Action& action) {
   };
   verb->add_option_function<std::vector<std::string>>(
           "--limit", choose_limits,
-          "NAME=VALUE: sets a limit of the verdict; 0 or inf removes it; repeatable. Defaults: " +
-              describe_limits())
+          "NAME=VALUE: sets a limit of the verdict; repeatable. List: "
+          "deploy/doc/reference/limits.md")
       ->allow_extra_args(false);
   verb->add_flag("--no-record", options->no_record, "No logger and no recording");
   verb->add_flag("--no-report", options->no_report, "Writes no report.html");

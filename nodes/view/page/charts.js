@@ -81,9 +81,9 @@
     }
     show(latency, counts, isBag, isLockstep) {
       if (!latency || isLockstep) {
-        const p50 = counts && counts.latency_p50_us, said = p50 !== undefined && p50 !== null && !isLockstep;
+        const p50 = counts && counts.latency_p50_us, hasLatency = p50 !== undefined && p50 !== null && !isLockstep;
         this.title.innerHTML = '<span>Latency of the ring <span class="unit">µs</span></span>' +
-          (said ? `<span class="series">by the device: median <b>${p50}</b>, p99 <b>${counts.latency_p99_us}</b></span>` : '');
+          (hasLatency ? `<span class="series">by the device: median <b>${p50}</b>, p99 <b>${counts.latency_p99_us}</b></span>` : '');
         this.plot.innerHTML = isLockstep ? '<p class="quiet">Lockstep: latency is not measured.</p>' : '<p class="quiet">No measurement yet.</p>';
         return;
       }
@@ -94,7 +94,7 @@
         `<span class="series">median <b>${latency.p50_us}</b></span><span class="series">p99 <b>${latency.p99_us}</b></span>${device}`;
       const width = this.plot.clientWidth || 400, height = this.plot.clientHeight || 80, left = 44, bottom = 18, right = 38;
       const bins = latency.counts.length, most = Math.max(...latency.counts, 1), w = (width - left - right) / bins, h = height - bottom - 12;
-      const share = 100 * most / latency.samples;
+      const percent = 100 * most / latency.samples;
       let svg = `<svg role="img" aria-label="Histogram of latencies" viewBox="0 0 ${width} ${height}">`;
       latency.counts.forEach((n, i) => {
         const y = Math.max(n > 0 ? 1 : 0, n / most * h);
@@ -104,7 +104,7 @@
       for (let us = 0; us < latency.bin_us * (bins - 1); us += 200)
         svg += `<text x="${left + us / latency.bin_us * w}" y="${height - 5}" text-anchor="middle">${us}</text>`;
       svg += `<text x="${width - right}" y="${height - 5}" text-anchor="middle">over ${latency.bin_us * (bins - 1)}</text>`;
-      svg += `<text x="${left - 5}" y="20" text-anchor="end">${share.toFixed(0)} %</text><text x="${left - 5}" y="${height - bottom}" text-anchor="end">0</text></svg>`;
+      svg += `<text x="${left - 5}" y="20" text-anchor="end">${percent.toFixed(0)} %</text><text x="${left - 5}" y="${height - bottom}" text-anchor="end">0</text></svg>`;
       this.plot.innerHTML = svg;
     }
   }

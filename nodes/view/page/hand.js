@@ -1,6 +1,6 @@
 'use strict';
 // The hand of a simulated device, led by mouse, pen, touch, wheel, keys or gamepad. What is dragged is where the hand wants to be.
-// `window.Hand` turns input into targets of the tool in W and sends them; it knows of no socket.
+// `window.Hand` turns input into targets of the tool in W and sends them; it uses no socket.
 (function () {
   const $ = id => document.getElementById(id);
   const SEND_MS = 1000 / 60, KEEP_MS = 100, AFTER_MS = 1500;  // without a target for 300 ms the hand rests
@@ -28,7 +28,7 @@
       document.addEventListener('keyup', event => { this.keys.delete(event.key), this.shift = event.shiftKey; });
     }
 
-    // --- who has the hand
+    // --- control of the hand
     take(facts) {
       const before = this.facts;
       this.facts = facts;
@@ -162,12 +162,12 @@
       if (u || v) this.turnBy('up', 1.5 * seconds * u), this.turnBy('right', 1.5 * seconds * v);
       this.padOf = pad;
     }
-    // `share`: of the device's largest force.
-    rumble(share, now) {
+    // `ratio`: of the device's largest force.
+    rumble(ratio, now) {
       const motor = this.padOf && this.padOf.vibrationActuator;
-      if (!motor || share < 0.02 || now - (this.rumbledAt || 0) < 90) return;
+      if (!motor || ratio < 0.02 || now - (this.rumbledAt || 0) < 90) return;
       this.rumbledAt = now;
-      motor.playEffect('dual-rumble', {duration: 100, strongMagnitude: Math.min(1, share), weakMagnitude: Math.min(1, 0.5 * share)}).catch(() => {});
+      motor.playEffect('dual-rumble', {duration: 100, strongMagnitude: Math.min(1, ratio), weakMagnitude: Math.min(1, 0.5 * ratio)}).catch(() => {});
     }
 
     // --- once a picture, and while the page is drawn seldom also from its timer

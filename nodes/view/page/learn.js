@@ -1,10 +1,10 @@
 'use strict';
-// What there is to learn: scene and device, the contact model, a tour of six steps, a mesh by drag and drop, and sound.
+// The panel Learn: scene and device, the contact model, a tour of six steps, a mesh by drag and drop, and sound.
 (function () {
   const $ = id => document.getElementById(id);
   const option = (value, text) => Object.assign(document.createElement('option'), {value, textContent: text ?? value});
 
-  // What to feel for.
+  // Hints for each model and effect.
   const MODELS = {
     original: 'A tangent plane for each voxel: it chatters at voxel borders. Slide slowly.',
     adapted: 'Planes with mean normals: softer steps than original. Slide slowly over the same place.',
@@ -68,9 +68,9 @@
         for (const [id, names] of [['choose-scene', offered.scenes], ['choose-device', offered.devices]]) $(id).replaceChildren(...names.map(name => option(name)));
         this.offered = true;
       }
-      const told = JSON.stringify([plan, device]);
-      if (plan && told !== this.told) {
-        this.told = told;
+      const snapshot = JSON.stringify([plan, device]);
+      if (plan && snapshot !== this.snapshot) {
+        this.snapshot = snapshot;
         $('choose-scene').value = plan.scene, $('model').value = plan.model;
         if (device && offered && offered.devices.includes(device.model)) $('choose-device').value = device.model;
         this.say('');
@@ -131,27 +131,27 @@
       this.hum = source(hum, 0);
       this.rough = source(Object.assign(context.createBufferSource(), {buffer: noise, loop: true}), 0);
     }
-    // An analyser of all that is heard.
+    // An analyser of the output.
     listen() {
       const ear = this.context.createAnalyser();
       this.out.connect(ear);
       return ear;
     }
-    // `share`: of the device's largest force; `sizes`: of the force in each 8 ms [N].
-    take(share, sizes) {
+    // `ratio`: of the device's largest force; `sizes`: of the force in each 8 ms [N].
+    take(ratio, sizes) {
       if (!this.on) return;
       const now = this.context.currentTime;
-      this.hum.setTargetAtTime(0.25 * Math.min(1, share), now, 0.02);
+      this.hum.setTargetAtTime(0.25 * Math.min(1, ratio), now, 0.02);
       let change = 0;
       for (let n = 1; n < sizes.length; ++n) change = Math.max(change, Math.abs(sizes[n] - sizes[n - 1]));
-      this.rough.setTargetAtTime(share > 0.01 ? Math.min(0.2, 2 * change) : 0, now, 0.01);
-      const touches = share > 0.01;
-      if (touches && !this.touches) this.click(now, share);
+      this.rough.setTargetAtTime(ratio > 0.01 ? Math.min(0.2, 2 * change) : 0, now, 0.01);
+      const touches = ratio > 0.01;
+      if (touches && !this.touches) this.click(now, ratio);
       this.touches = touches;
     }
-    click(now, share) {
+    click(now, ratio) {
       const source = Object.assign(this.context.createBufferSource(), {buffer: this.noise}), level = this.context.createGain();
-      level.gain.setValueAtTime(0.1 + 0.3 * Math.min(1, share), now), level.gain.exponentialRampToValueAtTime(1e-3, now + 0.03);
+      level.gain.setValueAtTime(0.1 + 0.3 * Math.min(1, ratio), now), level.gain.exponentialRampToValueAtTime(1e-3, now + 0.03);
       source.connect(level).connect(this.out);
       source.start(now, Math.random(), 0.03);
     }

@@ -1,5 +1,5 @@
 'use strict';
-// The socket, the keys, and who draws when. `window.voxtouch` tells tests what has been drawn.
+// The socket, the keys, and who draws when. `window.voxtouch` reports to tests what has been drawn.
 (function () {
   const $ = id => document.getElementById(id);
   const query = new URLSearchParams(location.search), token = query.get('token') || '';  // &smooth: for pictures, also where that takes long

@@ -41,18 +41,18 @@
 
   class Effects {
     constructor(send) {
-      this.send = send, this.told = '', this.readOnly = false, this.heard = new Set();
+      this.send = send, this.snapshot = '', this.readOnly = false, this.reported = new Set();
     }
 
     // Built anew only when something has changed, and not under a hand that is at a slider or typing.
     show(effects, readOnly) {
-      const told = JSON.stringify([effects, readOnly]);
+      const snapshot = JSON.stringify([effects, readOnly]);
       const typed = document.activeElement, typing = typed && typed.matches('.value input') && typed.value !== typed.defaultValue && !this.refused;
-      if (told === this.told || this.held || typing) return;
+      if (snapshot === this.snapshot || this.held || typing) return;
       this.refused = false;
       const open = new Set([...document.querySelectorAll('.effect details[open]')].map(d => d.dataset.effect));
       const focused = document.activeElement && document.activeElement.dataset ? document.activeElement.dataset.key : undefined;
-      this.told = told, this.readOnly = readOnly;
+      this.snapshot = snapshot, this.readOnly = readOnly;
       const list = $('effect-list');
       list.replaceChildren(...(effects.length ? effects.map(e => this.row(e, open.has(e.name))) : [element('p', 'This scene has no effects.', {class: 'quiet'})]));
       if (focused) [...list.querySelectorAll('[data-key]')].find(e => e.dataset.key === focused)?.focus();
@@ -100,18 +100,18 @@
       this.say(`${words.join(' ')} …`, null);
       this.send({change: words});
     }
-    // Of this page's own asking.
+    // The answer to a request of this page.
     answered(answer) {
       if (answer.ok) return;
       this.say(answer.sentence, false);
-      this.told = '', this.refused = true;  // what was refused goes back to what is
+      this.snapshot = '', this.refused = true;  // what was refused goes back to what is
     }
-    // Of everybody's, as the rendering has told them.
+    // Answers to all requests, from the rendering.
     answers(answers, first) {
       for (const a of answers) {
         const key = a.request + a.result;
-        if (this.heard.has(key)) continue;
-        this.heard.add(key);
+        if (this.reported.has(key)) continue;
+        this.reported.add(key);
         if (!first) this.say(a.sentence, a.result === 'refused' ? false : a.result === 'done' ? true : null);
       }
     }

@@ -1,5 +1,5 @@
 'use strict';
-// The scene in 3-D: meshes, tool, hand, forces, trail, points in contact. `window.Scene3D` draws what it is told; it knows of no socket.
+// The scene in 3-D: meshes, tool, hand, forces, trail, points in contact. `window.Scene3D` draws what it receives; it uses no socket.
 // z is up, lengths are metres, as in the scene file.
 (function () {
   const TRAIL_S = 5, MOST_TRAIL = 5 * 40, MOST_POINTS = 400;

@@ -53,7 +53,7 @@ Turned turn(const std::string& device, int lever_mm, double degrees) {
   }
   const coupling::CouplingCounters& c = rig.front().counters();
   out.bound_j = coupling::energy_bound_j(c.most_force_n, c.longest_path_m, kVoxelM) +
-                coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_turn_rad,
+                coupling::energy_bound_rotation_j(c.most_torque_nm, c.longest_rotation_rad,
                                                   c.most_force_n, kVoxelM);
   out.late_mm = high - low;
   return out;

@@ -100,7 +100,7 @@ TEST(AccuracyText, PrintsTheConditions) {
     EXPECT_TRUE(text.contains(fact)) << fact << " in\n" << text;
 }
 
-/// The line below the table.
+/// The line above the table.
 std::string chosen(const AccuracyReport& report) {
   const std::vector<std::string> all = lines(to_text(report));
   const auto last = std::ranges::find_if(
@@ -118,6 +118,11 @@ TEST(AccuracyText, NamesTheChosenSettingInOneLine) {
   EXPECT_EQ(chosen(accuracy_report({.within_us = 4})),
             "original/one, e = 4 mm, 5.00 us a frame, direction error 8.00 deg, the closest to the "
             "limit (no setting meets it)");
+}
+
+TEST(AccuracyText, BeginsWithTheChosenSetting) {
+  const std::string text = to_text(accuracy_report());
+  EXPECT_TRUE(text.starts_with("\n  Chosen: field/area, e = 4 mm")) << text;
 }
 
 TEST(AccuracyText, PrintsWhyNoSettingIsChosen) {

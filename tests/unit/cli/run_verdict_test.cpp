@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <functional>
 
+#include <nlohmann/json.hpp>
+
+#include "nodes/cli/up/summary.hpp"
 #include "nodes/cli/up/verdict_text.hpp"
 
 namespace voxtouch::cli {
@@ -49,6 +52,19 @@ RunRecord good_run() {
     run.started.insert(node);
   run.recorded = BagState{30'000, {}};
   return run;
+}
+
+TEST(RunSummary, StatesThatLockstepMeasuresNoLatency) {
+  RunSummary run;
+  static_cast<RunRecord&>(run) = good_run();
+  run.reports["device"].figures["latency_p50_us"] = {170, "us"};
+  EXPECT_NE(to_text(run).find("latency p50 170 us"), std::string::npos) << to_text(run);
+  EXPECT_EQ(to_json(run)["ring_latency_us"]["p50"], 170.0);
+  run.mode = "lockstep";
+  run.reports["device"].figures["latency_p50_us"] = {0, "us"};
+  EXPECT_NE(to_text(run).find("latency not measured (lockstep)"), std::string::npos)
+      << to_text(run);
+  EXPECT_TRUE(to_json(run)["ring_latency_us"]["p50"].is_null());
 }
 
 TEST(RunVerdict, IsPassedForAHealthyRun) {

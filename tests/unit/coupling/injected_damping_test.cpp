@@ -171,7 +171,7 @@ TEST(ToolMotion, TakesTheShorterRotationForEitherSign) {
         q.coeffs() *= -1.0;
       const ToolStep& step = motion.step(at(Vec3::Zero(), q), kT);
       if (n > 0) {
-        EXPECT_LE((step.turn - rate * kT * axis).norm(), 1e-12);
+        EXPECT_LE((step.rotation - rate * kT * axis).norm(), 1e-12);
       }
     }
     EXPECT_LE((motion.velocity().angular - rate * axis).norm(), 1e-6 * std::abs(rate));

@@ -55,8 +55,8 @@ SwingWatch cycles(double hz, double motion_m, double force_n, double lead_rad, d
     const double size = std::pow(growth, cycle), angle = 2.0 * std::numbers::pi * cycle;
     const double x = motion_m * size * std::sin(angle),
                  force = force_n * size * (1.2 - std::sin(angle - lead_rad));
-    watch.see({.known = true, .shift = Vec3(x - last, 0, 0), .turn = Vec3::Zero()}, {force, 0, 0},
-              Vec3::UnitX(), kT, 0.0);
+    watch.observe({.known = true, .translation = Vec3(x - last, 0, 0), .rotation = Vec3::Zero()},
+                  {force, 0, 0}, Vec3::UnitX(), kT, 0.0);
     last = x;
   }
   return watch;
@@ -125,8 +125,9 @@ TEST(SwingWatch, FindsAToolThatBouncesBetweenTwoWalls) {
     v += kT * (commands[5] - 1.0 * v) / kMassKg;
     x += kT * v;
     read_m = 1e-6 * std::round(1e6 * x);
-    watch.see({.known = true, .shift = Vec3(read_m - before_m, 0, 0), .turn = Vec3::Zero()},
-              {command, 0, 0}, normal * Vec3::UnitX(), kT, 0.0);
+    watch.observe(
+        {.known = true, .translation = Vec3(read_m - before_m, 0, 0), .rotation = Vec3::Zero()},
+        {command, 0, 0}, normal * Vec3::UnitX(), kT, 0.0);
   }
   const Swing& swing = watch.largest();
   std::printf("%.1f Hz, %.2f mm, %.2f N, growing %d\n", swing.frequency_hz, 1e3 * swing.amplitude_m,
@@ -147,8 +148,8 @@ TEST(SwingWatch, IsSilentOverATexture) {
                  across = 1e-4 * std::sin(2.0 * std::numbers::pi * 7.0 * t);
     const Vec3 at(along, 0, across),
         force(0.3 * std::cos(2.0 * std::numbers::pi * 7.0 * t), 0, 0.5 + 2000.0 * across);
-    watch.see({.known = true, .shift = at - last, .turn = Vec3::Zero()}, force, Vec3::UnitZ(), kT,
-              0.0);
+    watch.observe({.known = true, .translation = at - last, .rotation = Vec3::Zero()}, force,
+                  Vec3::UnitZ(), kT, 0.0);
     last = at;
   }
   EXPECT_EQ(watch.largest().swings, 0U);

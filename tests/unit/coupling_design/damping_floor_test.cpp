@@ -84,7 +84,7 @@ Design without_floors(DesignProblem request) {
   return design_coupling(request);
 }
 
-TEST(DampingFloor, WinsOverStiffnessAndReportsItsCost) {
+TEST(MinimumDampingRatio, WinsOverStiffnessAndReportsItsCost) {
   const DesignProblem request = arm(12, 4000);
   const Design before = without_floors(request), damped = design_coupling(request);
   ASSERT_LT(before.swing.released, 0.1) << "a case that needs it";
@@ -108,7 +108,7 @@ TEST(DampingFloor, WinsOverStiffnessAndReportsItsCost) {
 
 /// Damping and stiffness are looked for together: with the damping of the design without floors
 /// less than half would be left.
-TEST(DampingFloor, IsReachedByDampingBeforeStiffness) {
+TEST(MinimumDampingRatio, IsReachedByDampingBeforeStiffness) {
   const DesignProblem request = arm(12, 4000);
   const Design before = without_floors(request), damped = design_coupling(request);
   std::vector<AxisProblem> problems = axis_problems(request);
@@ -120,7 +120,7 @@ TEST(DampingFloor, IsReachedByDampingBeforeStiffness) {
   EXPECT_GT(damped.translation.injected_damping, before.translation.injected_damping);
 }
 
-TEST(DampingFloor, CostsNothingIfAlreadyMet) {
+TEST(MinimumDampingRatio, CostsNothingIfAlreadyMet) {
   DesignProblem request = arm(6, 300);
   request.goals.floors = {0.01, 0.01};
   const Design damped = design_coupling(request);
@@ -149,7 +149,7 @@ DesignProblem stylus() {
   return request;
 }
 
-TEST(DampingFloor, NamesTheForbiddingHandAndSparesTheOthers) {
+TEST(MinimumDampingRatio, NamesTheForbiddingHandAndSparesTheOthers) {
   const Design damped = design_coupling(stylus());
   EXPECT_NE(damped.floors.out_of_reach.find("gripped (0.2 kg, 0.5 Ns/m, 800 N/m)"),
             std::string::npos)
@@ -159,7 +159,7 @@ TEST(DampingFloor, NamesTheForbiddingHandAndSparesTheOthers) {
 }
 
 /// Where the floor is out of reach for one hand, none is asked for it.
-TEST(DampingFloor, IsDroppedForOtherHandsIfOneForbidsIt) {
+TEST(MinimumDampingRatio, IsDroppedForOtherHandsIfOneForbidsIt) {
   DesignProblem request = stylus();
   std::vector<AxisProblem> problems = axis_problems(request);
   ASSERT_NE(set_floors(request, problems), "");
@@ -168,7 +168,7 @@ TEST(DampingFloor, IsDroppedForOtherHandsIfOneForbidsIt) {
 }
 
 /// The floors of rotation are asked for by themselves.
-TEST(DampingFloor, IsOfTranslationUnlessRotationHasItsOwn) {
+TEST(MinimumDampingRatio, IsOfTranslationUnlessRotationHasItsOwn) {
   DesignProblem request = testing::sim_arm();
   request.goals.floors = {};
   std::vector<AxisProblem> problems = axis_problems(request);
@@ -187,7 +187,7 @@ TEST(DampingFloor, IsOfTranslationUnlessRotationHasItsOwn) {
 
 /// Fingers that swing too long by themselves: little damping does not reach the floor, and much
 /// behind a slow filter is late. 794 N/m without floors.
-TEST(DampingFloor, IsFoundBetweenTooLittleDampingAndTooMuch) {
+TEST(MinimumDampingRatio, IsFoundBetweenTooLittleDampingAndTooMuch) {
   DesignProblem request = stylus();
   request.device.translation = {.inertia_min = .08,
                                 .inertia_max = .16,
@@ -205,7 +205,7 @@ TEST(DampingFloor, IsFoundBetweenTooLittleDampingAndTooMuch) {
 
 /// Whatever device, hand and wish: a design that was useful stays so, and what is called kept is
 /// kept by every hand that does not forbid it.
-TEST(DampingFloor, IsNotBoughtWithAllUsefulStiffness) {
+TEST(MinimumDampingRatio, IsNotBoughtWithAllUsefulStiffness) {
   testing::Random random(11);
   int cost = 0;
   for (int i = 0; i < 60; ++i) {
@@ -230,7 +230,7 @@ TEST(DampingFloor, IsNotBoughtWithAllUsefulStiffness) {
 }
 
 /// Of a hand of which only passivity is known, no damping ratio can be reported.
-TEST(DampingFloor, DoesNotApplyToAnyPassiveHand) {
+TEST(MinimumDampingRatio, DoesNotApplyToAnyPassiveHand) {
   DesignProblem request = arm(12, 4000);
   request.hand.translation = {.any_passive = true};
   const Design damped = design_coupling(request);
@@ -379,7 +379,7 @@ TEST(BoundedDamper, HasTheSmallestSufficientRatio) {
 
 /// The table that proposes: no worse than the exact answer by more than a few percent, and never
 /// the better by as much.
-TEST(DampingFloor, IsProposedByATableThatIncludesIt) {
+TEST(MinimumDampingRatio, IsProposedByATableThatIncludesIt) {
   DesignProblem request = arm(6, 4000);
   std::vector<AxisProblem> problems = axis_problems(request);
   set_floors(request, problems);

@@ -72,7 +72,7 @@ std::string at_start(const scene::Scene& scene, const coupling::design::DeviceMo
 DeviceCompatibility running(const scene::Scene& scene,
                             const coupling::design::DeviceModel& device) {
   DeviceCompatibility on;
-  on.device_is(device);
+  on.set_device(device);
   on.runs(scene, kContact, bounds(scene), demand_of(scene));
   return on;
 }
@@ -251,12 +251,12 @@ TEST(DeviceCompatibility, ChecksAgainForAnotherDevice) {
   coupling::design::DeviceModel late = stylus();
   late.timing.delay_s = 0.05;
   for (const coupling::design::DeviceModel& other : {stylus(0.01), late}) {
-    on.device_is(other);
+    on.set_device(other);
     on.runs(now, kContact, bounds(now), demand_of(now));
     EXPECT_NE(on.refusal(), "");
     EXPECT_EQ(on.refusal(), at_start(now, other));
   }
-  on.device_is(arm());
+  on.set_device(arm());
   on.runs(now, kContact, bounds(now), demand_of(now));
   EXPECT_EQ(on.refusal(), at_start(now, arm())) << "another kind of device, whose session begins";
 }
@@ -268,7 +268,7 @@ TEST(DeviceCompatibility, AcceptsAllUntilADeviceIsKnown) {
   EXPECT_EQ(asked(on, thick), "");
   on.runs(thick, kContact, bounds(thick), demand_of(thick));
   EXPECT_EQ(on.refusal(), "");
-  on.device_is(stylus());
+  on.set_device(stylus());
   on.runs(thick, kContact, bounds(thick), demand_of(thick));
   EXPECT_EQ(on.refusal(), at_start(thick, stylus()));
 }

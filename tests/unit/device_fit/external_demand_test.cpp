@@ -76,7 +76,7 @@ TEST(ExternalDemand, IsRefusedAtEveryLaterChangeByTheSameSentence) {
   const scene::Scene now = scene_with(1.0);
   const rendering::StiffnessBounds bounds = rendering::with_effects(kContact, now.effects);
   DeviceCompatibility on;
-  on.device_is(device(3.0));
+  on.set_device(device(3.0));
   on.runs(now, bounds, bounds, demand_of(now));
   ASSERT_EQ(on.refusal(), "");
   for (const double force : {0.5, 2.9, 3.0, 3.1, 50.0}) {
@@ -85,7 +85,7 @@ TEST(ExternalDemand, IsRefusedAtEveryLaterChangeByTheSameSentence) {
         << force;
     EXPECT_EQ(at_start(next, device(3.0)).empty(), force <= 3.0) << force;
   }
-  on.device_is(device(0.5));  // described anew
+  on.set_device(device(0.5));  // described anew
   on.runs(now, bounds, bounds, demand_of(now));
   EXPECT_NE(on.refusal(), "");
   const scene::Scene less = scene_with(0.7), more = scene_with(1.1);

@@ -167,7 +167,7 @@ TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
   now.effects = {oil(0.2)};
   const rendering::StiffnessBounds alone = rendering::spring_of_any_device(kLever);
   DeviceCompatibility on;
-  on.device_is(stylus());
+  on.set_device(stylus());
   on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
   ASSERT_EQ(on.refusal(), "");
   EXPECT_EQ(on.spring_n_per_m(), spring_n_per_m(fit(now, stylus()), now, stylus(), alone));
@@ -196,7 +196,7 @@ TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
   const double before = on.spring_n_per_m();
   coupling::design::DeviceModel light = stylus();
   light.translation.inertia_min = 0.02, light.translation.inertia_max = 0.04;
-  on.device_is(light);
+  on.set_device(light);
   on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
   EXPECT_LT(on.spring_n_per_m(), before);
   EXPECT_EQ(on.refusal(), fit(now, light).refusal);

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <thread>
 
+#include "nodes/faults/fault_latch.hpp"
 #include "nodes/faults/fault_recorder.hpp"
-#include "nodes/faults/force_lock.hpp"
 #include "tests/ring/ring_run.hpp"
 
 namespace voxtouch::faults {
@@ -132,31 +132,31 @@ TEST(FaultRecorder, ReportsADiskErrorAndContinues) {
   EXPECT_FALSE(report.values.contains("fault_record"));
 }
 
-TEST(ForceLock, IsResetByItsOwnNumberOnlyOnce) {
-  const auto number_of = [](const ForceLock& lock) {
+TEST(FaultLatch, IsResetByItsOwnNumberOnlyOnce) {
+  const auto number_of = [](const FaultLatch& latch) {
     runtime::NodeReport report;
-    lock.report_to(report);
-    return std::stoull("0" + report.values[ForceLock::kNumber]);
+    latch.report_to(report);
+    return std::stoull("0" + report.values[FaultLatch::kNumber]);
   };
-  ForceLock lock;
-  lock.open(0);
-  EXPECT_FALSE(lock.opened()) << "it is not engaged";
-  lock.engage("of a test");
-  const auto first = number_of(lock);
+  FaultLatch latch;
+  latch.reset(0);
+  EXPECT_FALSE(latch.take_reset()) << "nothing is latched";
+  latch.latch("of a test");
+  const auto first = number_of(latch);
   ASSERT_NE(first, 0U);
-  lock.engage("of another");
-  EXPECT_EQ(number_of(lock), first) << "it is engaged already";
-  lock.open(first - 1);
-  EXPECT_FALSE(lock.opened());
-  EXPECT_TRUE(lock.engaged());
-  lock.open(first);
-  EXPECT_TRUE(lock.opened());
-  EXPECT_FALSE(lock.engaged());
-  EXPECT_FALSE(lock.opened());
-  lock.engage("of a test");
-  lock.open(first);
-  EXPECT_FALSE(lock.opened()) << "said before, or recorded";
-  EXPECT_NE(number_of(lock), first);
+  latch.latch("of another");
+  EXPECT_EQ(number_of(latch), first) << "a fault is latched already";
+  latch.reset(first - 1);
+  EXPECT_FALSE(latch.take_reset());
+  EXPECT_TRUE(latch.latched());
+  latch.reset(first);
+  EXPECT_TRUE(latch.take_reset());
+  EXPECT_FALSE(latch.latched());
+  EXPECT_FALSE(latch.take_reset());
+  latch.latch("of a test");
+  latch.reset(first);
+  EXPECT_FALSE(latch.take_reset()) << "reset before, or recorded";
+  EXPECT_NE(number_of(latch), first);
 }
 
 TEST(FaultRecorder, ReportsEachRecordOfAnotherNodeOnce) {

@@ -67,7 +67,7 @@ class ChangeQueueTest : public testing::Test {
                   .epoch = epoch_,
                   .effect = {}};
     change.effect = {.action = effects::EffectAction::kGain, .value = {gain, 0.0, 0.0}};
-    ASSERT_TRUE(line_.ask(change));
+    ASSERT_TRUE(line_.push(change));
   }
   std::vector<ChangeReport> reports() {
     std::vector<ChangeReport> all;
@@ -132,7 +132,7 @@ TEST_F(ChangeQueueTest, MakesRelatedChangesInOneSampleOrNotAtAll) {
         Change{.ticket = ticket + 1, .from_sample = from_sample, .epoch = epoch_, .effect = {}}};
     both[0].effect = {.action = effects::EffectAction::kGain, .value = {gain, 0.0, 0.0}};
     both[1].effect = {.action = effects::EffectAction::kSwitch, .value = {0.0, 0.0, 0.0}};
-    return line_.ask(both);
+    return line_.push(both);
   };
   ASSERT_TRUE(pair(1, 3, 0.25));
   line_.apply_due(*live_, 4, true);
@@ -212,7 +212,7 @@ TEST_F(ChangeQueueTest, AppliesNothingUntilTheDeviceIsChecked) {
 TEST_F(ChangeQueueTest, ReportsWhenAllValuesHaveArrived) {
   Change change{.ticket = 1,
                 .effect = {.action = effects::EffectAction::kValue, .value = {0.5, 0.0, 0.0}}};
-  ASSERT_TRUE(line_.ask(change));
+  ASSERT_TRUE(line_.push(change));
   rendering::ToolState tool;
   tool.pose.position = Vec3(0, 0, 0.05);
   std::uint64_t came = 0;
@@ -228,7 +228,7 @@ TEST_F(ChangeQueueTest, ReportsWhenAllValuesHaveArrived) {
 
 TEST_F(ChangeQueueTest, ReturnsTheOldSceneAfterItsFade) {
   Change swap{.ticket = 1, .effect = {}, .scene = next_.get()};
-  ASSERT_TRUE(line_.ask(swap));
+  ASSERT_TRUE(line_.push(swap));
   line_.apply_due(*live_, 1, true);
   EXPECT_TRUE(live_->fading());
   ASSERT_EQ(reports().size(), 1U);
@@ -251,9 +251,9 @@ TEST_F(ChangeQueueTest, AcceptsNoMoreThanItCanReport) {
   for (std::uint64_t ticket = 1; ticket <= 1000; ++ticket) {
     Change change{.ticket = ticket,
                   .effect = {.action = effects::EffectAction::kGain, .value = {0.5, 0.0, 0.0}}};
-    if (!line_.ask(change)) {
+    if (!line_.push(change)) {
       line_.apply_due(*live_, ticket, true);
-      if (!line_.ask(change))
+      if (!line_.push(change))
         break;
     }
   }
@@ -269,11 +269,11 @@ TEST_F(ChangeQueueTest, AcceptsNoMoreThanItCanReport) {
 
 TEST_F(ChangeQueueTest, HoldsTheLoopUntilTheSceneIsBuilt) {
   line_.pause_before(100);
-  EXPECT_FALSE(line_.pauses_before(99));
-  EXPECT_TRUE(line_.pauses_before(100));
+  EXPECT_FALSE(line_.is_paused_before(99));
+  EXPECT_TRUE(line_.is_paused_before(100));
   EXPECT_EQ(line_.answering(), 100U);
   line_.resume();
-  EXPECT_FALSE(line_.pauses_before(100));
+  EXPECT_FALSE(line_.is_paused_before(100));
 }
 
 }  // namespace

@@ -216,13 +216,13 @@ TEST_F(DeviceLoopRun, LatchesForTooLargeCommandsUntilReset) {
   device.at_read = [&](std::uint64_t n) {
     if (n == 1800) {
       runtime::NodeReport report;
-      progress.lock.report_to(report);
+      progress.latch.report_to(report);
       number = std::stoull("0" + report.values["lock"]);
       commanded_n = 2.0;
-      progress.lock.open(number + 1);
+      progress.latch.reset(number + 1);
     }
     if (n == 2000)
-      progress.lock.open(number);
+      progress.latch.reset(number);
   };
   EXPECT_EQ(run(3500), End::kFinished);
   EXPECT_NE(number, 0U);
@@ -237,12 +237,12 @@ TEST_F(DeviceLoopRun, LatchesOnlyIfATenthExceedsTheLimit) {
   bool locked_early = true;
   device.at_read = [&](std::uint64_t n) {
     if (n == 2000)
-      locked_early = progress.lock.engaged();
+      locked_early = progress.latch.latched();
     commanded_n = n % (n < 2000 ? 20 : 4) == 0 ? 20.0 : 2.0;
   };
   EXPECT_EQ(run(3500), End::kFinished);
   EXPECT_FALSE(locked_early);
-  EXPECT_TRUE(progress.lock.engaged());
+  EXPECT_TRUE(progress.latch.latched());
 }
 
 TEST_F(DeviceLoopRun, LatchesIfTheDriverRefusesAGuardedForce) {
@@ -250,7 +250,7 @@ TEST_F(DeviceLoopRun, LatchesIfTheDriverRefusesAGuardedForce) {
   EXPECT_EQ(run(), End::kFinished);
   EXPECT_GT(largest(700, 800), 1.5);
   EXPECT_EQ(largest(801, 1200), 0.0);
-  EXPECT_TRUE(progress.lock.engaged());
+  EXPECT_TRUE(progress.latch.latched());
 }
 
 TEST_F(DeviceLoopRun, RampsInAgainAfterADroppedForce) {

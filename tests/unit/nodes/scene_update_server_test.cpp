@@ -90,7 +90,7 @@ TEST(SceneUpdateServer, DoesNotDelayANewSession) {
             << "device_is waits for the update server";
       });
   const auto begin = [&](std::uint64_t session) {
-    server.device_is(std::make_unique<rendering_node::DescribedDevice>(
+    server.set_device(std::make_unique<rendering_node::DescribedDevice>(
         rendering_node::DescribedDevice{session, stylus()}));
   };
   begin(3);
@@ -121,7 +121,7 @@ class UpdateServer {
     EXPECT_TRUE(asker_.ready());
     EXPECT_TRUE(asker_.send_until_received(change(99), 1'000'000));
     line_.begin_session(3);
-    server_.device_is(std::make_unique<rendering_node::DescribedDevice>(
+    server_.set_device(std::make_unique<rendering_node::DescribedDevice>(
         rendering_node::DescribedDevice{3, device}));
     EXPECT_TRUE(wait_until([&] { return begun_ == 3 && (loop(), !plans.empty()); }));
   }

@@ -50,7 +50,7 @@ TEST(ViewPicture, GivesEachRowOnceAndAllOfThePastAgain) {
     sample(picture, 1, n, 0.1, 0.0);
   EXPECT_FALSE(picture.frame(nullptr)["rows"].empty());
   EXPECT_TRUE(picture.frame(nullptr)["rows"].empty());
-  EXPECT_FALSE(picture.has_news());
+  EXPECT_FALSE(picture.has_update());
   const nlohmann::json past = picture.past(nullptr)["rows"];
   EXPECT_NEAR(past.back()[0].get<double>() - past.front()[0].get<double>(), kPastS, 0.02);
 }

@@ -1,4 +1,4 @@
-#include "nodes/faults/force_lock.hpp"
+#include "nodes/faults/fault_latch.hpp"
 
 #include <random>
 
@@ -21,32 +21,32 @@ std::uint64_t next(std::uint64_t& state) noexcept {
 
 }  // namespace
 
-ForceLock::ForceLock() {
+FaultLatch::FaultLatch() {
   std::random_device device;
   state_ = (static_cast<std::uint64_t>(device()) << 32U) | device();
 }
 
-void ForceLock::engage(const char* reason) noexcept {
-  if (engaged())
+void FaultLatch::latch(const char* reason) noexcept {
+  if (latched())
     return;
   std::uint64_t number = 0;
   while (number == 0)
     number = next(state_);
   reason_.store(reason, kRelaxed);
-  asked_.store(0, kRelaxed);
+  reset_number_.store(0, kRelaxed);
   count_.fetch_add(1, kRelaxed);
   number_.store(number, std::memory_order_release);
 }
 
-bool ForceLock::opened() noexcept {
+bool FaultLatch::take_reset() noexcept {
   const std::uint64_t number = number_.load(kRelaxed);
-  if (number == 0 || asked_.load(std::memory_order_acquire) != number)
+  if (number == 0 || reset_number_.load(std::memory_order_acquire) != number)
     return false;
   number_.store(0, std::memory_order_release);
   return true;
 }
 
-void ForceLock::report_to(runtime::NodeReport& report, bool runs) const {
+void FaultLatch::report_to(runtime::NodeReport& report, bool runs) const {
   report.figures[kCount] = {count_.load(kRelaxed), "times"};
   const std::uint64_t number = number_.load(std::memory_order_acquire);
   if (number == 0 || !runs)
@@ -59,15 +59,15 @@ void ForceLock::report_to(runtime::NodeReport& report, bool runs) const {
       reason);
 }
 
-LockKeeper::LockKeeper(const bus::Participant& participant, const std::string& rig)
-    : words_(participant, qos::kRecover, rig, qos::profile(qos::ProfileId::kEvent)) {}
+ResetReceiver::ResetReceiver(const bus::Participant& participant, const std::string& rig)
+    : resets_(participant, qos::kRecover, rig, qos::profile(qos::ProfileId::kEvent)) {}
 
-void LockKeeper::listen(std::uint64_t session, ForceLock& lock) {
-  constexpr int kMaxWords = 16;
-  msg::Recover word;
-  for (int n = 0; n < kMaxWords && words_.take(word); ++n)
-    if (word.session_id == session)
-      lock.open(word.lock);
+void ResetReceiver::receive(std::uint64_t session, FaultLatch& latch) {
+  constexpr int kMaxResets = 16;
+  msg::Recover message;
+  for (int n = 0; n < kMaxResets && resets_.take(message); ++n)
+    if (message.session_id == session)
+      latch.reset(message.lock);
 }
 
 }  // namespace voxtouch::faults

@@ -41,15 +41,15 @@ struct ChangeAnswer {
 };
 
 /// Used by one thread at a time; allocates and blocks.
-class ChangeAsker {
+class ChangeClient {
  public:
-  ChangeAsker(const bus::Participant& participant, const NodeOptions& options);
+  ChangeClient(const bus::Participant& participant, const NodeOptions& options);
 
   /// Requests the changes in order and stops at the first that is refused. `answered` is called
   /// with each reply, in order. `waits` is called when the rendering reports that a change takes
   /// time. The wait has no limit and ends on `leave`. Returns the reason for refusal; empty if all
   /// changes were applied.
-  std::string ask(
+  std::string request(
       const ChangeWords& words, const std::function<void(const ChangeAnswer&)>& answered,
       const std::function<void(const std::string&)>& waits,
       const std::function<bool()>& leave = [] { return false; });
@@ -60,12 +60,12 @@ class ChangeAsker {
     std::uint64_t session = 0, from_sample = 0;
     std::string sentence;
   };
-  std::optional<Message> ask_in_session(const ChangeRequest& change, const ChangeWords& words,
-                                        const std::function<void(const std::string&)>& waits,
-                                        const std::function<bool()>& leave);
-  std::optional<Message> ask_one(const ChangeRequest& change, const ChangeWords& words,
-                                 const std::function<void(const std::string&)>& waits,
-                                 const std::function<bool()>& leave);
+  std::optional<Message> request_in_session(const ChangeRequest& change, const ChangeWords& words,
+                                            const std::function<void(const std::string&)>& waits,
+                                            const std::function<bool()>& leave);
+  std::optional<Message> request_one(const ChangeRequest& change, const ChangeWords& words,
+                                     const std::function<void(const std::string&)>& waits,
+                                     const std::function<bool()>& leave);
   void send(const ChangeRequest& change, const ChangeWords& words, std::uint64_t request);
   std::string no_rendering() const;
 

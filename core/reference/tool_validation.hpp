@@ -1,7 +1,7 @@
 #pragma once
 /// Evaluates a virtual tool by the gaps of tool and hand, by the rules of README.md. A pure
-/// function, like judgement.hpp.
-#include "core/reference/judgement.hpp"
+/// function, like contact_validator.hpp.
+#include "core/reference/contact_validator.hpp"
 
 namespace voxtouch::reference {
 
@@ -13,15 +13,15 @@ struct ReportedTool {
   bool constrained = false, not_converged = false, not_initialised = false;  ///< the flags
 };
 
-/// Inputs of the rules in addition to JudgeSettings.
+/// Inputs of the rules in addition to ValidatorSettings.
 struct ToolSettings {
   double reach_m = 0.0;  ///< largest distance of a tool point from its origin
   bool rubs = false;     ///< the scene has friction
 };
 
 /// The first violation as a sentence, or an empty text. Sets the figures of `out`.
-std::string tool_breach(const JudgeSettings& settings, const ToolSettings& tool,
+std::string tool_breach(const ValidatorSettings& settings, const ToolSettings& tool,
                         const GapResult& at_tool, const GapResult& at_hand,
-                        const ReportedTool& report, Judgement& out);
+                        const ReportedTool& report, Validation& out);
 
 }  // namespace voxtouch::reference

@@ -1,4 +1,4 @@
-#include "core/reference/tool_judgement.hpp"
+#include "core/reference/tool_validation.hpp"
 
 #include <fmt/format.h>
 
@@ -50,8 +50,9 @@ std::string state_breach(const ReportedTool& r) {
 
 }  // namespace
 
-std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const GapResult& at_tool,
-                        const GapResult& at_hand, const ReportedTool& r, Judgement& out) {
+std::string tool_breach(const ValidatorSettings& s, const ToolSettings& tool,
+                        const GapResult& at_tool, const GapResult& at_hand, const ReportedTool& r,
+                        Validation& out) {
   if (!r.tool.finite() || !r.hand.finite() || !r.wrench.finite() || !std::isfinite(r.residual_m))
     return "the contact has NaN or infinity";
   if (std::string found = state_breach(r); !found.empty())
@@ -92,9 +93,9 @@ std::string tool_breach(const JudgeSettings& s, const ToolSettings& tool, const 
   return "";
 }
 
-Judgement Judge::judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool,
-                       const ReportedTool& report) {
-  Judgement out;
+Validation ContactValidator::validate(const GapResult& at_tool, const GapResult& at_hand,
+                                      const ToolSettings& tool, const ReportedTool& report) {
+  Validation out;
   run_ = {};
   const bool known = at_tool.method != GapMethod::kNone && at_hand.method != GapMethod::kNone &&
                      std::isfinite(at_tool.gap_m) && std::isfinite(at_hand.gap_m);

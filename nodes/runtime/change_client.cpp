@@ -1,4 +1,4 @@
-#include "nodes/runtime/change_asker.hpp"
+#include "nodes/runtime/change_client.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -93,7 +93,7 @@ std::vector<ChangeRequest> read_changes(const ChangeWords& o) {
   return changes;
 }
 
-ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions& options)
+ChangeClient::ChangeClient(const bus::Participant& participant, const NodeOptions& options)
     : rig_(options.rig),
       domain_(options.domain),
       changes_(participant, qos::kEffectChange, options.rig,
@@ -102,10 +102,10 @@ ChangeAsker::ChangeAsker(const bus::Participant& participant, const NodeOptions&
                qos::profile(qos::kEffectChanged.profile)),
       plans_(participant, qos::kScenePlan, options.rig, qos::profile(qos::kScenePlan.profile)) {}
 
-std::string ChangeAsker::ask(const ChangeWords& words,
-                             const std::function<void(const ChangeAnswer&)>& answered,
-                             const std::function<void(const std::string&)>& waits,
-                             const std::function<bool()>& leave) {
+std::string ChangeClient::request(const ChangeWords& words,
+                                  const std::function<void(const ChangeAnswer&)>& answered,
+                                  const std::function<void(const std::string&)>& waits,
+                                  const std::function<bool()>& leave) {
   const std::vector<ChangeRequest> changes = read_changes(words);
   if (!until(kPatience, [&] {
         return leave() || (changes_.matched_count() > 0 && answers_.matched_count() > 0);
@@ -117,7 +117,7 @@ std::string ChangeAsker::ask(const ChangeWords& words,
     return leave() || session_ != 0;
   });
   for (const ChangeRequest& change : changes) {
-    const std::optional<Message> answer = ask_in_session(change, words, waits, leave);
+    const std::optional<Message> answer = request_in_session(change, words, waits, leave);
     if (!answer)
       return no_rendering();
     if (answer->result == msg::effect_changed::kResultRefused)
@@ -130,19 +130,19 @@ std::string ChangeAsker::ask(const ChangeWords& words,
 }
 
 /// Repeats the request once if another session has begun; the reply names that session.
-std::optional<ChangeAsker::Message> ChangeAsker::ask_in_session(
+std::optional<ChangeClient::Message> ChangeClient::request_in_session(
     const ChangeRequest& change, const ChangeWords& words,
     const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
-  std::optional<Message> answer = ask_one(change, words, waits, leave);
+  std::optional<Message> answer = request_one(change, words, waits, leave);
   if (!answer || answer->result != msg::effect_changed::kResultRefused || session_ == 0 ||
       answer->session == session_)
     return answer;
   session_ = answer->session;
-  return ask_one(change, words, waits, leave);
+  return request_one(change, words, waits, leave);
 }
 
 /// Returns nothing without a reply.
-std::optional<ChangeAsker::Message> ChangeAsker::ask_one(
+std::optional<ChangeClient::Message> ChangeClient::request_one(
     const ChangeRequest& change, const ChangeWords& words,
     const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
   const std::uint64_t request = request_number();
@@ -170,8 +170,8 @@ std::optional<ChangeAsker::Message> ChangeAsker::ask_one(
   return answer;
 }
 
-void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words,
-                       std::uint64_t request) {
+void ChangeClient::send(const ChangeRequest& change, const ChangeWords& words,
+                        std::uint64_t request) {
   msg::EffectChange m{};
   m.request = request;
   m.session_id = session_;
@@ -185,7 +185,7 @@ void ChangeAsker::send(const ChangeRequest& change, const ChangeWords& words,
   changes_.write(m);
 }
 
-std::string ChangeAsker::no_rendering() const {
+std::string ChangeClient::no_rendering() const {
   return fmt::format(
       "No reply from the rendering of rig '{}' on domain {}. Check that the ring runs with the "
       "same --rig, --domain and --interface",

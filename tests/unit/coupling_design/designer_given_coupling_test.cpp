@@ -1,4 +1,4 @@
-// The judge of a coupling that another program chose, and rule P: what holds for any passive hand.
+// Evaluates a coupling that was chosen by hand, also by rule P (any passive hand).
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -7,11 +7,11 @@
 #include "tests/unit/coupling_design/designer_support.hpp"
 
 namespace voxtouch::coupling::design {
-namespace designer_judge_test {
+namespace designer_given_coupling_test {
 
 using namespace testing;
 
-TEST(Judge, RefusesWhatTheMarginDoesNotCover) {
+TEST(GivenCoupling, RefusesWhatTheMarginDoesNotCover) {
   const DesignProblem r = stylus();
   CouplingSpec spec = designed(r).spec;
   spec.gain *= 1.05;
@@ -22,7 +22,7 @@ TEST(Judge, RefusesWhatTheMarginDoesNotCover) {
   EXPECT_EQ(judged.spec.gain, spec.gain);
 }
 
-TEST(Judge, HoldsAnyPassiveHandAgainstRuleP) {
+TEST(GivenCoupling, HoldsAnyPassiveHandAgainstRuleP) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   r.hand.translation.any_passive = true;
   CouplingSpec spec = designed(r).spec;
@@ -33,7 +33,7 @@ TEST(Judge, HoldsAnyPassiveHandAgainstRuleP) {
   EXPECT_EQ(judged.status, DesignStatus::kInfeasible);
 }
 
-TEST(Judge, RefusesThePapersFilterOnAFreeStylus) {
+TEST(GivenCoupling, RefusesThePapersFilterOnAFreeStylus) {
   CouplingSpec paper;
   paper.cutoff_hz = 5.0, paper.damping_ratio = 1.0;
   const Design judged = judge_coupling(stylus(), paper);
@@ -41,7 +41,7 @@ TEST(Judge, RefusesThePapersFilterOnAFreeStylus) {
   EXPECT_LT(judged.translation.critical_stiffness, 0.1);
 }
 
-TEST(Judge, RefusesTooStrongOrTooNoisyDamping) {
+TEST(GivenCoupling, RefusesTooStrongOrTooNoisyDamping) {
   DesignProblem r = stylus();
   CouplingSpec spec = designed(r).spec;
   spec.injected_damping_ns_per_m *= 1.2, spec.gain *= 0.5;
@@ -55,7 +55,7 @@ TEST(Judge, RefusesTooStrongOrTooNoisyDamping) {
   EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kInfeasible);
 }
 
-TEST(Judge, RefusesMoreThanTheDeviceCanDisplay) {
+TEST(GivenCoupling, RefusesMoreThanTheDeviceCanDisplay) {
   DesignProblem r = robot(2.0, 5.0, 50.0);
   r.contact.all_points = 400.0, r.device.translation.max_stiffness = 300.0;
   CouplingSpec spec;
@@ -65,7 +65,7 @@ TEST(Judge, RefusesMoreThanTheDeviceCanDisplay) {
   EXPECT_EQ(judge_coupling(r, spec).status, DesignStatus::kAsRequested);
 }
 
-TEST(Judge, RefusesInvalidWordsAndNumbers) {
+TEST(GivenCoupling, RefusesInvalidWordsAndNumbers) {
   CouplingSpec spec;
   spec.cutoff_hz = -1.0;
   EXPECT_THROW(judge_coupling(stylus(), spec), std::invalid_argument);
@@ -110,5 +110,5 @@ TEST(AnyPassiveHand, InjectedDampingNeverCertifiesIt) {
   EXPECT_EQ(d.translation.passive_stiffness, 0.0);
 }
 
-}  // namespace designer_judge_test
+}  // namespace designer_given_coupling_test
 }  // namespace voxtouch::coupling::design

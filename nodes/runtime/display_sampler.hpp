@@ -5,7 +5,7 @@
 namespace voxtouch::runtime {
 
 /// Selects 100 samples a second by the given clock, independent of the loop's rate. Real-time safe.
-class HundredASecond {
+class DisplaySampler {
  public:
   static constexpr std::int64_t kPeriodNs = 10'000'000, kMaxMadeUp = 10;
   /// Whether the sample at `now_ns` is selected. A smaller `now_ns` than in the last call starts a

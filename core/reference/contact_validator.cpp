@@ -1,4 +1,4 @@
-#include "core/reference/judgement.hpp"
+#include "core/reference/contact_validator.hpp"
 
 #include <fmt/format.h>
 
@@ -37,7 +37,7 @@ double mm(double metres) { return 1e3 * metres; }
 
 }  // namespace
 
-void JudgeSettings::validate() const {
+void ValidatorSettings::validate() const {
   require(std::isfinite(edge_m) && edge_m > 0, "edge_m", edge_m, "finite and above 0");
   require(std::isfinite(chord_error_m) && chord_error_m >= 0, "chord_error_m", chord_error_m,
           "finite and 0 or more");
@@ -47,25 +47,27 @@ void JudgeSettings::validate() const {
           "finite and 0 or more");
 }
 
-Judge::Judge(const JudgeSettings& settings) : settings_(settings) { settings_.validate(); }
+ContactValidator::ContactValidator(const ValidatorSettings& settings) : settings_(settings) {
+  settings_.validate();
+}
 
-void Judge::change(const JudgeSettings& settings) {
+void ContactValidator::change(const ValidatorSettings& settings) {
   settings.validate();
   settings_ = settings;
   run_ = {};
 }
 
-double Judge::free_limit_m() const noexcept {
+double ContactValidator::free_limit_m() const noexcept {
   return kDiagonal * settings_.edge_m + settings_.chord_error_m + settings_.shell_offset_m;
 }
 
-double Judge::inside_depth_limit_m() const noexcept {
+double ContactValidator::inside_depth_limit_m() const noexcept {
   return 0.5 * kDiagonal * settings_.edge_m + settings_.shell_gap_m + settings_.chord_error_m +
          settings_.shell_offset_m;
 }
 
-Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
-  Judgement out;
+Validation ContactValidator::validate(const GapResult& gap, const ReportedContact& report) {
+  Validation out;
   out.explanation = not_usable(report);
   if (!out.explanation.empty()) {
     out.verdict = Verdict::kDisagree, out.cause = Cause::kRendering;
@@ -85,7 +87,7 @@ Judgement Judge::judge(const GapResult& gap, const ReportedContact& report) {
   return out;
 }
 
-void Judge::conclude(bool checked, Judgement& out) {
+void ContactValidator::conclude(bool checked, Validation& out) {
   if (!out.explanation.empty()) {
     out.verdict = Verdict::kDisagree, out.cause = checked ? Cause::kRendering : Cause::kReference;
   } else if (!checked) {
@@ -96,24 +98,24 @@ void Judge::conclude(bool checked, Judgement& out) {
   }
 }
 
-void Judge::count(const Judgement& judgement) noexcept {
+void ContactValidator::count(const Validation& validation) noexcept {
   ++counts_.checked;
-  if (judgement.decided)
+  if (validation.decided)
     ++counts_.decided;
-  if (judgement.decided || !std::isnan(judgement.depth_error_m) ||
-      !std::isnan(judgement.direction_error_rad))
+  if (validation.decided || !std::isnan(validation.depth_error_m) ||
+      !std::isnan(validation.direction_error_rad))
     ++counts_.compared;
-  if (judgement.verdict == Verdict::kAgree)
+  if (validation.verdict == Verdict::kAgree)
     ++counts_.agree;
-  if (judgement.verdict == Verdict::kInBand)
+  if (validation.verdict == Verdict::kInBand)
     ++counts_.in_band;
-  if (judgement.verdict != Verdict::kDisagree)
+  if (validation.verdict != Verdict::kDisagree)
     return;
   ++counts_.disagree;
-  ++(judgement.cause == Cause::kReference ? counts_.reference : counts_.rendering);
+  ++(validation.cause == Cause::kReference ? counts_.reference : counts_.rendering);
 }
 
-void Judge::follow(const GapResult& gap, const ReportedContact& report) {
+void ContactValidator::follow(const GapResult& gap, const ReportedContact& report) {
   const bool same = run_.samples > 0 && report.wrench.force == run_.wrench.force &&
                     report.wrench.torque == run_.wrench.torque;
   if (report.wrench.zero() || report.latched) {
@@ -127,15 +129,15 @@ void Judge::follow(const GapResult& gap, const ReportedContact& report) {
   }
 }
 
-std::string Judge::not_usable(const ReportedContact& report) const {
+std::string ContactValidator::not_usable(const ReportedContact& report) const {
   const bool finite = report.pose_WT.finite() && report.wrench.finite() &&
                       report.mean_normal.allFinite() && std::isfinite(report.deepest_depth_m) &&
                       std::isfinite(report.coherence);
   return finite ? "" : "the contact has NaN or infinity";
 }
 
-std::string Judge::breach(const GapResult& gap, const ReportedContact& report,
-                          Judgement& out) const {
+std::string ContactValidator::breach(const GapResult& gap, const ReportedContact& report,
+                                     Validation& out) const {
   std::string found = hits_breach(gap, report, out);
   if (found.empty())
     found = force_breach(report);
@@ -148,8 +150,8 @@ std::string Judge::breach(const GapResult& gap, const ReportedContact& report,
   return found;
 }
 
-std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& report,
-                               Judgement& out) const {
+std::string ContactValidator::hits_breach(const GapResult& gap, const ReportedContact& report,
+                                          Validation& out) const {
   const std::uint32_t interior = gap.inside_known ? report.interior_hits : 0;
   if (gap.gap_m > free_limit_m()) {
     // Without a defined interior, a tool completely inside counts as free for the reference: no
@@ -186,7 +188,7 @@ std::string Judge::hits_breach(const GapResult& gap, const ReportedContact& repo
   return "";
 }
 
-std::string Judge::force_breach(const ReportedContact& report) const {
+std::string ContactValidator::force_breach(const ReportedContact& report) const {
   const bool force = !report.wrench.zero();
   if (force && report.surface_hits == 0 && report.interior_hits == 0)
     return fmt::format("a force of {:.3g} N without a hit", report.wrench.force.norm());
@@ -201,8 +203,8 @@ std::string Judge::force_breach(const ReportedContact& report) const {
   return "";
 }
 
-std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& report,
-                                Judgement& out) const {
+std::string ContactValidator::depth_breach(const GapResult& gap, const ReportedContact& report,
+                                           Validation& out) const {
   const bool at_least =
       gap.method == GapMethod::kVertexDepth;  // a mesh is at least as deep as its vertices
   if (!(gap.depth_exact || at_least) || report.latched || gap.gap_m > free_limit_m())
@@ -224,8 +226,8 @@ std::string Judge::depth_breach(const GapResult& gap, const ReportedContact& rep
   return "";
 }
 
-std::string Judge::direction_breach(const GapResult& gap, const ReportedContact& report,
-                                    Judgement& out) const {
+std::string ContactValidator::direction_breach(const GapResult& gap, const ReportedContact& report,
+                                               Validation& out) const {
   const double e = settings_.edge_m;
   const bool coherent = report.coherence >= kDirectionFromCoherence;
   if (!gap.unique_face || gap.direction.isZero() || report.fallback ||
@@ -247,7 +249,8 @@ std::string Judge::direction_breach(const GapResult& gap, const ReportedContact&
                      degrees(limit));
 }
 
-std::string Judge::torque_breach(const GapResult& gap, const ReportedContact& report) const {
+std::string ContactValidator::torque_breach(const GapResult& gap,
+                                            const ReportedContact& report) const {
   if (!(gap.sphere_radius_m > 0) || gap.direction.isZero())
     return "";
   if (report.latched || report.fallback || report.interior_hits > 0)

@@ -1,5 +1,5 @@
 /// Each rule for a virtual tool, on both sides of its limit.
-#include "core/reference/tool_judgement.hpp"
+#include "core/reference/tool_validation.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <numbers>
 
 namespace voxtouch::reference {
-namespace tool_judge_test {
+namespace tool_validation_test {
 
 constexpr double kE = 0.002, kR = 0.01, kChord = 0.1 * kE, kGap = 1.2 * kE;
 constexpr double kNear = kChord + 1e-5;  ///< [m]
-const JudgeSettings kSettings{kE, kChord, kGap, 0.0};
+const ValidatorSettings kSettings{kE, kChord, kGap, 0.0};
 const ToolSettings kTool{.reach_m = kR, .rubs = false};
 
 /// A ball over a level plane.
@@ -41,19 +41,19 @@ ReportedTool tool(double path_m, double degrees = 0.0) {
 
 std::string said(const ReportedTool& report, double at_tool, double at_hand,
                  const ToolSettings& settings = kTool, bool one_face = true) {
-  Judgement out;
+  Validation out;
   return tool_breach(kSettings, settings, gap_of(at_tool, one_face), gap_of(at_hand), report, out);
 }
 bool finds(const std::string& sentence, const char* part) {
   return sentence.find(part) != std::string::npos;
 }
 
-TEST(ToolJudge, AgreesWithASpringThatPressesABallOnAPlane) {
+TEST(ToolValidation, AgreesWithASpringThatPressesABallOnAPlane) {
   EXPECT_EQ(said(tool(0.01), 0.0, -0.01), "");
   EXPECT_EQ(said(tool(0.0), 0.02, 0.02), "") << "free";
 }
 
-TEST(ToolJudge, FindsForcesWithoutATool) {
+TEST(ToolValidation, FindsForcesWithoutATool) {
   ReportedTool report = tool(0.01);
   report.not_initialised = true;
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "a force of"));
@@ -67,13 +67,13 @@ TEST(ToolJudge, FindsForcesWithoutATool) {
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "unconstrained"));
 }
 
-TEST(ToolJudge, DetectsAFreeToolAwayFromTheHand) {
+TEST(ToolValidation, DetectsAFreeToolAwayFromTheHand) {
   ReportedTool report = tool(0.0);
   report.hand.position.x() += 1e-9;
   EXPECT_TRUE(finds(said(report, 0.02, 0.02), "mm away"));
 }
 
-TEST(ToolJudge, DetectsAForceUnlikeTheSprings) {
+TEST(ToolValidation, DetectsAForceUnlikeTheSprings) {
   ReportedTool report = tool(0.01);
   report.wrench.force.x() = 1e-5 * report.wrench.force.z();
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "direction error to the spring"));
@@ -83,9 +83,9 @@ TEST(ToolJudge, DetectsAForceUnlikeTheSprings) {
 }
 
 /// It pushes from either side; which side is its inside is not asked.
-TEST(ToolJudge, FindsAnOpenMeshInTheTool) {
+TEST(ToolValidation, FindsAnOpenMeshInTheTool) {
   const auto of_open = [](double at_tool, double at_hand, double path_m) {
-    Judgement out;
+    Validation out;
     GapResult tool_gap = gap_of(at_tool), hand_gap = gap_of(at_hand);
     tool_gap.inside_known = hand_gap.inside_known = false;
     return tool_breach(kSettings, kTool, tool_gap, hand_gap, tool(path_m), out);
@@ -97,7 +97,7 @@ TEST(ToolJudge, FindsAnOpenMeshInTheTool) {
   EXPECT_TRUE(finds(of_open(-0.01, -0.01, 0.0), "no force"));
 }
 
-TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
+TEST(ToolValidation, FindsAToolInTheWallOrOffIt) {
   for (const bool one_face : {true, false}) {
     EXPECT_EQ(said(tool(0.01), -0.99 * kNear, -0.01, kTool, one_face), "");
     EXPECT_TRUE(finds(said(tool(0.01), -1.01 * kNear, -0.01, kTool, one_face), "mm inside"));
@@ -109,7 +109,7 @@ TEST(ToolJudge, FindsAToolInTheWallOrOffIt) {
   EXPECT_EQ(said(approaching, 1.9 * kNear, -0.01), "");
 }
 
-TEST(ToolJudge, FindsAForceOverNothingAndNoForceInTheWall) {
+TEST(ToolValidation, FindsAForceOverNothingAndNoForceInTheWall) {
   EXPECT_EQ(said(tool(0.001), 0.0, 0.001 + 0.99 * kNear), "");
   EXPECT_TRUE(finds(said(tool(0.001), 0.0, 0.001 + 1.01 * kNear), "nothing is between"));
   EXPECT_EQ(said(tool(0.03), 0.0, 0.01), "") << "the hand is through a thin wall";
@@ -117,7 +117,7 @@ TEST(ToolJudge, FindsAForceOverNothingAndNoForceInTheWall) {
   EXPECT_TRUE(finds(said(tool(0.0), -1.01 * kNear, -1.01 * kNear), "no force"));
 }
 
-TEST(ToolJudge, DetectsAnOffNormalForceOnOneFace) {
+TEST(ToolValidation, DetectsAnOffNormalForceOnOneFace) {
   EXPECT_EQ(said(tool(0.01, 5.9), 0.0, -0.01), "");
   EXPECT_TRUE(finds(said(tool(0.01, 6.1), 0.0, -0.01), "contact normal"));
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, {.reach_m = kR, .rubs = true}), "")
@@ -125,22 +125,25 @@ TEST(ToolJudge, DetectsAnOffNormalForceOnOneFace) {
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, kTool, false), "") << "at an edge there are two";
 }
 
-TEST(ToolJudge, DecidesEverySampleAndBlamesTheReference) {
-  Judge judge(kSettings);
-  EXPECT_EQ(judge.judge(gap_of(0.0), gap_of(-0.01), kTool, tool(0.01)).verdict, Verdict::kAgree);
-  const Judgement wrong = judge.judge(gap_of(-0.002), gap_of(-0.01), kTool, tool(0.01));
+TEST(ToolValidation, DecidesEverySampleAndBlamesTheReference) {
+  ContactValidator validator(kSettings);
+  EXPECT_EQ(validator.validate(gap_of(0.0), gap_of(-0.01), kTool, tool(0.01)).verdict,
+            Verdict::kAgree);
+  const Validation wrong = validator.validate(gap_of(-0.002), gap_of(-0.01), kTool, tool(0.01));
   EXPECT_EQ(wrong.verdict, Verdict::kDisagree);
   EXPECT_EQ(wrong.cause, Cause::kRendering);
   GapResult doubtful = gap_of(-0.002);
   doubtful.self_check = false;
-  EXPECT_EQ(judge.judge(doubtful, gap_of(-0.01), kTool, tool(0.01)).cause, Cause::kReference);
+  EXPECT_EQ(validator.validate(doubtful, gap_of(-0.01), kTool, tool(0.01)).cause,
+            Cause::kReference);
   ReportedTool none = tool(0.01);
   none.wrench.force.x() = std::nan("");
-  EXPECT_EQ(judge.judge(gap_of(0.0), gap_of(-0.01), kTool, none).verdict, Verdict::kDisagree);
-  EXPECT_EQ(judge.counts().checked, 4u);
-  EXPECT_EQ(judge.counts().decided, 3u);
-  EXPECT_EQ(judge.counts().in_band, 0u);
+  EXPECT_EQ(validator.validate(gap_of(0.0), gap_of(-0.01), kTool, none).verdict,
+            Verdict::kDisagree);
+  EXPECT_EQ(validator.counts().checked, 4u);
+  EXPECT_EQ(validator.counts().decided, 3u);
+  EXPECT_EQ(validator.counts().in_band, 0u);
 }
 
-}  // namespace tool_judge_test
+}  // namespace tool_validation_test
 }  // namespace voxtouch::reference

@@ -1,16 +1,16 @@
-/// Each rule of the Judge, on both sides of its limit.
+/// Each rule of the ContactValidator, on both sides of its limit.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "core/reference/judgement.hpp"
+#include "core/reference/contact_validator.hpp"
 
 namespace voxtouch::reference {
 namespace {
 
 constexpr double kE = 0.002;
-const JudgeSettings kSettings{kE, 0.1 * kE, 1.2 * kE, 0.0};
+const ValidatorSettings kSettings{kE, 0.1 * kE, 1.2 * kE, 0.0};
 constexpr double kFree = (1.7320508075688772 + 0.1) * kE;
 constexpr double kMust = (0.8660254037844386 + 1.2 + 0.1) * kE;
 
@@ -43,38 +43,38 @@ ReportedContact contact(double depth_m, double seed = 0.0, double degrees_off = 
   return report;
 }
 
-Judgement once(const GapResult& gap, const ReportedContact& report) {
-  return Judge(kSettings).judge(gap, report);
+Validation once(const GapResult& gap, const ReportedContact& report) {
+  return ContactValidator(kSettings).validate(gap, report);
 }
 Verdict verdict(const GapResult& gap, const ReportedContact& report) {
   return once(gap, report).verdict;
 }
 
-TEST(Judge, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
-  const Judgement free = once(gap_of(kFree + 1e-9), {});
+TEST(ContactValidator, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
+  const Validation free = once(gap_of(kFree + 1e-9), {});
   EXPECT_EQ(free.verdict, Verdict::kAgree);
   EXPECT_TRUE(free.decided);
   EXPECT_TRUE(free.explanation.empty());
   ReportedContact one_hit;
   one_hit.surface_hits = 1;
-  const Judgement hit = once(gap_of(kFree + 1e-9), one_hit);
+  const Validation hit = once(gap_of(kFree + 1e-9), one_hit);
   EXPECT_EQ(hit.verdict, Verdict::kDisagree);
   EXPECT_EQ(hit.cause, Cause::kRendering);
   EXPECT_TRUE(hit.decided);
   EXPECT_EQ(verdict(gap_of(kFree - 1e-9), one_hit), Verdict::kInBand);
 }
 
-TEST(Judge, RequiresZeroForceInFreeSpace) {
+TEST(ContactValidator, RequiresZeroForceInFreeSpace) {
   ReportedContact pushed;
   pushed.latched = true;
   pushed.wrench.torque.x() = 1e-12;
   EXPECT_EQ(once(gap_of(kFree + 1e-9), pushed).verdict, Verdict::kDisagree);
 }
 
-TEST(Judge, DecidesThatADeepOverlapCollides) {
+TEST(ContactValidator, DecidesThatADeepOverlapCollides) {
   GapResult bound = gap_of(-kMust - 1e-9);
   bound.depth_exact = false;  // as for meshes: how deep exactly is not known, and need not be
-  const Judgement missed = once(bound, {});
+  const Validation missed = once(bound, {});
   EXPECT_EQ(missed.verdict, Verdict::kDisagree);
   EXPECT_TRUE(missed.decided);
   ReportedContact through;
@@ -83,27 +83,27 @@ TEST(Judge, DecidesThatADeepOverlapCollides) {
   EXPECT_FALSE(once(gap_of(-kMust + 1e-9), through).decided);
 }
 
-TEST(Judge, RequiresNoHitOnAThinPlate) {
+TEST(ContactValidator, RequiresNoHitOnAThinPlate) {
   GapResult thin = gap_of(-3 * kE);
   thin.inside_depth_m = 0;
   thin.depth_exact = false;
   EXPECT_EQ(verdict(thin, {}), Verdict::kInBand);
 }
 
-TEST(Judge, RequiresAHitOnceAWholeCapIsInside) {
+TEST(ContactValidator, RequiresAHitOnceAWholeCapIsInside) {
   GapResult shallow = gap_of(-0.8 * kE);
   shallow.cap_inside_depth_m = 0.36 * kE;
   EXPECT_EQ(verdict(shallow, {}), Verdict::kDisagree);
   shallow.cap_inside_depth_m = 0.34 * kE;
   EXPECT_EQ(verdict(shallow, {}), Verdict::kInBand);
-  JudgeSettings coarse = kSettings;
+  ValidatorSettings coarse = kSettings;
   coarse.shell_gap_m = 1.8 * kE;
   shallow.cap_inside_depth_m = 0.7 * kE;
-  EXPECT_EQ(Judge(coarse).judge(shallow, {}).verdict, Verdict::kInBand)
+  EXPECT_EQ(ContactValidator(coarse).validate(shallow, {}).verdict, Verdict::kInBand)
       << "a coarse shell may miss the cap";
 }
 
-TEST(Judge, AllowsInteriorHitsOnlyInside) {
+TEST(ContactValidator, AllowsInteriorHitsOnlyInside) {
   ReportedContact through = contact(0.2 * kE);
   through.interior_hits = 1;
   EXPECT_EQ(verdict(gap_of(0.05 * kE), through), Verdict::kInBand);
@@ -113,7 +113,7 @@ TEST(Judge, AllowsInteriorHitsOnlyInside) {
   EXPECT_EQ(verdict(open, through), Verdict::kInBand);
 }
 
-TEST(Judge, RequiresForceAndHitsTogether) {
+TEST(ContactValidator, RequiresForceAndHitsTogether) {
   ReportedContact ghost;
   ghost.wrench.force.z() = 0.1;
   EXPECT_EQ(verdict(gap_of(0), ghost), Verdict::kDisagree);
@@ -124,19 +124,19 @@ TEST(Judge, RequiresForceAndHitsTogether) {
   EXPECT_EQ(verdict(gap_of(-0.3 * kE), limp), Verdict::kInBand);
 }
 
-TEST(Judge, ComparesDepthOnlyUntilPointsPassThrough) {
+TEST(ContactValidator, ComparesDepthOnlyUntilPointsPassThrough) {
   EXPECT_EQ(verdict(gap_of(-1.5 * kE), contact(0.45 * kE)), Verdict::kInBand);
-  const Judgement shallow = once(gap_of(-1.5 * kE), contact(0.35 * kE));
+  const Validation shallow = once(gap_of(-1.5 * kE), contact(0.35 * kE));
   EXPECT_EQ(shallow.verdict, Verdict::kDisagree);
   EXPECT_NEAR(shallow.depth_error_m, -1.15 * kE, 1e-12);
   ReportedContact through = contact(0.35 * kE);
   through.interior_hits = 3;
-  const Judgement saturated = once(gap_of(-1.5 * kE), through);
+  const Validation saturated = once(gap_of(-1.5 * kE), through);
   EXPECT_EQ(saturated.verdict, Verdict::kInBand);
   EXPECT_TRUE(std::isnan(saturated.depth_error_m));
 }
 
-TEST(Judge, ComparesDepthFromAboveAlways) {
+TEST(ContactValidator, ComparesDepthFromAboveAlways) {
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), contact(1.55 * kE)), Verdict::kInBand);
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), contact(1.65 * kE)), Verdict::kDisagree);
   ReportedContact through = contact(1.65 * kE);
@@ -147,9 +147,9 @@ TEST(Judge, ComparesDepthFromAboveAlways) {
       << "an old depth is not compared";
 }
 
-TEST(Judge, ComparesMeaningfulDirectionsTo20Degrees) {
+TEST(ContactValidator, ComparesMeaningfulDirectionsTo20Degrees) {
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), contact(0.5 * kE, 0, 19)), Verdict::kInBand);
-  const Judgement off = once(gap_of(-0.5 * kE), contact(0.5 * kE, 0, 21));
+  const Validation off = once(gap_of(-0.5 * kE), contact(0.5 * kE, 0, 21));
   EXPECT_EQ(off.verdict, Verdict::kDisagree);
   EXPECT_NEAR(off.direction_error_rad, 21 * std::numbers::pi / 180, 1e-12);
   GapResult edge = gap_of(-0.5 * kE);
@@ -160,7 +160,7 @@ TEST(Judge, ComparesMeaningfulDirectionsTo20Degrees) {
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), fallback), Verdict::kInBand);
 }
 
-TEST(Judge, DetectsAWrongForceOrNormalAlone) {
+TEST(ContactValidator, DetectsAWrongForceOrNormalAlone) {
   ReportedContact force = contact(0.5 * kE);
   force.wrench.force = tilted(25);
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), force), Verdict::kDisagree);
@@ -169,7 +169,7 @@ TEST(Judge, DetectsAWrongForceOrNormalAlone) {
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), normal), Verdict::kDisagree);
 }
 
-TEST(Judge, ChecksOnlyTheSignOfUncertainFrames) {
+TEST(ContactValidator, ChecksOnlyTheSignOfUncertainFrames) {
   EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 40)), Verdict::kInBand);
   EXPECT_EQ(verdict(gap_of(0.3 * kE), contact(0.1 * kE, 0, 100)), Verdict::kDisagree);
   ReportedContact latched = contact(0.5 * kE, 0, 60);
@@ -181,64 +181,66 @@ TEST(Judge, ChecksOnlyTheSignOfUncertainFrames) {
   EXPECT_EQ(verdict(gap_of(-kE), latched), Verdict::kDisagree);
 }
 
-TEST(Judge, DetectsAFrozenForceByTheMovingGap) {
-  Judge judge(kSettings);
+TEST(ContactValidator, DetectsAFrozenForceByTheMovingGap) {
+  ContactValidator validator(kSettings);
   const ReportedContact frozen = contact(0.5 * kE);
-  EXPECT_EQ(judge.judge(gap_of(-0.3 * kE), frozen).verdict, Verdict::kInBand);
-  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), frozen).verdict, Verdict::kInBand)
+  EXPECT_EQ(validator.validate(gap_of(-0.3 * kE), frozen).verdict, Verdict::kInBand);
+  EXPECT_EQ(validator.validate(gap_of(-0.6 * kE), frozen).verdict, Verdict::kInBand)
       << "two samples are not enough";
-  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), frozen).verdict, Verdict::kDisagree);
-  EXPECT_EQ(judge.judge(gap_of(-0.6 * kE), contact(0.5 * kE, 1e-15)).verdict, Verdict::kInBand)
+  EXPECT_EQ(validator.validate(gap_of(-0.6 * kE), frozen).verdict, Verdict::kDisagree);
+  EXPECT_EQ(validator.validate(gap_of(-0.6 * kE), contact(0.5 * kE, 1e-15)).verdict,
+            Verdict::kInBand)
       << "other bits";
 }
 
-TEST(Judge, AcceptsAConstantForceAtAConstantGap) {
-  Judge judge(kSettings);
+TEST(ContactValidator, AcceptsAConstantForceAtAConstantGap) {
+  ContactValidator validator(kSettings);
   for (int i = 0; i < 100; ++i)
-    EXPECT_EQ(judge.judge(gap_of(-0.5 * kE + 0.001 * kE * (i % 7)), contact(0.5 * kE)).verdict,
-              Verdict::kInBand);
+    EXPECT_EQ(
+        validator.validate(gap_of(-0.5 * kE + 0.001 * kE * (i % 7)), contact(0.5 * kE)).verdict,
+        Verdict::kInBand);
 }
 
-TEST(Judge, AcceptsAFlaggedLatchedForceInContact) {
-  Judge judge(kSettings);
+TEST(ContactValidator, AcceptsAFlaggedLatchedForceInContact) {
+  ContactValidator validator(kSettings);
   ReportedContact latched = contact(0.5 * kE);
   latched.latched = true, latched.interior_hits = 4;
   for (int i = 0; i < 20; ++i)
-    EXPECT_NE(judge.judge(gap_of(-0.1 * kE * i), latched).verdict, Verdict::kDisagree);
+    EXPECT_NE(validator.validate(gap_of(-0.1 * kE * i), latched).verdict, Verdict::kDisagree);
 }
 
-TEST(Judge, BlamesItselfIfItsCrossCheckFails) {
+TEST(ContactValidator, BlamesItselfIfItsCrossCheckFails) {
   GapResult doubtful = gap_of(kFree + kE);
   doubtful.self_check = false;
   doubtful.self_error_m = 0.5 * kE;
-  Judge judge(kSettings);
-  const Judgement fault = judge.judge(doubtful, contact(0.5 * kE));
+  ContactValidator validator(kSettings);
+  const Validation fault = validator.validate(doubtful, contact(0.5 * kE));
   EXPECT_EQ(fault.verdict, Verdict::kDisagree);
   EXPECT_EQ(fault.cause, Cause::kReference);
   EXPECT_FALSE(fault.decided);
-  const Judgement quiet = judge.judge(doubtful, {});
+  const Validation quiet = validator.validate(doubtful, {});
   EXPECT_EQ(quiet.verdict, Verdict::kInBand);
   EXPECT_FALSE(quiet.explanation.empty());
-  EXPECT_EQ(judge.counts().reference, 1U);
-  EXPECT_EQ(judge.counts().rendering, 0U);
+  EXPECT_EQ(validator.counts().reference, 1U);
+  EXPECT_EQ(validator.counts().rendering, 0U);
 }
 
-TEST(Judge, AcceptsNoNonFiniteValue) {
+TEST(ContactValidator, AcceptsNoNonFiniteValue) {
   ReportedContact report = contact(0.5 * kE);
   report.wrench.torque.y() = NAN;
   EXPECT_EQ(verdict(gap_of(-0.5 * kE), report), Verdict::kDisagree);
-  const Judgement nothing = once(GapResult{}, {});
+  const Validation nothing = once(GapResult{}, {});
   EXPECT_EQ(nothing.verdict, Verdict::kInBand);
   EXPECT_EQ(nothing.cause, Cause::kReference);
 }
 
-TEST(Judge, CountsItsVerdicts) {
-  Judge judge(kSettings);
-  judge.judge(gap_of(2 * kFree), {});
-  judge.judge(gap_of(2 * kFree), contact(0.5 * kE));
-  judge.judge(gap_of(-0.5 * kE), contact(0.5 * kE));
-  judge.judge(gap_of(-0.5 * kE), contact(0.5 * kE, 0.1, 50));
-  const JudgeCounts& counts = judge.counts();
+TEST(ContactValidator, CountsItsVerdicts) {
+  ContactValidator validator(kSettings);
+  validator.validate(gap_of(2 * kFree), {});
+  validator.validate(gap_of(2 * kFree), contact(0.5 * kE));
+  validator.validate(gap_of(-0.5 * kE), contact(0.5 * kE));
+  validator.validate(gap_of(-0.5 * kE), contact(0.5 * kE, 0.1, 50));
+  const ValidationCounts& counts = validator.counts();
   EXPECT_EQ(counts.checked, 4U);
   EXPECT_EQ(counts.decided, 2U);
   EXPECT_EQ(counts.agree, 1U);
@@ -247,27 +249,29 @@ TEST(Judge, CountsItsVerdicts) {
   EXPECT_EQ(counts.rendering, 2U);
 }
 
-TEST(Judge, WidensItsLimitsForShellsOffTheSurface) {
-  JudgeSettings naive = kSettings;
+TEST(ContactValidator, WidensItsLimitsForShellsOffTheSurface) {
+  ValidatorSettings naive = kSettings;
   naive.shell_offset_m = 0.866 * kE;
   ReportedContact hit;
   hit.surface_hits = 1;
-  EXPECT_EQ(Judge(naive).judge(gap_of(kFree + 0.8 * kE), hit).verdict, Verdict::kInBand);
-  EXPECT_EQ(Judge(naive).judge(gap_of(-kMust - 0.8 * kE), {}).decided, false);
-  // Voxel centres with own normals push askew where few are below the surface.
-  EXPECT_EQ(Judge(naive).judge(gap_of(-1.1 * kE), contact(1.1 * kE, 0, 30)).verdict,
+  EXPECT_EQ(ContactValidator(naive).validate(gap_of(kFree + 0.8 * kE), hit).verdict,
             Verdict::kInBand);
-  EXPECT_EQ(Judge(naive).judge(gap_of(-1.12 * kE), contact(1.12 * kE, 0, 30)).verdict,
+  EXPECT_EQ(ContactValidator(naive).validate(gap_of(-kMust - 0.8 * kE), {}).decided, false);
+  // Voxel centres with own normals push askew where few are below the surface.
+  EXPECT_EQ(ContactValidator(naive).validate(gap_of(-1.1 * kE), contact(1.1 * kE, 0, 30)).verdict,
+            Verdict::kInBand);
+  EXPECT_EQ(ContactValidator(naive).validate(gap_of(-1.12 * kE), contact(1.12 * kE, 0, 30)).verdict,
             Verdict::kDisagree);
 }
 
-TEST(Judge, RefusesInvalidSettings) {
-  for (const JudgeSettings& bad : {JudgeSettings{}, JudgeSettings{kE, -1, 0, 0},
-                                   JudgeSettings{kE, 0, NAN, 0}, JudgeSettings{kE, 0, 0, INFINITY}})
-    EXPECT_THROW(Judge{bad}, std::invalid_argument);
+TEST(ContactValidator, RefusesInvalidSettings) {
+  for (const ValidatorSettings& bad :
+       {ValidatorSettings{}, ValidatorSettings{kE, -1, 0, 0}, ValidatorSettings{kE, 0, NAN, 0},
+        ValidatorSettings{kE, 0, 0, INFINITY}})
+    EXPECT_THROW(ContactValidator{bad}, std::invalid_argument);
 }
 
-TEST(Judge, ChecksEveryNthSampleBySequence) {
+TEST(ContactValidator, ChecksEveryNthSampleBySequence) {
   EXPECT_TRUE(is_checked(0, 50));
   EXPECT_TRUE(is_checked(150, 50));
   EXPECT_FALSE(is_checked(151, 50));
@@ -281,7 +285,7 @@ GapResult on_handle() {
   return gap;
 }
 
-TEST(Judge, HoldsTheForcesLineOfActionToTheToolsSphere) {
+TEST(ContactValidator, HoldsTheForcesLineOfActionToTheToolsSphere) {
   ReportedContact report = contact(0.5 * kE);
   const Vec3 force = report.wrench.force;
   const double radius = (10 + 0.1) * kE;
@@ -295,12 +299,12 @@ TEST(Judge, HoldsTheForcesLineOfActionToTheToolsSphere) {
     EXPECT_EQ(verdict(on_handle(), report), Verdict::kDisagree) << off;
   }
   report.wrench.torque = -torque_for(0.0);
-  const Judgement wrong = once(on_handle(), report);
+  const Validation wrong = once(on_handle(), report);
   EXPECT_EQ(wrong.cause, Cause::kRendering);
   EXPECT_NE(wrong.explanation.find("160 mm"), std::string::npos) << wrong.explanation;
 }
 
-TEST(Judge, SkipsTheTorqueOfDivergentForces) {
+TEST(ContactValidator, SkipsTheTorqueOfDivergentForces) {
   ReportedContact wrong = contact(0.5 * kE);
   wrong.wrench.torque = -Vec3(40 * kE, 0, 0).cross(wrong.wrench.force);
   ASSERT_EQ(verdict(on_handle(), wrong), Verdict::kDisagree);

@@ -15,7 +15,7 @@ enum class Verdict : std::uint32_t { kAgree = 0, kInBand = 1, kDisagree = 2 };
 enum class Cause : std::uint32_t { kNone = 0, kRendering = 1, kReference = 2 };
 
 /// Properties of the scene that the rules use. Lengths [m].
-struct JudgeSettings {
+struct ValidatorSettings {
   double edge_m = 0.0;         ///< voxel edge e, > 0
   double chord_error_m = 0.0;  ///< ReferenceScene::chord_error_m
   /// Distance within which every point of the dynamic surface has a shell point. The largest
@@ -40,7 +40,7 @@ struct ReportedContact {
   bool fallback = false;  ///< FLAG_FALLBACK
 };
 
-struct Judgement {
+struct Validation {
   Verdict verdict = Verdict::kInBand;
   Cause cause = Cause::kNone;
   bool decided = false;  ///< one of the two hard rules applied
@@ -53,7 +53,7 @@ struct Judgement {
   std::string explanation;                       ///< empty without a disagreement
 };
 
-struct JudgeCounts {
+struct ValidationCounts {
   std::uint64_t compared =
       0;  ///< decided, or in the band with depth or direction compared with the reference
   std::uint64_t checked = 0, decided = 0, agree = 0, in_band = 0, disagree = 0;
@@ -70,22 +70,22 @@ struct ReportedTool;
 
 /// Evaluates samples in the order of their sequence numbers; stores counts and the last wrench. Not
 /// real-time safe (messages).
-class Judge {
+class ContactValidator {
  public:
-  /// Throws what JudgeSettings::validate throws.
-  explicit Judge(const JudgeSettings& settings);
+  /// Throws what ValidatorSettings::validate throws.
+  explicit ContactValidator(const ValidatorSettings& settings);
 
   /// Evaluates one sample of a penalty contact: whether the report is consistent with the gap
   /// `gap`. Allocates.
-  Judgement judge(const GapResult& gap, const ReportedContact& report);
-  /// Evaluates a virtual tool by the rules of tool_judgement.hpp.
-  Judgement judge(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool,
-                  const ReportedTool& report);
+  Validation validate(const GapResult& gap, const ReportedContact& report);
+  /// Evaluates a virtual tool by the rules of tool_validation.hpp.
+  Validation validate(const GapResult& at_tool, const GapResult& at_hand, const ToolSettings& tool,
+                      const ReportedTool& report);
 
-  const JudgeCounts& counts() const noexcept { return counts_; }
+  const ValidationCounts& counts() const noexcept { return counts_; }
   /// Switches to another scene within the session: counts continue, the last wrench is cleared.
   /// Throws as the constructor.
-  void change(const JudgeSettings& settings);
+  void change(const ValidatorSettings& settings);
 
   double free_limit_m() const noexcept;          ///< a larger gap is free
   double inside_depth_limit_m() const noexcept;  ///< a larger depth must collide
@@ -99,22 +99,22 @@ class Judge {
   };
   void follow(const GapResult& gap, const ReportedContact& report);
   std::string not_usable(const ReportedContact& report) const;
-  std::string breach(const GapResult& gap, const ReportedContact& report, Judgement& out) const;
+  std::string breach(const GapResult& gap, const ReportedContact& report, Validation& out) const;
   std::string hits_breach(const GapResult& gap, const ReportedContact& report,
-                          Judgement& out) const;
+                          Validation& out) const;
   std::string force_breach(const ReportedContact& report) const;
   std::string depth_breach(const GapResult& gap, const ReportedContact& report,
-                           Judgement& out) const;
+                           Validation& out) const;
   std::string direction_breach(const GapResult& gap, const ReportedContact& report,
-                               Judgement& out) const;
+                               Validation& out) const;
   std::string torque_breach(const GapResult& gap, const ReportedContact& report) const;
   /// Sets verdict and cause from the explanation; `checked`: the cross-checks of the reference
   /// hold.
-  static void conclude(bool checked, Judgement& out);
-  void count(const Judgement& judgement) noexcept;
+  static void conclude(bool checked, Validation& out);
+  void count(const Validation& validation) noexcept;
 
-  JudgeSettings settings_;
-  JudgeCounts counts_;
+  ValidatorSettings settings_;
+  ValidationCounts counts_;
   Run run_;
 };
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "nodes/runtime/hundred_a_second.hpp"
+#include "nodes/runtime/display_sampler.hpp"
 #include "tests/support/seed.hpp"
 
 namespace voxtouch::runtime {
@@ -14,9 +14,9 @@ namespace {
 
 /// Counts by stamps: of loops at 1 kHz and at 700 Hz, and of one that is often late and stands
 /// still for up to 90 ms.
-TEST(HundredASecond, SamplesALateLoopAtAHundredHertz) {
+TEST(DisplaySampler, SamplesALateLoopAtAHundredHertz) {
   for (const double rate_hz : {1000.0, 700.0, 120.0}) {
-    HundredASecond regular;
+    DisplaySampler regular;
     std::mt19937_64 random(voxtouch::testing::seed(19));
     std::vector<std::int64_t> stamps;
     std::int64_t late_from = 6'000'000'000, late_until = late_from;
@@ -36,7 +36,7 @@ TEST(HundredASecond, SamplesALateLoopAtAHundredHertz) {
     EXPECT_NEAR(static_cast<double>(stamps.size() - 1) / span_s, 100.0, 0.1) << rate_hz;
     EXPECT_TRUE(std::ranges::is_sorted(stamps, std::less_equal<>())) << "one was shown twice";
   }
-  HundredASecond regular;
+  DisplaySampler regular;
   EXPECT_TRUE(regular.is_due(5'000'000'000));
   int made_up = 0;
   for (std::int64_t now = 15'000'000'000; now < 15'010'000'000; now += 100'000)
@@ -44,8 +44,8 @@ TEST(HundredASecond, SamplesALateLoopAtAHundredHertz) {
   EXPECT_EQ(made_up, 1) << "ten seconds of nothing are not made up for";
 }
 
-TEST(HundredASecond, RestartsWithANewSessionsTime) {
-  HundredASecond regular;
+TEST(DisplaySampler, RestartsWithANewSessionsTime) {
+  DisplaySampler regular;
   for (int session = 0; session < 2; ++session) {
     int shown = 0;
     for (std::int64_t now = 0; now < 1'000'000'000; now += 1'000'000)

@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Runs clang-tidy over the C++ sources of core, devices and nodes.
+
+usage: tidy.py BUILD [FILE or FOLDER ...]
+
+BUILD has a compile_commands.json without unity files. Prints each finding once, and one line of
+progress a file on stderr. Exit status 1 with findings. CLANG_TIDY names another program. JOBS sets
+how many run at once (1).
+"""
+
+import concurrent.futures
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FOLDERS = ("core", "devices", "nodes", "qos")
+# clang 14 cannot read std::expected of libstdc++. The compiler's own warnings are GCC's matter.
+MORE = (
+    f"--extra-arg-before=-isystem{ROOT / 'tests/fuzz/clang14'}",
+    "--extra-arg=-Wno-everything",
+)
+FINDING = re.compile(r"^(/[^:]+:\d+:\d+): (?:warning|error): (.*)$", re.MULTILINE)
+# clang 14 refuses some templates of libstdc++ 12; GCC compiles each file.
+COMPILER = "[clang-diagnostic-"
+
+
+def sources(build, chosen):
+    """Files of the compilation database below FOLDERS, limited to `chosen` if there are any."""
+    below = [ROOT / name for name in FOLDERS]
+    limits = [pathlib.Path(name).resolve() for name in chosen]
+    files = {
+        (pathlib.Path(entry["directory"]) / entry["file"]).resolve()
+        for entry in json.loads((build / "compile_commands.json").read_text())
+    }
+    return sorted(
+        file
+        for file in files
+        if any(file.is_relative_to(folder) for folder in below)
+        and (not limits or any(file.is_relative_to(limit) for limit in limits))
+    )
+
+
+def check(build, file):
+    """The findings of one file: {place: text}; its output as text if clang-tidy itself fails."""
+    command = [os.environ.get("CLANG_TIDY", "clang-tidy"), "--quiet", "-p", str(build), *MORE]
+    done = subprocess.run([*command, str(file)], capture_output=True, text=True)
+    found = {place: text for place, text in FINDING.findall(done.stdout) if COMPILER not in text}
+    if done.returncode and not found and COMPILER not in done.stdout:
+        found[str(file)] = f"clang-tidy failed: {done.stdout}{done.stderr}"
+    return found
+
+
+def main(build, *chosen):
+    build = pathlib.Path(build)
+    files = sources(build, chosen)
+    if not files:
+        sys.exit("No source matches. Valid: files and folders of " + ", ".join(FOLDERS))
+    shown = set()
+    with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("JOBS", "1"))) as pool:
+        results = pool.map(lambda file: check(build, file), files)
+        for number, (file, found) in enumerate(zip(files, results), 1):
+            print(f"{number}/{len(files)} {file.relative_to(ROOT)}", file=sys.stderr, flush=True)
+            for place, text in found.items():
+                if (place, text) not in shown:
+                    print(f"{os.path.relpath(place, ROOT)}: {text}", flush=True)
+                    shown.add((place, text))
+    print(f"tidy: {len(files)} files, {len(shown)} findings", file=sys.stderr)
+    return 1 if shown else 0
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    sys.exit(main(*sys.argv[1:]))
