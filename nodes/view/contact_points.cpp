@@ -2,12 +2,14 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <utility>
 
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/scene_build/build_here.hpp"
+#include "nodes/view/rounded.hpp"
 
 namespace voxtouch::view {
 namespace {
@@ -35,6 +37,18 @@ std::vector<Vec3> find(rendering::BuiltScene& built, const Pose& object, double 
   return some;
 }
 
+nlohmann::json shell_of(rendering::BuiltScene& built) {
+  const pointshell::Pointshell& shell = built.renderer().query().shell();
+  const std::size_t count = std::min(shell.size(), ContactPoints::kMaxShellPoints);
+  nlohmann::json points = nlohmann::json::array();
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec3 point = shell.point(n * shell.size() / count);
+    for (const double x : {point.x(), point.y(), point.z()})
+      points.push_back(rounded(x));
+  }
+  return {{"type", "shell"}, {"points", std::move(points)}};
+}
+
 /// This thread alone: what it does must not take time from a ring on the same machine.
 void yield_lock() {
   runtime::ordinary_priority();
@@ -51,6 +65,7 @@ bool is_ready(const std::future<T>& future) {
 void ContactPoints::scene_is(const scene::Scene& scene) {
   scene_ = scene;
   question_.reset(), points_.reset(), slice_question_.reset(), slice_.reset();
+  shell_ = nullptr;
   refusal_ = "the page's copy of the scene is being built";
 }
 
@@ -67,6 +82,8 @@ void ContactPoints::look() {
     std::string refusal;
     try {
       built_ = building_.get();
+      if (!scene_)
+        shell_ = shell_of(*built_);
     } catch (const std::exception& error) {
       refusal = error.what();
     }

@@ -33,10 +33,13 @@ class ContactPoints {
   /// In W [m], of the pose that was answered last; at most kMaxPoints, evenly chosen. Nothing where
   /// there is no scene to ask.
   const std::optional<std::vector<Vec3>>& points() const noexcept { return points_; }
+  /// {"type": "shell", "points": [x, y, z, ...]}: the tool's pointshell in T [m], at most
+  /// kMaxShellPoints, evenly chosen. Null until the scene is built.
+  const nlohmann::json& shell() const noexcept { return shell_; }
   /// Why there are none; empty: there are.
   const std::string& refusal() const noexcept { return refusal_; }
 
-  static constexpr std::size_t kMaxPoints = 400;
+  static constexpr std::size_t kMaxPoints = 400, kMaxShellPoints = 2000;
 
  private:
   struct Question {
@@ -52,6 +55,7 @@ class ContactPoints {
   std::optional<Question> question_;
   std::optional<SliceQuestion> slice_question_;
   std::optional<nlohmann::json> slice_;
+  nlohmann::json shell_;
   std::optional<std::vector<Vec3>> points_;
   std::string refusal_ = "the scene file is not available";
   std::unique_ptr<rendering::BuiltScene> built_;  ///< while something is found: of that thread

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <fstream>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene_file.hpp"
+#include "nodes/bag/files.hpp"
 #include "nodes/console/log.hpp"
 #include "nodes/runtime/change_asker.hpp"
 #include "nodes/runtime/clock.hpp"
@@ -22,6 +22,7 @@
 #include "nodes/view/browser.hpp"
 #include "nodes/view/contact_points.hpp"
 #include "nodes/view/hand_lead.hpp"
+#include "nodes/view/last_seconds.hpp"
 #include "nodes/view/ring_tap.hpp"
 #include "nodes/view/rounded.hpp"
 #include "nodes/view/shapes.hpp"
@@ -82,6 +83,8 @@ class View {
       tap_.emplace(participant_, options.node);
     if (tap_)
       asker_.emplace(participant_, options.node);
+    if (hand_)
+      last_.emplace(participant_, options.node, options.save);
     if (!options.choice.empty())
       next_.emplace(options.next);
     if (!player_ && !options.shown.empty())
@@ -106,6 +109,7 @@ class View {
       const std::int64_t now_ns = runtime::monotonic_ns();
       obey();
       look_after_changes();
+      poll_saved();
       if (next_ && has_chosen())
         return kChosenStatus;
       points_.look();
@@ -126,16 +130,27 @@ class View {
   static constexpr double kMaxStepS =
       0.25;  ///< a recorded run waits where this thread was held up, and no part of it is missed
 
-  /// A choice was checked and is written down.
+  /// A choice was checked and is written down; what is being saved comes first.
   bool has_chosen() {
     if (const std::optional<std::string> problem = next_->poll())
       server_.send_fact(text_of({{"type", "choice"}, {"sentence", *problem}}));
-    if (!next_->chosen())
+    if (!next_->chosen() || (last_ && last_->is_saving()))
       return false;
-    std::ofstream(options_.choice) << next_->chosen()->scene << '\n'
-                                   << next_->chosen()->device << '\n'
-                                   << server_.address() << '\n';
-    return true;
+    const std::string text = fmt::format("{}\n{}\n{}\n", next_->chosen()->scene,
+                                         next_->chosen()->device, server_.address());
+    const auto written = bag::write_atomically(options_.choice, text, bag::Flush::kNo);
+    if (!written)
+      next_->reject(written.error().sentence + " The ring goes on.");
+    return written.has_value();
+  }
+
+  void poll_saved() {
+    if (!last_)
+      return;
+    last_->take();
+    if (const std::optional<LastSeconds::Answer> answer = last_->poll())
+      server_.send_fact(
+          text_of({{"type", "saved"}, {"ok", answer->ok}, {"sentence", answer->sentence}}));
   }
 
   void advance(std::int64_t now_ns, double elapsed_s) {
@@ -185,6 +200,7 @@ class View {
     facts["latency"] = picture_.latency();
     facts["scene_note"] = scene_note();
     facts["hand"] = hand_ ? hand_->to_json() : json();
+    facts["saves"] = last_.has_value();
     facts["offered"] = next_ ? NextRing::offered() : json();
     if (player_)
       facts["bag_note"] = player_->note();
@@ -192,6 +208,10 @@ class View {
       facts["bag"] = player_->to_json();
     server_.send_fact(text_of(facts));
     send_slice();
+    if (sends_shell_ && is_same_scene() && !points_.shell().is_null()) {
+      server_.send_fact(text_of(points_.shell()));
+      sends_shell_ = false;
+    }
   }
 
   /// Of what a page has asked for, and only where it is another one than the last.
@@ -351,10 +371,14 @@ class View {
     }
     if (order.contains("slice"))
       cut(order["slice"]);
+    if (order.contains("shell"))
+      sends_shell_ = true;
     if (order.contains("change") && asker_)
       change({order["change"].get<std::vector<std::string>>(), false, 0.0, "", 0});
     if (order.contains("model") && asker_)
       change({{}, true, 0.0, order["model"].get<std::string>(), 0});
+    if (order.contains("save") && last_)
+      last_->save(scene_ ? scene_->name : "scene");
     if (order.contains("choose") && next_)
       next_->choose(order["choose"]);
     if (order.contains("mesh") && next_)
@@ -396,7 +420,8 @@ class View {
   const Options& options_;
   bus::Participant participant_;
   std::optional<Cut> slice_;
-  std::string slice_text_;  ///< as it was sent last
+  std::string slice_text_;    ///< as it was sent last
+  bool sends_shell_ = false;  ///< requested, and not sent yet
   Picture picture_;
   Facts facts_;
   NodeTable nodes_;
@@ -416,7 +441,8 @@ class View {
   std::optional<runtime::ChangeAsker> asker_;  ///< of a ring
   std::deque<runtime::ChangeWords> changes_;   ///< the first is being asked for
   std::future<std::string> asking_;
-  std::optional<NextRing> next_;  ///< if pages may choose
+  std::optional<NextRing> next_;     ///< if pages may choose
+  std::optional<LastSeconds> last_;  ///< if pages move the hand
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "nodes/runtime/options.hpp"
+#include "nodes/view/last_seconds.hpp"
 #include "nodes/view/next_ring.hpp"
 #include "nodes/view/page_server.hpp"
 
@@ -20,6 +21,7 @@ struct Options {
   /// a line each. Empty: pages choose nothing.
   std::filesystem::path choice;
   NextActions next;  ///< with `choice`
+  SaveActions save;  ///< used if pages move the hand
   bool to_stderr =
       false;  ///< the address is printed there, since stdout belongs to another program
 };
