@@ -3,7 +3,7 @@
 
 usage: page_picture.py SCENE PICTURE [--motion M | --hand] [--after S] [--dark] [--domain N]
 
---hand: no motion; the pointer drags the hand into the middle of the scene and along it.
+--hand: no motion; the pointer drags the hand against the nearest surface and along it.
 """
 
 import argparse
@@ -28,32 +28,46 @@ from PIL import Image  # noqa: E402
 MOST_BYTES = 200_000
 
 
-# From where the hand wants to be to the middle of the scene: wheel in depth, and pixels.
+# From the target to 6 mm behind the surface point that is nearest to it: wheel in depth, and pixels
+# in the plane of the screen.
 WAY = """(() => {
   const hand = voxtouch.hand;
   if (!hand.position) hand.grip();
-  const way = voxtouch.scene3d.middle.clone().sub(hand.position);
+  let nearest = null, least = Infinity;
+  for (const mesh of voxtouch.scene.meshes.filter(m => m.role !== 'dynamic'))
+    for (let n = 0; n < mesh.positions.length; n += 3) {
+      const way = new THREE.Vector3(...mesh.positions.slice(n, n + 3)).sub(hand.position);
+      if (way.length() < least) nearest = way, least = way.length();
+    }
+  nearest.setLength(least + 0.006);
   const {right, up, away} = hand.axes(), pixel = hand.pixel();
-  return [way.dot(away) / (-0.3 * pixel), way.dot(right) / pixel, -way.dot(up) / pixel];
+  return [nearest.dot(away) / (-0.3 * pixel), nearest.dot(right) / pixel,
+          -nearest.dot(up) / pixel];
 })()"""
 
 
 def drag_along(browser):
-    """Into the scene, and up and down along it; the button stays down."""
+    """To the scene and along its surface; the button stays down."""
     until(
-        lambda: browser.js("Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length)"), 40, ""
+        lambda: browser.js(
+            "Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length"
+            " && voxtouch.frame && voxtouch.frame.tool)"
+        ),
+        40,
+        "the hand",
     )
-    pointer = Pointer(browser)
     wheel, dx, dy = browser.js(WAY)
-    pointer.wheel(wheel)
+    pointer = Pointer(browser)
+    for _ in range(10):
+        pointer.wheel(wheel / 10)
     pointer.press()
     pointer.move(dx, dy, 20, button="left", buttons=1)
-    for up in (-25, 50, -50, 50, -25):
-        pointer.move(0.2 * up, up, 20, button="left", buttons=1)
+    for up in (-25, 50, -50, 25):
+        pointer.move(0.2 * up, up, 30, button="left", buttons=1)
 
 
 def take(browser, address, after_s, dark, hand):
-    """A moment in contact, with points and ten seconds of charts."""
+    """A moment in contact, with points and ten seconds of charts, and no force at its limit."""
     browser.open(address)
     browser.js(f"localStorage.setItem('voxtouch-theme', '{'dark' if dark else 'light'}')")
     browser.open(address + "&smooth")
@@ -63,7 +77,8 @@ def take(browser, address, after_s, dark, hand):
 
     def touches():
         return browser.js(
-            "(f => f && f.t > 10 && f.depth > 0 && (f.points || []).length > 0 &&"
+            "(f => f && f.t > 10 && (f.points || []).length > 0 &&"
+            " ![...f.flags, ...f.limits].some(w => ['saturated', 'clamped'].includes(w)) &&"
             " Math.hypot(...f.force) > 0.1)(voxtouch.frame)"
         )
 
