@@ -28,42 +28,41 @@ from PIL import Image  # noqa: E402
 MOST_BYTES = 200_000
 
 
-# From the target to 6 mm behind the surface point that is nearest to it: wheel in depth, and pixels
-# in the plane of the screen.
-WAY = """(() => {
-  const hand = voxtouch.hand;
-  if (!hand.position) hand.grip();
-  let nearest = null, least = Infinity;
-  for (const mesh of voxtouch.scene.meshes.filter(m => m.role !== 'dynamic'))
-    for (let n = 0; n < mesh.positions.length; n += 3) {
-      const way = new THREE.Vector3(...mesh.positions.slice(n, n + 3)).sub(hand.position);
-      if (way.length() < least) nearest = way, least = way.length();
-    }
-  nearest.setLength(least + 0.006);
-  const {right, up, away} = hand.axes(), pixel = hand.pixel();
-  return [nearest.dot(away) / (-0.3 * pixel), nearest.dot(right) / pixel,
-          -nearest.dot(up) / pixel];
-})()"""
+# Wheel in depth, and pixels in the plane of the screen, from the target of the hand to a place that
+# is given in the camera's axes from the middle of the scene, in radii of the scene: right, up.
+WAY = """((right, up) => {
+  const hand = voxtouch.hand, scene = voxtouch.scene3d, axes = hand.axes(), pixel = hand.pixel();
+  const way = scene.middle.clone().addScaledVector(axes.right, right * scene.radius)
+    .addScaledVector(new THREE.Vector3(0, 0, 1), up * scene.radius).sub(hand.position);
+  return [way.dot(axes.away) / (-0.3 * pixel), way.dot(axes.right) / pixel,
+          -way.dot(axes.up) / pixel];
+})"""
 
 
-def drag_along(browser):
-    """To the scene and along its surface; the button stays down."""
+def begin_drag(browser):
+    """Around the scene to its left side and against it; the button stays down."""
     until(
         lambda: browser.js(
             "Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length"
-            " && voxtouch.frame && voxtouch.frame.tool)"
+            " && voxtouch.frame && voxtouch.frame.tool) && voxtouch.hand.grip()"
         ),
         40,
         "the hand",
     )
-    wheel, dx, dy = browser.js(WAY)
     pointer = Pointer(browser)
-    for _ in range(10):
-        pointer.wheel(wheel / 10)
     pointer.press()
-    pointer.move(dx, dy, 20, button="left", buttons=1)
-    for up in (-25, 50, -50, 25):
-        pointer.move(0.2 * up, up, 30, button="left", buttons=1)
+    for right, up in ((-1.0, 0.8), (-1.0, 0.1), (-0.52, 0.1)):
+        for _ in range(3):  # the target stays in sight of the tool, which follows
+            wheel, dx, dy = browser.js(f"{WAY}({right}, {up})")
+            pointer.wheel(wheel)
+            pointer.move(dx, dy, 3, button="left", buttons=1)
+            time.sleep(0.3)
+    return pointer
+
+
+def slide(pointer):
+    for up in (30, -30):
+        pointer.move(0, up, 5, button="left", buttons=1)
 
 
 def take(browser, address, after_s, dark, hand):
@@ -72,8 +71,7 @@ def take(browser, address, after_s, dark, hand):
     browser.js(f"localStorage.setItem('voxtouch-theme', '{'dark' if dark else 'light'}')")
     browser.open(address + "&smooth")
     time.sleep(after_s)
-    if hand:
-        drag_along(browser)
+    pointer = begin_drag(browser) if hand else None
 
     def touches():
         return browser.js(
@@ -83,6 +81,8 @@ def take(browser, address, after_s, dark, hand):
         )
 
     def picture():
+        if pointer:
+            slide(pointer)
         if not touches():
             return None
         time.sleep(0.3)  # what is drawn follows

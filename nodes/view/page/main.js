@@ -269,7 +269,8 @@
     const size = v => v ? Math.hypot(...v).toFixed(2) : '–';
     $('n-force').textContent = size(frame.force), $('n-contact').textContent = size(frame.contact_force);
     $('n-depth').textContent = frame.depth === undefined || frame.depth === null ? '–' : (1000 * frame.depth).toFixed(2);
-    $('n-hits').textContent = frame.hits ?? '–';
+    // A virtual tool stays outside: the points in contact are those that the page's server finds.
+    $('n-hits').textContent = frame.hits || (frame.points ? frame.points.length / 3 : frame.hits ?? '–');
     const words = [...(frame.flags || []), ...(frame.limits || [])];
     if ($('flags').dataset.words !== words.join()) {
       $('flags').dataset.words = words.join();

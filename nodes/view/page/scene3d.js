@@ -349,7 +349,7 @@
         const on = v => { const p = v.clone().project(this.camera); return {x: (p.x + 1) / 2 * width, y: (1 - p.y) / 2 * height}; };
         const tip = on(label.tip), from = on(label.from), along = Math.hypot(tip.x - from.x, tip.y - from.y) || 1;
         let x = tip.x + 44 * (tip.x - from.x) / along - 28, y = tip.y + 24 * (tip.y - from.y) / along - 11;
-        x = Math.min(Math.max(x, 6), width - 70), y = Math.min(Math.max(y, 90), height - (document.body.classList.contains('bag') ? 110 : 64));
+        x = Math.min(Math.max(x, 6), width - 70), y = Math.min(Math.max(y, 118), height - (document.body.classList.contains('bag') ? 110 : 64));
         if (taken && Math.abs(taken.x - x) < 66 && Math.abs(taken.y - y) < 23) y = y < taken.y ? taken.y - 24 : taken.y + 24;
         label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
         taken = {x, y};
