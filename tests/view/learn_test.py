@@ -161,7 +161,8 @@ def choice_file(up):
 class Saved(unittest.TestCase):
     def save(self, socket):
         socket.order(save=True)
-        return socket.wait_for(lambda m: m["type"] == "saved", 120, "what was saved")
+        # The report is written at the lowest priority.
+        return socket.wait_for(lambda m: m["type"] == "saved", 300, "what was saved")
 
     def test_leaves_a_recording_of_ten_seconds_with_a_report(self):
         with (
