@@ -17,8 +17,8 @@ class RawReader {
   RawReader(dds_entity_t participant, const std::string& topic, const dds_topic_descriptor_t& type,
             const dds_qos_t* qos);
 
-  /// Calls f(std::span<const std::byte>), optionally with the writer's instance handle, for each
-  /// waiting message, oldest first.
+  /// Calls f(std::span<const std::byte>), optionally with the writer's instance handle or the
+  /// sample's information, for each waiting message, oldest first.
   /// The bytes are the encapsulation header and the CDR as sent; they are valid until f returns.
   /// DDS converts messages of the other byte order and drops messages that do not match the type.
   /// DDS keeps no time of arrival. Does not block; f must not throw. Returns the number of
@@ -42,6 +42,9 @@ class RawReader {
         const std::span message(static_cast<const std::byte*>(bytes.iov_base), bytes.iov_len);
         if constexpr (std::is_invocable_v<F, std::span<const std::byte>, dds_instance_handle_t>)
           f(message, info[i].publication_handle);
+        else if constexpr (std::is_invocable_v<F, std::span<const std::byte>,
+                                               const dds_sample_info_t&>)
+          f(message, info[i]);
         else
           f(message);
         ddsi_serdata_to_ser_unref(lent, &bytes);

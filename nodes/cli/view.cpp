@@ -10,7 +10,9 @@
 
 #include "core/scene/scene_file.hpp"
 #include "nodes/cli/new.hpp"
+#include "nodes/cli/plot_tool.hpp"
 #include "nodes/cli/up/next_run.hpp"
+#include "nodes/cli/up/run_files.hpp"
 #include "nodes/cli/up/up_checks.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/runtime/scene_argument.hpp"
@@ -55,7 +57,16 @@ void take_over_page(view::ServerOptions& server) {
   server.token = token.data();
 }
 
+/// Like the folder of a run's recording, with "last" for the last seconds.
+view::SaveActions save_actions(const runtime::NodeOptions& node) {
+  return {[&node](const std::string& scene) { return make_default_bag(scene + "-last", node); },
+          [](const std::filesystem::path& folder) {
+            (void)write_report({.bag = folder, .page = folder / "report.html"});
+          }};
+}
+
 int view(ViewOptions o) {
+  o.save = save_actions(o.node);
   if (!o.choice.empty()) {
     o.next = {check_next, propose_scene};
     take_over_page(o.server);

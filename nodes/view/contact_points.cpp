@@ -2,12 +2,14 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <utility>
 
 #include "nodes/runtime/realtime.hpp"
 #include "nodes/scene_build/build_here.hpp"
+#include "nodes/view/rounded.hpp"
 
 namespace voxtouch::view {
 namespace {
@@ -37,6 +39,18 @@ std::vector<Vec3> contact_points_at(rendering::BuiltScene& built, const Pose& ob
   return selected;
 }
 
+nlohmann::json shell_of(rendering::BuiltScene& built) {
+  const pointshell::Pointshell& shell = built.renderer().query().shell();
+  const std::size_t count = std::min(shell.size(), ContactPoints::kMaxShellPoints);
+  nlohmann::json points = nlohmann::json::array();
+  for (std::size_t n = 0; n < count; ++n) {
+    const Vec3 point = shell.point(n * shell.size() / count);
+    for (const double x : {point.x(), point.y(), point.z()})
+      points.push_back(rounded(x));
+  }
+  return {{"type", "shell"}, {"points", std::move(points)}};
+}
+
 /// Lowers the priority of the calling thread, so that it takes no time from a ring.
 void lower_priority() {
   runtime::ordinary_priority();
@@ -53,6 +67,7 @@ bool is_ready(const std::future<T>& future) {
 void ContactPoints::set_scene(const scene::Scene& scene) {
   scene_ = scene;
   pose_request_.reset(), points_.reset(), slice_request_.reset(), slice_.reset();
+  shell_ = nullptr;
   missing_reason_ = "the page's copy of the scene is being built";
 }
 
@@ -69,6 +84,8 @@ void ContactPoints::poll() {
     std::string reason;
     try {
       built_ = building_.get();
+      if (!scene_)
+        shell_ = shell_of(*built_);
     } catch (const std::exception& error) {
       reason = error.what();
     }

@@ -34,10 +34,13 @@ class ContactPoints {
   /// Points of the last finished request, in W [m], at most kMaxPoints, evenly selected; empty
   /// without a scene.
   const std::optional<std::vector<Vec3>>& points() const noexcept { return points_; }
+  /// {"type": "shell", "points": [x, y, z, ...]}: the tool's pointshell in T [m], at most
+  /// kMaxShellPoints, evenly chosen. Null until the scene is built.
+  const nlohmann::json& shell() const noexcept { return shell_; }
   /// The reason for missing points, or empty.
   const std::string& missing_reason() const noexcept { return missing_reason_; }
 
-  static constexpr std::size_t kMaxPoints = 400;
+  static constexpr std::size_t kMaxPoints = 400, kMaxShellPoints = 2000;
 
  private:
   struct PoseRequest {
@@ -53,6 +56,7 @@ class ContactPoints {
   std::optional<PoseRequest> pose_request_;
   std::optional<SliceRequest> slice_request_;
   std::optional<nlohmann::json> slice_;
+  nlohmann::json shell_;
   std::optional<std::vector<Vec3>> points_;
   std::string missing_reason_ = "the scene file is not available";
   std::unique_ptr<rendering::BuiltScene> built_;  ///< owned by `query_` while that runs

@@ -43,6 +43,11 @@ class NextRing {
   std::optional<std::string> poll();
   /// The checked choice; with one the view ends.
   const std::optional<Next>& chosen() const noexcept { return chosen_; }
+  /// The choice could not be passed on: the ring goes on, and pages may choose again.
+  void reject(std::string problem) {
+    chosen_.reset();
+    problem_ = std::move(problem);
+  }
 
  private:
   struct Checked {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <deque>
-#include <fstream>
 #include <future>
 #include <mutex>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/scene/scene_file.hpp"
+#include "nodes/bag/files.hpp"
 #include "nodes/console/log.hpp"
 #include "nodes/runtime/change_client.hpp"
 #include "nodes/runtime/clock.hpp"
@@ -22,6 +22,7 @@
 #include "nodes/view/browser.hpp"
 #include "nodes/view/contact_points.hpp"
 #include "nodes/view/hand_lead.hpp"
+#include "nodes/view/last_seconds.hpp"
 #include "nodes/view/ring_tap.hpp"
 #include "nodes/view/rounded.hpp"
 #include "nodes/view/shapes.hpp"
@@ -82,6 +83,8 @@ class View {
       tap_.emplace(participant_, options.node);
     if (tap_)
       change_client_.emplace(participant_, options.node);
+    if (hand_)
+      last_.emplace(participant_, options.node, options.save);
     if (!options.choice.empty())
       next_.emplace(options.next);
     if (!player_ && !options.shown.empty())
@@ -106,6 +109,7 @@ class View {
       const std::int64_t now_ns = runtime::monotonic_ns();
       process_orders();
       poll_changes();
+      poll_saved();
       if (next_ && has_chosen())
         return kChosenStatus;
       points_.poll();
@@ -126,16 +130,27 @@ class View {
   static constexpr double kMaxStepS =
       0.25;  ///< a delayed thread pauses the playback, so no part is skipped
 
-  /// Writes a checked choice to its file.
+  /// Writes a checked choice to its file; what is being saved comes first.
   bool has_chosen() {
     if (const std::optional<std::string> problem = next_->poll())
       server_.send_fact(text_of({{"type", "choice"}, {"sentence", *problem}}));
-    if (!next_->chosen())
+    if (!next_->chosen() || (last_ && last_->is_saving()))
       return false;
-    std::ofstream(options_.choice) << next_->chosen()->scene << '\n'
-                                   << next_->chosen()->device << '\n'
-                                   << server_.address() << '\n';
-    return true;
+    const std::string text = fmt::format("{}\n{}\n{}\n", next_->chosen()->scene,
+                                         next_->chosen()->device, server_.address());
+    const auto written = bag::write_atomically(options_.choice, text, bag::Flush::kNo);
+    if (!written)
+      next_->reject(written.error().sentence + " The ring goes on.");
+    return written.has_value();
+  }
+
+  void poll_saved() {
+    if (!last_)
+      return;
+    last_->take();
+    if (const std::optional<LastSeconds::Answer> answer = last_->poll())
+      server_.send_fact(
+          text_of({{"type", "saved"}, {"ok", answer->ok}, {"sentence", answer->sentence}}));
   }
 
   void advance(std::int64_t now_ns, double elapsed_s) {
@@ -185,6 +200,7 @@ class View {
     facts["latency"] = picture_.latency();
     facts["scene_note"] = scene_note();
     facts["hand"] = hand_ ? hand_->to_json() : json();
+    facts["saves"] = last_.has_value();
     facts["offered"] = next_ ? NextRing::offered() : json();
     if (player_)
       facts["bag_note"] = player_->note();
@@ -192,6 +208,10 @@ class View {
       facts["bag"] = player_->to_json();
     server_.send_fact(text_of(facts));
     send_slice();
+    if (sends_shell_ && is_same_scene() && !points_.shell().is_null()) {
+      server_.send_fact(text_of(points_.shell()));
+      sends_shell_ = false;
+    }
   }
 
   /// Sends the requested slice if it differs from the last one.
@@ -351,10 +371,14 @@ class View {
     }
     if (order.contains("slice"))
       set_slice(order["slice"]);
+    if (order.contains("shell"))
+      sends_shell_ = true;
     if (order.contains("change") && change_client_)
       change({order["change"].get<std::vector<std::string>>(), false, 0.0, "", 0});
     if (order.contains("model") && change_client_)
       change({{}, true, 0.0, order["model"].get<std::string>(), 0});
+    if (order.contains("save") && last_)
+      last_->save(scene_ ? scene_->name : "scene");
     if (order.contains("choose") && next_)
       next_->choose(order["choose"]);
     if (order.contains("mesh") && next_)
@@ -398,6 +422,7 @@ class View {
   bus::Participant participant_;
   std::optional<SlicePlane> slice_;
   std::string last_slice_text_;  ///< last text sent
+  bool sends_shell_ = false;     ///< requested, and not sent yet
   Picture picture_;
   Facts facts_;
   NodeTable nodes_;
@@ -418,6 +443,7 @@ class View {
   std::deque<runtime::ChangeWords> changes_;            ///< the first is pending
   std::future<std::string> pending_change_;
   std::optional<NextRing> next_;  ///< if pages may choose
+  std::optional<LastSeconds> last_;  ///< if pages move the hand
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "nodes/runtime/options.hpp"
+#include "nodes/view/last_seconds.hpp"
 #include "nodes/view/next_ring.hpp"
 #include "nodes/view/page_server.hpp"
 
@@ -19,6 +20,7 @@ struct Options {
   /// Empty: no choice.
   std::filesystem::path choice;
   NextActions next;        ///< with `choice`
+  SaveActions save;        ///< used if pages move the hand
   bool to_stderr = false;  ///< print the address to stderr; stdout belongs to another program
 };
 

@@ -187,12 +187,20 @@ class Refused(unittest.TestCase):
         self.assertEqual(done.returncode, 1, done.stderr)
         return done.stderr
 
-    def test_by_real_devices_in_lockstep_and_under_security(self):
+    def test_by_devices_that_no_page_can_move(self):
         for device in ("phantom", "lwr", "fr3", "emulated-lwr"):
-            self.assertIn(f"'{device}'", self.refusal("--device", device))
-        self.assertIn("--lockstep", self.refusal("--lockstep", "--duration", "1"))
+            with self.subTest(device):
+                sentence = f"'{device}' is .*: --hand-from page needs"
+                self.assertRegex(self.refusal("--device", device), sentence)
+
+    def test_in_lockstep(self):
+        sentence = self.refusal("--lockstep", "--duration", "1")
+        self.assertIn("--hand-from page runs in wall time", sentence)
+
+    def test_under_security(self):
         with tempfile.TemporaryDirectory() as folder:
-            self.assertIn("--security", self.refusal("--security", folder))
+            sentence = self.refusal("--security", folder)
+            self.assertIn("--hand-from page does not work with --security", sentence)
 
 
 class Pointer:

@@ -1,16 +1,26 @@
 """The page to learn with: scene, device and mesh are chosen, the contact model is switched in
-contact, the tour leads through its steps, and what is felt can be heard.
+contact, the tour leads through its steps, the force can be heard, and the last ten seconds can be
+saved.
 """
 
 import base64
+import contextlib
+import os
+import pathlib
+import re
+import sys
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 from browser_test import Browser
 from hand_test import aim, led_ring, newest_frame
 from page_client import DEPLOY, WebSocket, size, until, until_it_runs
 from selenium.webdriver.common.keys import Keys
+
+sys.path.insert(0, str(DEPLOY / "tools"))
+from bag_data import Bag  # noqa: E402
 
 
 def opened(address, scene, patience_s=90):
@@ -117,6 +127,87 @@ class Choice(unittest.TestCase):
                 answer = socket.wait_for(lambda m: m["type"] == "answer", 20, "a refusal")
                 self.assertFalse(answer["ok"])
 
+    def test_goes_on_if_the_choice_cannot_be_written(self):
+        with led_ring("plane") as up:
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                choice = choice_file(up.process.pid)
+                blocker = pathlib.Path(str(choice) + ".tmp")
+                blocker.mkdir()  # its file cannot be made, as on a full disk
+                socket.order(choose={"scene": "cup", "device": "sim-phantom"})
+                sentence = refusal(socket)
+                self.assertIn("Cannot write", sentence)
+                self.assertIn("The ring goes on", sentence)
+                self.assertTrue(newest_frame(socket)["tool"])
+                blocker.rmdir()
+                socket.order(choose={"scene": "cup", "device": "sim-phantom"})
+                with contextlib.suppress(AssertionError):  # the server ends
+                    socket.wait_for(lambda m: False, 5, "the end")
+            socket, _ = opened(up.address(), "cup")
+            socket.close()
+
+
+def choice_file(up):
+    """Of the page of this `voxtouch up`."""
+    for folder in pathlib.Path("/proc").glob("[0-9]*"):
+        with contextlib.suppress(OSError):
+            if f"PPid:\t{up}\n" in (folder / "status").read_text():
+                words = (folder / "cmdline").read_bytes().decode().split("\0")
+                if "--choice" in words:
+                    return pathlib.Path(words[words.index("--choice") + 1])
+    raise AssertionError("no page has a file for its choice")
+
+
+class Saved(unittest.TestCase):
+    def save(self, socket):
+        socket.order(save=True)
+        # The report is written at the lowest priority.
+        return socket.wait_for(lambda m: m["type"] == "saved", 300, "what was saved")
+
+    def test_leaves_a_recording_of_ten_seconds_with_a_report(self):
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            unittest.mock.patch.dict(os.environ, {"XDG_DATA_HOME": folder}),
+            led_ring("plane") as up,
+        ):
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                self.assertTrue(socket.facts(lambda m: True, 10, "facts")["saves"])
+                start = newest_frame(socket)["tool"]
+                aim(socket, (start[0] + 0.02, *start[1:3]), 6)
+                aim(socket, start, 6)
+                answer = self.save(socket)
+                self.assertTrue(answer["ok"], answer)
+                self.assertIn("with report.html", answer["sentence"])
+                self.assertTrue(newest_frame(socket)["tool"], "the ring goes on")
+            (saved,) = (pathlib.Path(folder) / "voxtouch/recordings").glob("plane-last-*")
+            self.assertIn(str(saved), answer["sentence"])
+            self.assertGreater((saved / "report.html").stat().st_size, 10_000)
+            streams = ["device/state", "rendering/contact", "coupling/command"]
+            bag = Bag(str(saved), requested=streams)
+            for stream in streams:
+                self.assertGreater(len(bag.rows[stream].table()), 8000, stream)
+                self.assertLess(len(bag.rows[stream].table()), 11000, stream)
+            metadata = (saved / "metadata.yaml").read_text()
+            entry = metadata[metadata.index("/operator/target") :]
+            targets = int(re.search(r"message_count: (\d+)", entry).group(1))
+            self.assertGreater(targets, 400)
+            self.assertLess(targets, 660)
+            at = bag.rows["device/state"].table()["sample_time_ns"]
+            self.assertAlmostEqual(1e-9 * int(at[-1] - at[0]), 10.0, delta=0.5)
+
+    def test_is_refused_by_a_full_disk_while_the_ring_goes_on(self):
+        with (
+            unittest.mock.patch.dict(os.environ, {"XDG_DATA_HOME": "/dev/full"}),
+            led_ring("plane") as up,
+        ):
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                answer = self.save(socket)
+                self.assertFalse(answer["ok"])
+                self.assertIn("Not saved. Cannot create", answer["sentence"])
+                self.assertTrue(newest_frame(socket)["tool"])
+
 
 class InABrowser(unittest.TestCase):
     def setUp(self):
@@ -143,6 +234,11 @@ class InABrowser(unittest.TestCase):
             if time.sleep(0.05) is None
         )
 
+    def shows(self, scene):
+        return self.browser.js("(voxtouch.facts.plan || {}).scene") == scene and self.browser.js(
+            "voxtouch.connected"
+        )
+
     def test_the_tour_works_by_keys_alone_with_sound(self):
         browser = self.browser
         with led_ring("cup_virtual_tool") as up:
@@ -159,14 +255,28 @@ class InABrowser(unittest.TestCase):
                 self.key("rawKeyDown", "Tab", 9)
                 self.key("keyUp", "Tab", 9)
             for name in (
-                "choose-scene choose-device start mesh model tour-do tour-next sound learn-on"
-                " pause theme help canvas slice hand-on through"
+                "choose-scene choose-device start mesh model tour-do tour-next save sound"
+                " learn-on pause theme help canvas slice shell hand-on through"
             ).split():
                 self.assertIn(name, reached)
 
             browser.find("#tour-do").send_keys(Keys.ENTER)
             until(lambda: browser.js("voxtouch.slice && voxtouch.slice.axis"), 20, "the voxels")
-            for step in range(2, 7):
+            browser.find("#tour-next").send_keys(Keys.ENTER)
+            browser.find("#tour-do").send_keys(Keys.ENTER)
+            until(
+                lambda: (
+                    browser.js(
+                        "voxtouch.scene3d.shell"
+                        " ? voxtouch.scene3d.shell.geometry.attributes.position.count : 0"
+                    )
+                    > 100
+                ),
+                20,
+                "the pointshell",
+            )
+            self.judge("learn_pointshell.png")
+            for step in range(3, 7):
                 browser.find("#tour-next").send_keys(Keys.ENTER)
                 self.assertIn(f"Step {step} of 6", browser.find("#tour-title").text)
             browser.resize(1024, 768)
@@ -189,10 +299,27 @@ class InABrowser(unittest.TestCase):
             time.sleep(0.3)
             self.assertEqual(browser.js("voxtouch.sound.context.state"), "suspended")
 
+            # The coupling off and on, by the tour's step: the same page shows each ring.
+            for _ in range(2):
+                browser.find("#tour-back").send_keys(Keys.ENTER)
+            self.assertIn("Coupling", browser.find("#tour-title").text)
+            for scene, kind in (("cup_direct", "direct"), ("cup", "shaping filter")):
+                browser.find("#tour-do").send_keys(Keys.ENTER)
+                until(lambda is_=scene: self.shows(is_), 90, scene)
+                until(lambda is_=kind: is_ in browser.find("#design-text").text, 20, kind)
+
             # A choice by the page: the same page shows the next ring.
-            browser.find("#choose-scene").send_keys("cup_friction")
+            scenes = browser.find("#choose-scene")
+            until(
+                lambda: (
+                    scenes.get_attribute("value") == "cup_friction"
+                    or scenes.send_keys(Keys.ARROW_DOWN)
+                ),
+                20,
+                "the scene by keys",
+            )
             browser.find("#start").send_keys(Keys.ENTER)
-            until(lambda: browser.js("voxtouch.facts.plan.scene") == "cup_friction", 90, "the next")
+            until(lambda: self.shows("cup_friction"), 90, "the next")
             until(lambda: "leans back" in browser.find("#feel").text, 20, "what to feel for")
             until(lambda: browser.js("voxtouch.hand.facts !== null"), 20, "the hand")
             self.assertEqual([f for f in browser.faults() if "WebSocket" not in f], [])

@@ -3,7 +3,7 @@
 
 usage: page_picture.py SCENE PICTURE [--motion M | --hand] [--after S] [--dark] [--domain N]
 
---hand: no motion; the pointer drags the hand into the middle of the scene and along it.
+--hand: no motion; the pointer drags the hand against the nearest surface and along it.
 """
 
 import argparse
@@ -28,46 +28,61 @@ from PIL import Image  # noqa: E402
 MOST_BYTES = 200_000
 
 
-# From where the hand wants to be to the middle of the scene: wheel in depth, and pixels.
-WAY = """(() => {
-  const hand = voxtouch.hand;
-  if (!hand.position) hand.grip();
-  const way = voxtouch.scene3d.middle.clone().sub(hand.position);
-  const {right, up, away} = hand.axes(), pixel = hand.pixel();
-  return [way.dot(away) / (-0.3 * pixel), way.dot(right) / pixel, -way.dot(up) / pixel];
-})()"""
+# Wheel in depth, and pixels in the plane of the screen, from the target of the hand to a place that
+# is given in the camera's axes from the middle of the scene, in radii of the scene: right, up.
+WAY = """((right, up) => {
+  const hand = voxtouch.hand, scene = voxtouch.scene3d, axes = hand.axes(), pixel = hand.pixel();
+  const way = scene.middle.clone().addScaledVector(axes.right, right * scene.radius)
+    .addScaledVector(new THREE.Vector3(0, 0, 1), up * scene.radius).sub(hand.position);
+  return [way.dot(axes.away) / (-0.3 * pixel), way.dot(axes.right) / pixel,
+          -way.dot(axes.up) / pixel];
+})"""
 
 
-def drag_along(browser):
-    """Into the scene, and up and down along it; the button stays down."""
+def begin_drag(browser):
+    """Around the scene to its left side and against it; the button stays down."""
     until(
-        lambda: browser.js("Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length)"), 40, ""
+        lambda: browser.js(
+            "Boolean(voxtouch.hand.facts && voxtouch.scene.meshes.length"
+            " && voxtouch.frame && voxtouch.frame.tool) && voxtouch.hand.grip()"
+        ),
+        40,
+        "the hand",
     )
     pointer = Pointer(browser)
-    wheel, dx, dy = browser.js(WAY)
-    pointer.wheel(wheel)
     pointer.press()
-    pointer.move(dx, dy, 20, button="left", buttons=1)
-    for up in (-25, 50, -50, 50, -25):
-        pointer.move(0.2 * up, up, 20, button="left", buttons=1)
+    for right, up in ((-1.0, 0.8), (-1.0, 0.1), (-0.52, 0.1)):
+        for _ in range(3):  # the target stays in sight of the tool, which follows
+            wheel, dx, dy = browser.js(f"{WAY}({right}, {up})")
+            pointer.wheel(wheel)
+            pointer.move(dx, dy, 3, button="left", buttons=1)
+            time.sleep(0.3)
+    return pointer
+
+
+def slide(pointer):
+    for up in (30, -30):
+        pointer.move(0, up, 5, button="left", buttons=1)
 
 
 def take(browser, address, after_s, dark, hand):
-    """A moment in contact, with points and ten seconds of charts."""
+    """A moment in contact, with points and ten seconds of charts, and no force at its limit."""
     browser.open(address)
     browser.js(f"localStorage.setItem('voxtouch-theme', '{'dark' if dark else 'light'}')")
     browser.open(address + "&smooth")
     time.sleep(after_s)
-    if hand:
-        drag_along(browser)
+    pointer = begin_drag(browser) if hand else None
 
     def touches():
         return browser.js(
-            "(f => f && f.t > 10 && f.depth > 0 && (f.points || []).length > 0 &&"
+            "(f => f && f.t > 10 && (f.points || []).length > 0 &&"
+            " ![...f.flags, ...f.limits].some(w => ['saturated', 'clamped'].includes(w)) &&"
             " Math.hypot(...f.force) > 0.1)(voxtouch.frame)"
         )
 
     def picture():
+        if pointer:
+            slide(pointer)
         if not touches():
             return None
         time.sleep(0.3)  # what is drawn follows

@@ -17,21 +17,29 @@
     magnet: 'Come close and let go: it pulls you in.',
     proximity: 'Come close without contact: the force begins before the surface.',
   };
+  // Title, what to do and to feel for, and what "Show it" does.
   const TOUR = [
-    ['Voxels', 'The scene is a grid of voxels. Move the tool through the plane: colours are voxels that the contact model asks.', page => page.slice('y')],
-    ['Points', 'The tool is a shell of points. Press lightly and look close: dots are the points in contact, more of them the deeper it is.', page => page.look('near')],
-    ['Models', 'The same contact by another model. Slide over the same place after each choice of "Contact model".', page => page.choose({scene: 'cup'})],
-    ['Coupling', 'A coupling keeps contact and hand stable, and costs stiffness: compare the two forces in the top left corner. It is chosen at the start; '
-      + 'with a virtual tool the displayed tool stays outside.', page => page.choose({scene: 'cup_virtual_tool'})],
-    ['Friction', 'Press, slide, and switch friction off and on in "Effects".', page => page.choose({scene: 'cup_friction'})],
-    ['Your mesh', 'Drop an OBJ, STL, PLY or GLB file of at most 16 MiB on the picture. It is read in a process of its own, with limits.', page => page.pickMesh()],
+    ['Voxels', 'The scene is a grid of voxels. Move the tool through the plane: the force begins where the tool meets the surface voxels.',
+     page => page.slice('y')],
+    ['Pointshell', 'The tool is a shell of points. Press lightly, then harder: the force grows with the number of points in contact.',
+     page => { page.look('near'), page.shell(); }],
+    ['Models', 'Three models compute the same contact. Slide slowly over one place, and choose each of them under "Contact model".',
+     page => page.choose({scene: 'cup'})],
+    ['Coupling', '"Show it" switches the coupling\'s filter off and on, each with the stiffness that is certified for it. '
+      + 'Press and slide: without the filter the wall is harder, and its voxels are rougher.', page => page.switchCoupling()],
+    ['Friction', 'Press, slide, and switch friction off and on in "Effects": the force leans back while it is on.',
+     page => page.choose({scene: 'cup_friction'})],
+    ['Your mesh', 'Drop an OBJ, STL, PLY or GLB file of at most 16 MiB on the picture: feel its edges. A separate process reads it, with limits.',
+     page => page.pickMesh()],
   ];
 
   class Learn {
-    // `page`: {send(order), slice(axis), look(where)}
+    // `page`: {send(order), slice(axis), shell(), look(where)}
     constructor(page) {
-      this.page = page, this.step = 0, this.offered = false, this.plan = null;
+      this.page = page, this.step = 0, this.offered = false, this.scene = '';
       page.choose = choice => this.choose(choice), page.pickMesh = () => $('mesh').click();
+      page.switchCoupling = () => this.choose({scene: this.scene === 'cup_direct' ? 'cup' : 'cup_direct'});
+      $('save').addEventListener('click', () => this.save());
       $('learn-on').addEventListener('click', () => this.toggle());
       $('start').addEventListener('click', () => this.choose({}));
       $('model').addEventListener('change', () => this.page.send({model: $('model').value}));
@@ -51,7 +59,7 @@
       const on = $('learn').hidden;
       $('learn').hidden = !on;
       $('learn-on').setAttribute('aria-pressed', String(on));
-      if (on) $('learn').querySelector('select, button').focus();
+      if (on) $('tour-do').focus();
     }
     go(by) {
       this.step = Math.max(0, Math.min(TOUR.length - 1, this.step + by));
@@ -63,7 +71,7 @@
 
     take(facts) {
       const {offered, plan, device, effects} = facts;
-      $('choice').hidden = !offered;
+      $('choice').hidden = !offered, $('save').hidden = !facts.saves;
       if (offered && !this.offered) {
         for (const [id, names] of [['choose-scene', offered.scenes], ['choose-device', offered.devices]]) $(id).replaceChildren(...names.map(name => option(name)));
         this.offered = true;
@@ -71,7 +79,7 @@
       const snapshot = JSON.stringify([plan, device]);
       if (plan && snapshot !== this.snapshot) {
         this.snapshot = snapshot;
-        $('choose-scene').value = plan.scene, $('model').value = plan.model;
+        this.scene = $('choose-scene').value = plan.scene, $('model').value = plan.model;
         if (device && offered && offered.devices.includes(device.model)) $('choose-device').value = device.model;
         this.say('');
       }
@@ -85,7 +93,11 @@
       this.page.send({choose: chosen});
       this.say(`${chosen.scene} on ${chosen.device} is checked; then the ring starts again.`);
     }
-    refused(message) { this.say(message.sentence); }
+    answered(message) { this.say(message.sentence); }
+    save() {
+      this.page.send({save: true});
+      this.say('The last ten seconds are being saved.');
+    }
 
     // In pieces of 30 kB, thirty a second.
     async sendMesh(file) {

@@ -20,7 +20,7 @@
   const hand = state.hand = scene3d && new Hand(scene3d, order => socket && socket.readyState === WebSocket.OPEN && socket.send(JSON.stringify(order)), () => state.connected && state.frame);
 
   const sound = state.sound = new Sound();
-  const learn = new Learn({send, look: where => look(where), slice: axis => { cut.axis = axis, askSlice(); }});
+  const learn = new Learn({send, look: where => look(where), slice: axis => { cut.axis = axis, askSlice(); }, shell: () => showShell(true)});
 
   function send(order) {
     if (socket && socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(order));
@@ -49,7 +49,8 @@
     else if (message.type === 'past') takePast(message);
     else if (message.type === 'answer') effects.answered(message);
     else if (message.type === 'slice') takeSlice(message);
-    else if (message.type === 'choice') learn.refused(message);
+    else if (message.type === 'shell') takeShell(message);
+    else if (message.type === 'choice' || message.type === 'saved') learn.answered(message);
     else if (message.type === 'refused') refusal = message.sentence;
     else if (message.type === 'page' && hand) hand.page = state.page = message.page, hand.position = hand.aimed = null;
   }
@@ -57,9 +58,24 @@
   function takeScene(scene) {
     state.scene = scene;
     if (scene3d) scene3d.setScene(scene);
+    showShell(shellOn);  // of this scene's tool
     $('what').textContent = scene.name || 'waiting for a scene';
     note();
   }
+
+  // --- the tool's pointshell
+  let shellOn = false;
+  function showShell(on) {
+    shellOn = on;
+    $('shell').setAttribute('aria-pressed', String(on));
+    for (const e of document.querySelectorAll('.of-shell')) e.hidden = !on;
+    if (on) send({shell: true});
+    else if (scene3d) scene3d.setShell(null);
+  }
+  function takeShell(message) {
+    if (shellOn && scene3d) scene3d.setShell(message.points);
+  }
+  $('shell').addEventListener('click', () => showShell(!shellOn));
 
   // --- a plane through the voxels, found by the page's server
   const cut = {axis: '', follow: true, at: 0};
@@ -235,6 +251,7 @@
   $('hand-on').addEventListener('click', toggleHand);
   const step = by => isBag() && send({seek: Math.max(0, state.facts.bag.t + by)});
   const KEYS = {' ': toggle, l: () => learn.toggle(), m: () => sound.setOn(!sound.on), h: toggleHand, t: switchTheme, o: see, '?': () => $('keys').showModal(), ArrowLeft: () => step(-1), ArrowRight: () => step(1),
+                p: () => showShell(!shellOn),
                 v: () => { cut.axis = {'': 'x', x: 'y', y: 'z', z: ''}[cut.axis], askSlice(); },
                 0: () => look('home'), 1: () => look('front'), 2: () => look('side'), 3: () => look('top'), 4: () => look('near')};
   document.addEventListener('keydown', event => {
@@ -252,7 +269,8 @@
     const size = v => v ? Math.hypot(...v).toFixed(2) : '–';
     $('n-force').textContent = size(frame.force), $('n-contact').textContent = size(frame.contact_force);
     $('n-depth').textContent = frame.depth === undefined || frame.depth === null ? '–' : (1000 * frame.depth).toFixed(2);
-    $('n-hits').textContent = frame.hits ?? '–';
+    // A virtual tool stays outside: the points in contact are those that the page's server finds.
+    $('n-hits').textContent = frame.hits || (frame.points ? frame.points.length / 3 : frame.hits ?? '–');
     const words = [...(frame.flags || []), ...(frame.limits || [])];
     if ($('flags').dataset.words !== words.join()) {
       $('flags').dataset.words = words.join();

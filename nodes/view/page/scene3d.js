@@ -123,7 +123,7 @@
 
     setScene(scene) {
       for (const group of [this.statics, this.tool, this.ghost]) group.clear ? group.clear() : group.remove(...group.children);
-      this.objects.clear();
+      this.objects.clear(), this.shell = null;
       const box = new THREE.Box3(), toolBox = new THREE.Box3();
       for (const mesh of scene.meshes) {
         const geometry = creased(mesh.positions, mesh.indices);
@@ -183,6 +183,7 @@
       for (const kind of ['returned', 'contact']) this.arrows[kind].userData.material.color.copy(color('--' + kind));
       this.trailLine.material.color.copy(color('--trail'));
       this.dots.material.color.copy(color('--points'));
+      if (this.shell) this.shell.material.color.copy(color('--shell'));
       for (const o of [this.cursor, this.pull]) o.material.color.copy(color('--cursor'));
       if (this.grid) {
         this.grid.geometry.deleteAttribute && this.grid.geometry.deleteAttribute('color');
@@ -224,6 +225,22 @@
       this.world.add(this.slice);
     }
 
+    // The tool's pointshell: [x, y, z, ...] in its own frame, or null.
+    setShell(points) {
+      if (this.shell) {
+        this.tool.remove(this.shell);
+        this.shell.geometry.dispose(), this.shell.material.dispose();
+        this.shell = null;
+      }
+      this.dirty = true;
+      if (!points) return;
+      const geometry = new THREE.BufferGeometry();
+      geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(points), 3));
+      this.shell = new THREE.Points(geometry, new THREE.PointsMaterial({size: 2, sizeAttenuation: false, depthTest: false, transparent: true, color: color('--shell')}));
+      this.shell.renderOrder = 8;  // under the points in contact
+      this.tool.add(this.shell);
+    }
+
     toggleThrough() {
       this.seeThrough = !this.seeThrough;
       this.recolor();
@@ -234,7 +251,7 @@
       const from = {home: [-0.75, -1.0, 0.62], front: [0, -1, 0.02], side: [1, 0, 0.02], top: [0, -0.001, 1], near: [-0.75, -1.0, 0.62]}[where];
       this.follow = where === 'near';
       const target = this.follow && this.tool.visible ? this.tool.position : this.middle;
-      const distance = (this.follow ? Math.max(7 * this.toolRadius, 0.5 * this.radius) : 1.02 * this.radius) / Math.sin(this.camera.fov * Math.PI / 360);
+      const distance = (this.follow ? Math.max(3.5 * this.toolRadius, 0.3 * this.radius) : 1.02 * this.radius) / Math.sin(this.camera.fov * Math.PI / 360);
       this.controls.target.copy(target);
       this.camera.position.copy(target).addScaledVector(new THREE.Vector3(...from).normalize(), distance);
       this.controls.update();
@@ -332,7 +349,7 @@
         const on = v => { const p = v.clone().project(this.camera); return {x: (p.x + 1) / 2 * width, y: (1 - p.y) / 2 * height}; };
         const tip = on(label.tip), from = on(label.from), along = Math.hypot(tip.x - from.x, tip.y - from.y) || 1;
         let x = tip.x + 44 * (tip.x - from.x) / along - 28, y = tip.y + 24 * (tip.y - from.y) / along - 11;
-        x = Math.min(Math.max(x, 6), width - 70), y = Math.min(Math.max(y, 90), height - (document.body.classList.contains('bag') ? 110 : 64));
+        x = Math.min(Math.max(x, 6), width - 70), y = Math.min(Math.max(y, 118), height - (document.body.classList.contains('bag') ? 110 : 64));
         if (taken && Math.abs(taken.x - x) < 66 && Math.abs(taken.y - y) < 23) y = y < taken.y ? taken.y - 24 : taken.y + 24;
         label.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
         taken = {x, y};
