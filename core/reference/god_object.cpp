@@ -17,8 +17,10 @@ constexpr double kLongestStep = 0.01;
 constexpr double kMarginOnTheWay = 1e-4, kMarginAtRest = 5e-6;
 constexpr double kRestStep = 1e-7;
 
-constexpr double kClosestRatio = 0.5;  ///< of the margin: nearer is a meeting
-constexpr double kRangeSteps = 3.0;    ///< range of the near parts, in longest steps
+constexpr double kClosestRatio = 0.5;   ///< of the margin: nearer is a meeting
+constexpr double kStrictRatio = 0.999;  ///< of the present distance, once the energy stays
+constexpr int kStepsWithoutGain = 10;   ///< until then
+constexpr double kRangeSteps = 3.0;     ///< range of the near parts, in longest steps
 
 constexpr int kStepsOfHand = 8, kStepsOnTheWay = 300, kStepsAtRest = 3000;
 constexpr int kMaxMeetings = 200, kMaxRescalings = 5;
@@ -117,6 +119,8 @@ struct GodObject::Solver {
 
   /// A step on which nothing meets; unsolved if there is none of this length.
   Projected free_step(const Vec6& d) {
+    const double closest =
+        strict ? kStrictRatio * std::min(near.distance_m(), margin_m) : kClosestRatio * margin_m;
     std::vector<Inequality> limits;
     for (int n = 0; n < kMaxMeetings; ++n) {
       Projected projected = project(d, limits);
@@ -127,7 +131,7 @@ struct GodObject::Solver {
       }
       if (!projected.solved)
         return {};
-      const auto meeting = near.first_meeting(moved(projected.step), kClosestRatio * margin_m);
+      const auto meeting = near.first_meeting(moved(projected.step), closest);
       if (!meeting)
         return projected;
       const Inequality limit = inequality(*meeting, projected.step);
@@ -159,12 +163,22 @@ struct GodObject::Solver {
     return 0.0;
   }
 
-  /// \returns whether the last step was shorter than `rest_m`.
+  /// Gaps may shrink to a part of the margin, which later steps restore at the price of energy.
+  /// Where both alternate, no gap may shrink any more. \returns whether the last step was shorter
+  /// than `rest_m`.
   bool steps_to(const Pose& hand, int most, double rest_m) {
     step_m = scaled(kLongestStep);
-    for (int n = 0; n < most; ++n)
+    strict = false;
+    double least = spring(hand, pose).squaredNorm();
+    int without_gain = 0;
+    for (int n = 0; n < most; ++n) {
       if (step(hand) < rest_m)
         return true;
+      const double energy = spring(hand, pose).squaredNorm();
+      without_gain = energy < least ? 0 : without_gain + 1;
+      strict = strict || without_gain > kStepsWithoutGain;
+      least = std::min(least, energy);
+    }
     return false;
   }
 
@@ -188,6 +202,7 @@ struct GodObject::Solver {
   double lever_m, step_m, margin_m = 0.0;
   Pose pose;
   int steps = 0;
+  bool strict = false;
 };
 
 GodObject::GodObject(const ReferenceMesh& tool, const ReferenceMesh& scene, double lever_m) {
