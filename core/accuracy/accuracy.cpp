@@ -140,10 +140,10 @@ class Measurement {
     return out;
   }
 
-  /// Depths that the rows of a voxel size are judged at, and how many of the places; `edges`: of
-  /// the first.
-  std::vector<std::pair<double, std::size_t>> truths_of(double voxel_m, double edges) const {
-    std::vector<std::pair<double, std::size_t>> out = {{edges * voxel_m, options_.contacts}};
+  /// Depths that the rows of a voxel size are judged at, and how many of the places. The first is
+  /// `first_edges` voxels.
+  std::vector<std::pair<double, std::size_t>> truths_of(double voxel_m, double first_edges) const {
+    std::vector<std::pair<double, std::size_t>> out = {{first_edges * voxel_m, options_.contacts}};
     if (options_.spread_contacts > 0)
       for (const double edges : options_.spread_depth_edges)
         out.emplace_back(edges * voxel_m, std::min(options_.spread_contacts, options_.contacts));

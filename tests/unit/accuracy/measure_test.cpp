@@ -351,7 +351,7 @@ TEST(ToolRow, ComparesATurnedBlockWithAGodObject) {
   EXPECT_EQ(row.without_truth, 0u);
   EXPECT_GE(row.contacts, 6u);
   EXPECT_EQ(row.missed, 0u);
-  EXPECT_LT(row.direction_p95_deg, 3.0);
+  EXPECT_LT(row.direction_median_deg, 1.0);
   EXPECT_NEAR(row.force_ratio, 1.0, 0.1);
   EXPECT_TRUE(std::isfinite(row.torque_error_m));
 }
