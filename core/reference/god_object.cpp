@@ -153,7 +153,7 @@ struct GodObject::Solver {
         if (rise <= projected.push_out) {
           pose = next;
           near.move_to(pose);
-          step_m = std::min(2.0 * step_m, scaled(kLongestStep));
+          step_m = std::min(2.0 * step_m, longest_m);
           ++steps;
           return length(projected.step);
         }
@@ -164,10 +164,10 @@ struct GodObject::Solver {
   }
 
   /// Gaps may shrink to a part of the margin, which later steps restore at the price of energy.
-  /// Where both alternate, no gap may shrink any more. \returns whether the last step was shorter
-  /// than `rest_m`.
+  /// Where both alternate, no gap may shrink any more, and then steps become shorter. \returns
+  /// whether the last step was shorter than `rest_m`.
   bool steps_to(const Pose& hand, int most, double rest_m) {
-    step_m = scaled(kLongestStep);
+    step_m = longest_m = scaled(kLongestStep);
     strict = false;
     double least = spring(hand, pose).squaredNorm();
     int without_gain = 0;
@@ -176,8 +176,13 @@ struct GodObject::Solver {
         return true;
       const double energy = spring(hand, pose).squaredNorm();
       without_gain = energy < least ? 0 : without_gain + 1;
-      strict = strict || without_gain > kStepsWithoutGain;
       least = std::min(least, energy);
+      if (without_gain <= kStepsWithoutGain)
+        continue;
+      if (strict)
+        longest_m *= 0.5;
+      strict = true;
+      without_gain = 0;
     }
     return false;
   }
@@ -199,7 +204,7 @@ struct GodObject::Solver {
 
   NearParts near;
   MeshDistance tool_distance, scene_distance;
-  double lever_m, step_m, margin_m = 0.0;
+  double lever_m, step_m, longest_m = 0.0, margin_m = 0.0;
   Pose pose;
   int steps = 0;
   bool strict = false;
