@@ -20,7 +20,7 @@ struct GuessedCosts {
   }
   /// Of a virtual tool. `god_object`: on the meshes' triangles; otherwise the exact ball.
   double tool_truth_s(std::size_t count, bool god_object) const {
-    return static_cast<double>(count) * (god_object ? 0.1 : 2e-3) * (1.0 + triangles / 5e4);
+    return static_cast<double>(count) * (god_object ? 1e-2 : 2e-3) * (1.0 + triangles / 5e4);
   }
   double build_s(const AccuracySetting& setting) const {
     const bool field = setting.virtual_tool || setting.model == contact::ContactModelKind::kField;
