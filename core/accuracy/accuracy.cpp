@@ -13,6 +13,7 @@
 #include "core/accuracy/measured_progress.hpp"
 #include "core/accuracy/tool_row.hpp"
 #include "core/accuracy/true_forces.hpp"
+#include "core/accuracy/true_tools.hpp"
 #include "core/reference/reference_mesh.hpp"
 #include "core/reference/reference_scene.hpp"
 #include "core/rendering/build.hpp"
@@ -120,6 +121,11 @@ class Measurement {
       truth_ = std::make_unique<TrueForces>(scene_);
     return *truth_;
   }
+  TrueTools& true_tools() {
+    if (!true_tools_)
+      true_tools_ = std::make_unique<TrueTools>(scene_, *reference_);
+    return *true_tools_;
+  }
   double now() const { return options_.cpu_time_s ? options_.cpu_time_s() : 0.0; }
   std::size_t spread_count() const {
     return std::min<std::size_t>(options_.spread_contacts, places_.size());
@@ -134,10 +140,10 @@ class Measurement {
     return out;
   }
 
-  /// Depths that the rows of a voxel size are judged at, and how many of the places.
-  std::vector<std::pair<double, std::size_t>> truths_of(double voxel_m) const {
-    std::vector<std::pair<double, std::size_t>> out = {
-        {options_.depth_edges * voxel_m, options_.contacts}};
+  /// Depths that the rows of a voxel size are judged at, and how many of the places. The first is
+  /// `first_edges` voxels.
+  std::vector<std::pair<double, std::size_t>> truths_of(double voxel_m, double first_edges) const {
+    std::vector<std::pair<double, std::size_t>> out = {{first_edges * voxel_m, options_.contacts}};
     if (options_.spread_contacts > 0)
       for (const double edges : options_.spread_depth_edges)
         out.emplace_back(edges * voxel_m, std::min(options_.spread_contacts, options_.contacts));
@@ -146,19 +152,28 @@ class Measurement {
 
   void plan_steps() {
     progress_.plan(Step::kPlaces, guess_.places_s(options_.contacts));
-    std::map<double, std::size_t> truths;
+    std::map<double, std::size_t> truths, tool_truths;
     for (const AccuracySetting& s : settings_) {
       progress_.plan(Step::kBuild, guess_.build_s(s)),
           progress_.plan(Step::kJudge, guess_.judge_s(s, options_.contacts));
-      if (!s.virtual_tool)
-        for (const auto& [depth_m, count] : truths_of(s.voxel_m))
-          truths[depth_m] = std::max(truths[depth_m], count);
+      std::map<double, std::size_t>& all = s.virtual_tool ? tool_truths : truths;
+      for (const auto& [depth_m, count] : truths_of(s.voxel_m, judged_edges(s)))
+        all[depth_m] = std::max(all[depth_m], count);
     }
     for (const auto& [depth_m, count] : truths)
       progress_.plan(Step::kTruth, guess_.truth_s(count));
+    for (const auto& [depth_m, count] : tool_truths)
+      progress_.plan(Step::kToolTruth, tool_truth_guess_s(count));
     if (options_.spread_contacts > 0)
       for (const double voxel_m : voxel_sizes())
         progress_.plan(Step::kPhase, options_.phases * guess_.phase_s(voxel_m));
+  }
+
+  double judged_edges(const AccuracySetting& setting) const {
+    return setting.virtual_tool ? kHandDepthEdges : options_.depth_edges;
+  }
+  double tool_truth_guess_s(std::size_t count) const {
+    return guess_.tool_truth_s(count, tool_truth(scene_) == ToolTruth::kGodObject);
   }
 
   AccuracyRow row(const AccuracySetting& setting) {
@@ -173,10 +188,11 @@ class Measurement {
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
       origins_.emplace(setting.voxel_m, built->voxmap().grid().origin);
-      if (!setting.virtual_tool)
-        know_truth(
-            setting
-                .voxel_m);  // not before: what is too fine to be built is too fine to be integrated
+      // Not before: what is too fine to be built is too fine to be integrated.
+      if (setting.virtual_tool)
+        know_tool_truth(setting.voxel_m);
+      else
+        know_truth(setting.voxel_m);
       progress_.begin(Step::kJudge, name, guess_.judge_s(setting, options_.contacts));
       if (setting.virtual_tool) {
         judge_tool(*built, row);
@@ -224,10 +240,18 @@ class Measurement {
   void know_truth(double voxel_m) {
     if (!known_.insert({voxel_m, true}).second)
       return;
-    for (const auto& [depth_m, count] : truths_of(voxel_m)) {
+    for (const auto& [depth_m, count] : truths_of(voxel_m, options_.depth_edges)) {
       progress_.begin(Step::kTruth, "true forces",
                       guess_.truth_s(truth().unknown(places_, count, depth_m)));
       truth().at(places_, count, depth_m, [this](double fraction) { progress_.at(fraction); });
+    }
+  }
+
+  void know_tool_truth(double voxel_m) {
+    for (const auto& [depth_m, count] : truths_of(voxel_m, kHandDepthEdges)) {
+      progress_.begin(Step::kToolTruth, "true virtual tool",
+                      tool_truth_guess_s(true_tools().unknown(places_, count, depth_m)));
+      true_tools().at(places_, count, depth_m, [this](double fraction) { progress_.at(fraction); });
     }
   }
 
@@ -297,11 +321,11 @@ class Measurement {
   }
 
   void judge_tool(rendering::BuiltScene& built, AccuracyRow& row) {
-    const double edge = row.setting.voxel_m, radius = drawn_radius_m(scene_),
-                 depth = kHandDepthEdges * edge;
+    const double edge = row.setting.voxel_m, depth = kHandDepthEdges * edge;
     ToolPress press(built, edge);
-    std::vector<WrenchPair> pairs =
-        scaled(drawn_forces(*reference_, radius, places_, places_.size(), depth), 1.0);
+    std::vector<WrenchPair> pairs = scaled(true_tools().at(places_, places_.size(), depth), 1.0);
+    row.tool_truth = true_tools().kind();
+    row.without_truth = true_tools().unsettled(depth);
     std::vector<std::vector<SlideFrame>> slides;
     for (std::size_t n = 0; n < places_.size(); ++n) {
       progress_.at(static_cast<double>(n) / static_cast<double>(places_.size()));
@@ -315,7 +339,7 @@ class Measurement {
     if (spread_count() == 0)
       return;
     for (const double edges : options_.spread_depth_edges) {
-      pairs = scaled(drawn_forces(*reference_, radius, places_, spread_count(), edges * edge), 1.0);
+      pairs = scaled(true_tools().at(places_, spread_count(), edges * edge), 1.0);
       for (std::size_t n = 0; n < pairs.size(); ++n)
         pairs[n].given = press.into(places_[n], edges * edge);
       DepthFigures& figures = row.depths.emplace_back();
@@ -441,8 +465,7 @@ class Measurement {
     const double depth = kHandDepthEdges * setting.voxel_m;
     const std::unique_ptr<rendering::BuiltScene> built = build(setting, origin, depth);
     ToolPress press(*built, setting.voxel_m);
-    std::vector<WrenchPair> pairs = scaled(
-        drawn_forces(*reference_, drawn_radius_m(scene_), places_, spread_count(), depth), 1.0);
+    std::vector<WrenchPair> pairs = scaled(true_tools().at(places_, spread_count(), depth), 1.0);
     for (std::size_t n = 0; n < pairs.size(); ++n)
       pairs[n].given = press.into(places_[n], depth);
     return pairs;
@@ -455,6 +478,7 @@ class Measurement {
   GuessedCosts guess_;
   MeasuredProgress progress_;
   std::unique_ptr<TrueForces> truth_;
+  std::unique_ptr<TrueTools> true_tools_;
   std::unique_ptr<reference::ReferenceScene> reference_;
   std::vector<ContactPlace> places_;
   std::map<double, bool> known_;                     ///< voxel sizes whose truth is

@@ -21,10 +21,17 @@ struct AccuracySetting {
   double voxel_m = 0.0;  ///< e of the static voxmap
   double shell_voxel_m =
       0.0;  ///< voxel edge that the pointshell is made with; e, or another for another density
-  bool virtual_tool = false;  ///< the spring to a virtual tool, with `field`; its truth is the
-                              ///< exact ball drawn to the same hand (tool_row.hpp)
+  bool virtual_tool = false;  ///< the spring to a virtual tool, with `field`; its truth is a
+                              ///< reference tool that follows the same hand (true_tools.hpp)
 
   bool operator==(const AccuracySetting&) const = default;
+};
+
+/// What a virtual tool is compared with (true_tools.hpp).
+enum class ToolTruth : std::uint8_t {
+  kNone,       ///< no virtual tool
+  kBall,       ///< the exact ball
+  kGodObject,  ///< a god-object on the meshes' triangles
 };
 
 /// Two ends; NaN where they are not known.
@@ -67,6 +74,9 @@ struct PhaseFigures {
 /// What one setting gives and costs.
 struct AccuracyRow : ErrorFigures {
   AccuracySetting setting;
+  ToolTruth tool_truth = ToolTruth::kNone;
+  std::uint32_t without_truth =
+      0;  ///< places where the reference of the virtual tool found no rest
   std::uint64_t shell_points = 0;
   std::uint64_t bytes = 0;  ///< voxmap, pointshell, field: all that the contact model keeps
   double direction_median_deg = 0.0;

@@ -18,6 +18,10 @@ struct GuessedCosts {
   double truth_s(std::size_t count) const {
     return static_cast<double>(count) * 5e-3 * (1.0 + triangles / 5e4);
   }
+  /// Of a virtual tool. `god_object`: on the meshes' triangles; otherwise the exact ball.
+  double tool_truth_s(std::size_t count, bool god_object) const {
+    return static_cast<double>(count) * (god_object ? 1e-2 : 2e-3) * (1.0 + triangles / 5e4);
+  }
   double build_s(const AccuracySetting& setting) const {
     const bool field = setting.virtual_tool || setting.model == contact::ContactModelKind::kField;
     return 0.02 + 5e-6 * triangles + (field ? field_s(setting.voxel_m) : 0.0);

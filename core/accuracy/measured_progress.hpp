@@ -10,7 +10,7 @@
 namespace voxtouch::accuracy {
 
 /// Steps of one kind take about as long as each other says.
-enum class Step : std::uint8_t { kPlaces, kBuild, kTruth, kJudge, kPhase, kCount };
+enum class Step : std::uint8_t { kPlaces, kBuild, kTruth, kToolTruth, kJudge, kPhase, kCount };
 
 /// Each step is planned with the seconds that it is guessed to take. What a kind of step has taken
 /// so far over what was guessed corrects its other steps: a guess that is off by ten costs no more

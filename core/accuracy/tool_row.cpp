@@ -2,22 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
-#include <variant>
 
 namespace voxtouch::accuracy {
-
-double drawn_radius_m(const scene::Scene& scene) {
-  const scene::MeshSpec& tool = scene.dynamic_mesh;
-  const auto* ball = tool.primitives.size() == 1
-                         ? std::get_if<scene::SpherePrimitive>(&tool.primitives.front())
-                         : nullptr;
-  if (ball == nullptr || (tool.pose * ball->centre).norm() > 1e-9)
-    throw std::runtime_error(
-        "the exact virtual tool needs a sphere about the tool's origin: dynamic: {parts: [{sphere: "
-        "...}]}");
-  return ball->radius_m;
-}
 
 ToolPress::ToolPress(rendering::BuiltScene& built, double edge_m)
     : renderer_(built.scene_renderer()),

@@ -1,6 +1,6 @@
 #pragma once
-/// A virtual tool pressed into the places of a measurement; its truth is the exact ball drawn to
-/// the same hand (true_forces.hpp).
+/// A virtual tool pressed into the places of a measurement; its truth follows the same hand
+/// (true_tools.hpp).
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -13,10 +13,6 @@ namespace voxtouch::accuracy {
 /// Hand this deep at each place [voxel edges of the setting]: a virtual tool is not asked about the
 /// depth of a layer.
 inline constexpr double kHandDepthEdges = 5.0;
-
-/// Radius of the scene's tool [m]. Throws std::runtime_error, a sentence, where it is no declared
-/// sphere about its origin: the exact tool is not known then.
-double drawn_radius_m(const scene::Scene& scene);
 
 /// A frame of a hand that slides in contact.
 struct SlideFrame {

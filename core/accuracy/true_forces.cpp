@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/accuracy/contact_errors.hpp"
-#include "core/reference/god_ball.hpp"
 
 namespace voxtouch::accuracy {
 namespace {
@@ -38,18 +37,6 @@ std::size_t TrueForces::unknown(const std::vector<ContactPlace>& places, std::si
   const std::size_t requested = std::min(count, places.size()),
                     has = known == known_.end() ? 0 : known->second.size();
   return requested > has ? requested - has : 0;
-}
-
-std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m,
-                                 const std::vector<ContactPlace>& places, std::size_t count,
-                                 double depth_m) {
-  std::vector<Wrench> out;
-  for (std::size_t n = 0; n < std::min(count, places.size()); ++n) {
-    const Vec3 hand = places[n].at(depth_m).position;
-    out.emplace_back().force =
-        reference::drawn_ball(reference, radius_m, places[n].touch.position, hand) - hand;
-  }
-  return out;
 }
 
 }  // namespace voxtouch::accuracy

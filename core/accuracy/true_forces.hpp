@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/accuracy/contact_places.hpp"
-#include "core/reference/reference_scene.hpp"
 #include "core/reference/reference_wrench.hpp"
 
 namespace voxtouch::accuracy {
@@ -29,11 +28,5 @@ class TrueForces {
   reference::ReferenceWrench reference_;
   std::map<double, std::vector<Wrench>> known_;  ///< by depth: of the first places
 };
-
-/// Of a virtual tool that is a ball of `radius_m`, per unit of the spring: from the hand to the
-/// exact ball that is drawn to it.
-std::vector<Wrench> drawn_forces(const reference::ReferenceScene& reference, double radius_m,
-                                 const std::vector<ContactPlace>& places, std::size_t count,
-                                 double depth_m);
 
 }  // namespace voxtouch::accuracy

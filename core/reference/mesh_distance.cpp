@@ -14,6 +14,11 @@ namespace {
 constexpr double kProbeRatio = 1e-9;
 constexpr double kRoundingRatio = 1e-9;  ///< rounding of FCL's projections relative to the mesh
 
+/// Lengths in FCL over metres. FCL takes triangles for degenerate by an absolute limit (squared
+/// normal below 1e-15) and then reports that they meet: in metres, those with edges of 0.1 mm.
+/// A power of two: rounding stays the same.
+constexpr double kUnitsPerM = 1024.0;
+
 double size_of(const ReferenceMesh& mesh) {
   double size = 0.0;
   for (const Vec3& v : mesh.vertices)
@@ -29,9 +34,15 @@ ReferenceMesh probe_triangle(double size) {
   return mesh;
 }
 
+std::unique_ptr<FclMesh> in_units(ReferenceMesh mesh) {
+  for (Vec3& v : mesh.vertices)
+    v *= kUnitsPerM;
+  return make_fcl_mesh(mesh);
+}
+
 fcl::Transform3d at(const Vec3& x) {
   fcl::Transform3d pose = fcl::Transform3d::Identity();
-  pose.translation() = x;
+  pose.translation() = kUnitsPerM * x;
   return pose;
 }
 
@@ -44,8 +55,8 @@ struct MeshDistance::Model {
 
 MeshDistance::MeshDistance(const ReferenceMesh& mesh) : model_(std::make_unique<Model>()) {
   model_->size = size_of(mesh);
-  model_->bvh = make_fcl_mesh(mesh);
-  model_->probe = make_fcl_mesh(probe_triangle(kProbeRatio * model_->size));
+  model_->bvh = in_units(mesh);
+  model_->probe = in_units(probe_triangle(kProbeRatio * model_->size));
 }
 MeshDistance::~MeshDistance() = default;
 MeshDistance::MeshDistance(MeshDistance&&) noexcept = default;
@@ -60,10 +71,10 @@ NearestPoint MeshDistance::nearest(const Vec3& x) const {
   fcl::DistanceResultd result;
   const fcl::Sphered point(0.0);
   fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), &point, at(x), request, result);
-  const Vec3 found = result.nearest_points[0];
+  const Vec3 found = result.nearest_points[0] / kUnitsPerM;
   const double length = (x - found).norm();
-  if (std::isfinite(length) &&
-      std::abs(length - result.min_distance) <= kRoundingRatio * (model_->size + length))
+  if (std::isfinite(length) && std::abs(length - result.min_distance / kUnitsPerM) <=
+                                   kRoundingRatio * (model_->size + length))
     return {length, found};
   return {second_method(x), x};
 }
@@ -73,7 +84,7 @@ double MeshDistance::second_method(const Vec3& x) const {
   fcl::DistanceResultd result;
   fcl::distance(model_->bvh.get(), fcl::Transform3d::Identity(), model_->probe.get(), at(x),
                 request, result);
-  return std::max(0.0, result.min_distance);
+  return std::max(0.0, result.min_distance / kUnitsPerM);
 }
 
 NearestPair MeshDistance::to(const MeshDistance& other, const Pose& other_in_mine) const {
@@ -85,7 +96,8 @@ NearestPair MeshDistance::to(const MeshDistance& other, const Pose& other_in_min
                 request, result);
   if (!(result.min_distance > 0))
     return {};
-  return {result.min_distance, result.nearest_points[0], result.nearest_points[1]};
+  return {result.min_distance / kUnitsPerM, result.nearest_points[0] / kUnitsPerM,
+          result.nearest_points[1] / kUnitsPerM};
 }
 
 }  // namespace voxtouch::reference

@@ -22,7 +22,7 @@ voxtouch_forbid_includes(core "assimp/" "assimp belongs to the mesh readers only
 voxtouch_forbid_includes(core "geos" "GEOS belongs to the cutter of polygons only." "/core/mesh/polygon")
 voxtouch_forbid_includes(core "yaml-cpp/" "the YAML parser belongs to core/scene only." "/core/scene/")
 voxtouch_forbid_includes(core "fcl/" "FCL belongs to core/reference only." "/core/reference/")
-voxtouch_forbid_includes(core/reference "core/(mesh|voxmap|pointshell|contact|effects|coupling)/"
+voxtouch_forbid_includes(core/reference "core/(mesh|voxmap|pointshell|contact|exact|effects|coupling)/"
   "the reference links no rendering code: it would repeat the faults it has to find.")
 voxtouch_forbid_includes(devices "dds|qos/|nodes/|voxtouch_msgs|idl/|core/(mesh|voxmap|pointshell|contact|effects|coupling|scene|reference)/"
   "a device driver sees the value types of core/types and nothing else of the project.")

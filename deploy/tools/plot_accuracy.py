@@ -253,7 +253,7 @@ def page_figure(data):
         f"Scene {data['scene']}, {judged} random contacts, pressed slowly; points have area "
         f"weight; missed contacts count as 180 deg. Time: one thread of {processor_name(data)},"
         f" compare ratios{timed_note(rows)}.\nTruth: the law integrated over the exact tool; for "
-        f"the virtual tool the exact ball pulled to the hand."
+        f"the virtual tool a reference tool that follows the hand."
     )
     figure, axes = new_figure(page_title(rows), note, 2, 2)
     force, direction, noise, cost = axes[0][0], axes[0][1], axes[1][0], axes[1][1]

@@ -94,7 +94,9 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
      {"Measure what accuracy costs in time, for each contact model",
       "The tool touches the scene at --contacts random places, --depth-edges voxels deep. The "
       "virtual tool is\n"
-      "pressed 5 voxels deep and compared with the exact ball that follows the same hand.\n"
+      "pressed 5 voxels deep and compared with a reference tool that follows the same hand: the "
+      "exact\n"
+      "ball for a declared sphere, otherwise a god-object on the meshes' triangles.\n"
       "\n"
       "  missed     contacts of the reference without a force; they count in all columns below "
       "[%]\n"

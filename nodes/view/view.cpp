@@ -442,7 +442,7 @@ class View {
   std::optional<runtime::ChangeClient> change_client_;  ///< of a ring
   std::deque<runtime::ChangeWords> changes_;            ///< the first is pending
   std::future<std::string> pending_change_;
-  std::optional<NextRing> next_;  ///< if pages may choose
+  std::optional<NextRing> next_;     ///< if pages may choose
   std::optional<LastSeconds> last_;  ///< if pages move the hand
 };
 

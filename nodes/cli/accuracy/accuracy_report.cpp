@@ -21,6 +21,12 @@ std::string_view model_word(const accuracy::AccuracySetting& setting) {
   return setting.virtual_tool ? "virtual_tool" : contact::name_of(setting.model);
 }
 
+/// What a virtual tool was compared with.
+std::string_view truth_word(accuracy::ToolTruth truth) {
+  return truth == accuracy::ToolTruth::kBall ? "the exact ball"
+                                             : "a god-object on the meshes' triangles";
+}
+
 /// Why a row has no figures; empty where it has.
 std::string no_figures(const accuracy::AccuracyRow& row) {
   if (!row.refused.empty())
@@ -69,6 +75,14 @@ std::string table_row(const AccuracyReport& report, std::size_t index) {
                     cell(r.worst_us), cell(static_cast<double>(r.bytes) / 1e6), cell(r.build_s));
 }
 
+/// The truth of the first virtual tool that was measured; all have the same.
+std::string compared_with(const AccuracyReport& report) {
+  for (const accuracy::AccuracyRow& r : report.rows)
+    if (r.tool_truth != accuracy::ToolTruth::kNone)
+      return fmt::format(", compared with {}", truth_word(r.tool_truth));
+  return {};
+}
+
 std::string table(const AccuracyReport& report) {
   std::string text = kHead;
   for (std::size_t i = 0; i < report.rows.size(); ++i) {
@@ -76,9 +90,8 @@ std::string table(const AccuracyReport& report) {
     const bool tool = report.rows[i].setting.virtual_tool;
     if (i == 0 || report.rows[i - 1].setting.model != model ||
         report.rows[i - 1].setting.virtual_tool != tool)
-      text +=
-          fmt::format("  {}\n", tool ? "virtual tool, hand 5 e deep, compared with the exact ball"
-                                     : contact::name_of(model));
+      text += tool ? fmt::format("  virtual tool, hand 5 e deep{}\n", compared_with(report))
+                   : fmt::format("  {}\n", contact::name_of(model));
     text += table_row(report, i);
   }
   return text;
@@ -152,16 +165,24 @@ std::string phase_table(const AccuracyReport& report) {
 /// What was timed for a virtual tool, where one was.
 std::string slides_text(const AccuracyReport& report) {
   std::string queries;
+  std::uint32_t without_truth = 0;
+  for (const accuracy::AccuracyRow& r : report.rows)
+    without_truth += r.without_truth;
   for (const accuracy::AccuracyRow& r : report.rows)
     if (r.setting.virtual_tool && no_figures(r).empty())
       queries += fmt::format("{}{}", queries.empty() ? "" : ", ", cell(r.queries_per_frame));
   if (queries.empty())
     return queries;
-  return fmt::format(
+  std::string text = fmt::format(
       "  Virtual tool: the hand slides {:g} e a frame sideways, 5 e deep; {} queries a frame on "
       "average.\n"
       "  Pushing straight in needs no query.\n",
       accuracy::kSlideEdges, queries);
+  if (without_truth > 0)
+    text +=
+        fmt::format("  Virtual tool: {} places not judged; the reference found no rest there.\n",
+                    without_truth);
+  return text;
 }
 
 std::string chosen_text(const AccuracyReport& r) {
@@ -280,6 +301,10 @@ nlohmann::ordered_json row_json(const AccuracyReport& report, std::size_t index)
       {"bytes", built ? nlohmann::ordered_json(r.bytes) : nlohmann::ordered_json()},
       {"contacts", r.contacts},
       {"missed", r.missed}};
+  if (r.tool_truth != accuracy::ToolTruth::kNone) {
+    j["truth"] = truth_word(r.tool_truth);
+    j["without_truth"] = r.without_truth;
+  }
   for (const Entry& f : figures(r))
     j[f.key] = number_or_null(f.value);
   j.update(spread_json(r));

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <random>
 
@@ -331,15 +332,44 @@ TEST(ToolRow, ComparesTheVirtualToolWithTheExactBall) {
   }
 }
 
-TEST(ToolRow, IsRefusedWithoutAnExactTool) {
-  scene::Scene scene = shipped("plane");
-  scene.dynamic_mesh.primitives.clear();
+AccuracyRow tool_row(const scene::Scene& scene) {
   AccuracyOptions options;
-  options.contacts = 4;
+  options.contacts = 8, options.spread_contacts = 4, options.phases = 1;
   AccuracySetting tool =
       setting(contact::ContactModelKind::kField, 0.002, contact::PointWeights::kArea);
   tool.virtual_tool = true;
-  EXPECT_FALSE(measure_accuracy(scene, {tool}, options, serial_for()).front().refused.empty());
+  return measure_accuracy(scene, {tool}, options, serial_for()).front();
+}
+
+TEST(ToolRow, ComparesATurnedBlockWithAGodObject) {
+  scene::Scene scene = shipped("plane");
+  scene.dynamic_mesh = shipped("block").dynamic_mesh;
+  scene.dynamic_mesh.scale = 0.5;
+  const AccuracyRow row = tool_row(scene);
+  ASSERT_EQ(row.refused, "");
+  EXPECT_EQ(row.tool_truth, ToolTruth::kGodObject);
+  EXPECT_EQ(row.without_truth, 0u);
+  EXPECT_GE(row.contacts, 6u);
+  EXPECT_EQ(row.missed, 0u);
+  EXPECT_LT(row.direction_median_deg, 1.0);
+  EXPECT_NEAR(row.force_ratio, 1.0, 0.1);
+  EXPECT_TRUE(std::isfinite(row.torque_error_m));
+}
+
+TEST(ToolRow, ComparesADeclaredSphereWithTheExactBall) {
+  EXPECT_EQ(tool_row(shipped("plane")).tool_truth, ToolTruth::kBall);
+}
+
+TEST(ToolRow, RefusesAnOpenToolWithASentence) {
+  scene::Scene scene = shipped("plane");
+  const std::string path = testing::TempDir() + "voxtouch_open_tool.obj";
+  std::ofstream(path) << "v 0 0 0\nv 0.02 0 0\nv 0 0.02 0\nv 0 0 0.02\nf 1 2 3\nf 1 4 2\n";
+  scene.dynamic_mesh.path = path;
+  scene.dynamic_mesh.scale = 1.0;
+  scene.dynamic_mesh.primitives.clear();
+  const AccuracyRow row = tool_row(scene);
+  EXPECT_NE(row.refused.find("open"), std::string::npos) << row.refused;
+  EXPECT_NE(row.refused.find("Close the mesh"), std::string::npos) << row.refused;
 }
 
 }  // namespace

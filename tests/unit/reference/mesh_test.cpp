@@ -9,6 +9,7 @@
 #include "core/reference/mesh_distance.hpp"
 #include "core/reference/reference_mesh.hpp"
 #include "test_scenes.hpp"
+#include "tests/support/exact_shapes/shapes.hpp"
 
 namespace voxtouch::reference {
 namespace {
@@ -211,6 +212,21 @@ TEST(MeshDistance, IsZeroOnTheSurfaceItself) {
   for (std::size_t t = 0; t < solid.triangles.size(); ++t)
     EXPECT_NEAR(distance.nearest((solid.corner(t, 0) + solid.corner(t, 1)) / 2).distance_m, 0.0,
                 1e-8);
+}
+
+/// FCL compares squared areas with an absolute threshold: in metres it took small triangles that
+/// are apart for ones that meet.
+TEST(MeshDistance, OfSmallTrianglesIsTheirGap) {
+  for (const double edge : {1e-3, 1e-4, 1e-5}) {
+    const mesh::TriangleMesh box = test::box(Vec3::Zero(), Vec3::Constant(edge));
+    const ReferenceMesh solid = make_reference_mesh(box.vertices, box.triangles, "box");
+    const MeshDistance one(solid), other(solid);
+    const Pose apart{{0.2 * edge, 0.3 * edge, 1.1 * edge},
+                     Quat(Eigen::AngleAxisd(0.01, Vec3(0, 0, 1)))};
+    const NearestPair found = one.to(other, apart);
+    EXPECT_NEAR(found.distance_m, 0.1 * edge, 1e-9 * edge) << edge;
+    EXPECT_NEAR((found.mine - found.other).norm(), 0.1 * edge, 1e-9 * edge) << edge;
+  }
 }
 
 TEST(MeshDistance, OfTwoBoxesIsTheirGap) {

@@ -1,0 +1,53 @@
+#pragma once
+/// The true wrenches of a virtual tool at the places of a measurement, each worked out once.
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/accuracy/accuracy.hpp"
+#include "core/accuracy/contact_places.hpp"
+#include "core/reference/god_object.hpp"
+#include "core/reference/reference_scene.hpp"
+
+namespace voxtouch::accuracy {
+
+/// Per unit of the spring: from the hand to the tool that follows it outside. A tool that is
+/// declared as one sphere about its origin is that exact ball (god_ball.hpp). Any other closed tool
+/// is a god-object on the meshes' triangles (god_object.hpp).
+class TrueTools {
+ public:
+  /// Reads the scene's mesh files itself. Throws std::runtime_error, a sentence, for an open tool.
+  /// `reference` must outlive this.
+  TrueTools(const scene::Scene& scene, const reference::ReferenceScene& reference);
+
+  ToolTruth kind() const noexcept { return god_object_ ? ToolTruth::kGodObject : ToolTruth::kBall; }
+
+  /// At the first `count` of `places`, the hand `depth_m` in; zero where the reference found no
+  /// rest outside. The same places in every call. `progress` receives the fraction of what was not
+  /// known yet.
+  std::vector<Wrench> at(const std::vector<ContactPlace>& places, std::size_t count, double depth_m,
+                         const std::function<void(double fraction)>& progress = {});
+  /// How many of these have not been worked out yet.
+  std::size_t unknown(const std::vector<ContactPlace>& places, std::size_t count,
+                      double depth_m) const;
+  /// Places among those worked out at this depth where the reference found no rest outside.
+  std::uint32_t unsettled(double depth_m) const;
+
+ private:
+  std::optional<Wrench> at(const ContactPlace& place, double depth_m);
+
+  const reference::ReferenceScene& reference_;
+  double radius_m_ = 0.0;  ///< of the ball
+  std::unique_ptr<reference::GodObject> god_object_;
+  /// By depth: of the first places; none where no rest was found.
+  std::map<double, std::vector<std::optional<Wrench>>> known_;
+};
+
+/// What the truth of a virtual tool is for this scene; reads no mesh.
+ToolTruth tool_truth(const scene::Scene& scene) noexcept;
+
+}  // namespace voxtouch::accuracy
