@@ -55,7 +55,7 @@ FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
 
 TumblingCost tumbling_cost() {
   const Counted run = counted("", {{"PROGRAM", VOXTOUCH_TUMBLING_COST}}, "the tumbling box");
-  TumblingCost out{.frames = run.printed["frames"], .queries = run.printed["queries"]};
+  TumblingCost out{.frames = run.printed["frames"], .work = run.printed["work"]};
   out.instructions = run.instructions / out.frames;
   return out;
 }

@@ -17,8 +17,9 @@ FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
                   const std::string& mode);
 
 struct TumblingCost {
-  double instructions = 0.0;    ///< a frame
-  int frames = 0, queries = 0;  ///< counted
+  double instructions = 0.0;  ///< a frame
+  int frames = 0;             ///< counted
+  double work = 0.0;          ///< of these, in units of exact::Work
 };
 /// Of the frames that tumbling_cost.cpp says. Throws likewise.
 TumblingCost tumbling_cost();

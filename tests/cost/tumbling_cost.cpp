@@ -1,10 +1,11 @@
-// Frames of a box that tumbles at 3 m/s in and out of the cup, e = 2 mm (`virtual_tool_runs
-// tumble`), for callgrind to count those in contact that use all their queries and test many
-// points: the longest there are. Prints `{"frames": counted, "queries": of them}`.
-#include <functional>
-
+// Frames of a box that tumbles at 3 m/s in and out of the cup (`virtual_tool_runs tumble`), for
+// callgrind to count those in contact that take much work. The same motion runs twice: first to
+// find these frames, then to count them. Prints `{"frames": counted, "work": of them}`.
 #include <fmt/format.h>
 #include <valgrind/callgrind.h>
+
+#include <functional>
+#include <vector>
 
 #include "tests/experiments/virtual_tool/runs.hpp"
 
@@ -12,25 +13,45 @@ extern "C" __attribute__((noipa)) void counted_frame(const std::function<void()>
   frame();
 }
 
-constexpr std::uint32_t kManyPairs = 400;  ///< of features, in the query with the most
+namespace {
 
-int main() {
+constexpr std::uint64_t kMuchWork = 3000;  ///< in units of exact::Work
+constexpr int kFrames = 1600;
+
+/// Calls `run(n, next)` for each frame n; `next` renders it into `frame`.
+void tumble(const std::function<void(int, const std::function<void()>&)>& run,
+            voxtouch::exact::VirtualToolFrame& frame) {
   using namespace voxtouch;
   virtual_tool::Rig rig(virtual_tool::scene_mesh("cup"), 0.002, virtual_tool::tumbling_box());
   virtual_tool::TumblingHand hand(3.0, 90.0, 1);
-  if (!rig.place(hand.pose()))
-    return 2;
-  int frames = 0, queries = 0;
-  exact::VirtualToolFrame frame;
-  CALLGRIND_START_INSTRUMENTATION;
-  for (int n = 0; n < 1600; ++n) {
+  rig.place(hand.pose());
+  for (int n = 0; n < kFrames; ++n) {
     hand.next();
-    if (frame.constrained && frame.pairs_seen > kManyPairs) {
-      counted_frame([&] { frame = rig.frame(hand.pose()); });
-      ++frames, queries += frame.queries;
-    } else {
-      frame = rig.frame(hand.pose());
-    }
+    run(n, [&] { frame = rig.frame(hand.pose()); });
   }
-  fmt::print("{{\"frames\": {}, \"queries\": {}}}\n", frames, queries);
+}
+
+}  // namespace
+
+int main() {
+  voxtouch::exact::VirtualToolFrame frame;
+  std::vector<bool> counts(kFrames);
+  tumble(
+      [&](int n, const std::function<void()>& next) {
+        next();
+        counts[static_cast<std::size_t>(n)] = frame.constrained && frame.work > kMuchWork;
+      },
+      frame);
+  int frames = 0;
+  std::uint64_t work = 0;
+  CALLGRIND_START_INSTRUMENTATION;
+  tumble(
+      [&](int n, const std::function<void()>& next) {
+        if (!counts[static_cast<std::size_t>(n)])
+          return next();
+        counted_frame(next);
+        ++frames, work += frame.work;
+      },
+      frame);
+  fmt::print("{{\"frames\": {}, \"work\": {}}}\n", frames, work);
 }
