@@ -48,7 +48,7 @@ enum class StepVerdict : std::uint8_t { kClear, kMayTouch, kUnknown };
 template <class Probe>
 class PairLists {
  public:
-  /// `capacity`: the most pairs that all lists hold together.
+  /// `capacity`: all lists together have room for so many pairs, or for more.
   PairLists(const ToolBody& tool, const ObjectBody& object, std::size_t capacity)
       : tool_(tool),
         object_(object),
@@ -57,7 +57,9 @@ class PairLists {
     states_.resize(tree_.nodes().size());
     planes_.resize(states_.size());
     heads_.assign(tree_.elements(), kNone);
-    blocks_.resize(std::max<std::size_t>(tree_.elements(), capacity / kBlockPairs));
+    // So many blocks hold the pairs that a list has as a rule.
+    const std::size_t blocks = limits::kListedPairs / kBlockPairs + 1;
+    blocks_.resize(std::max<std::size_t>(blocks * tree_.elements(), capacity / kBlockPairs));
     scratch_.reserve(limits::kMaxListed);
     reset();
   }
@@ -418,7 +420,7 @@ class PairLists {
         for (Pair& pair : scratch_)
           pair.touches_m = renewal.path_m + touches_after(pair.touches_m - renewal.path_m,
                                                           kInfinity, turn_bound, pair.item);
-        if (store(element, renewal.path_m)) {
+        if (store(element, renewal.path_m, work)) {
           state.until_m = renewal.path_m + std::min({beyond, range, walked.beyond_m});
           state.turn_until_m = kInfinity;
           state.nearest_m = kInfinity;
@@ -442,9 +444,10 @@ class PairLists {
 
   /// Makes what is in `scratch_` the list of `element`; false, and nothing changed, without room
   /// for it.
-  bool store(std::uint32_t element, double path_m) noexcept {
+  bool store(std::uint32_t element, double path_m, Work& work) noexcept {
     const std::size_t requested = (scratch_.size() + kBlockPairs - 1) / kBlockPairs;
     if (!has_free(requested, element)) {
+      work.add(states_.size() / 16);
       give_back_expired(path_m);
       if (!has_free(requested, element))
         return false;

@@ -25,7 +25,7 @@ struct VirtualToolOptions {
   double fade_s = 0.2;   ///< after the tool was initialised the force comes in over this time
   /// Of a frame, in units of Work; at the limit the tool has not converged.
   std::uint64_t max_work = Work::kOfFrame;
-  std::size_t pair_capacity = 1 << 16;  ///< pairs listed of each kind and object
+  std::size_t pair_capacity = 1 << 16;  ///< least room for pairs of each kind and object
 };
 
 /// What the hand does in one frame.
