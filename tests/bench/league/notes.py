@@ -20,8 +20,6 @@ ROWS = {
     "B2t": """Triangles have no inside. A face of the cross meets the wall at 1.9° and is for its
         most part still in front of it: the shorter way out leads on through the wall, and Coal
         and FCL turn the cross farther in.""",
-    "C1": """The depth of the virtual tool is the same at 371 and at 2,000 N/m, so it is no spring
-        in series: it is the gap between shell points, and grows with the voxel size.""",
     "C2": """A hull, a triangle mesh and the virtual tool hold a plate of 0.2 mm at every
         speed here: the tool starts outside and follows by a spring.""",
     "C4": """120° round the side at 0.08 m/s, over all samples of the slide. The hand is inside the
