@@ -24,8 +24,8 @@ constexpr SampleNote kSampleNotes[] = {
      "the virtual tool was not initialised: the hand was inside an object, or the coupling design "
      "was running"},
     {"not_converged_samples", 0,
-     "the virtual tool had not converged: the hand was too fast, or an object moved more than half "
-     "a voxel"},
+     "the virtual tool had not converged: the hand or an object was too fast, or too many features "
+     "touched at once"},
     {"saturated_samples", 0,
      "the force was saturated: use more stiffness, a thicker body or a stronger device", false},
 };
