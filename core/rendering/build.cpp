@@ -41,6 +41,9 @@ void add_virtual_tool(const PartsRequest& request, const contact::ContactRendere
   if (!ground.bodies)
     return;
   counts.virtual_tool_bytes = ground.bodies->bytes();
+  counts.virtual_tool_triangles = ground.bodies->tool().features().faces.size();
+  for (const exact::ObjectBody& body : ground.bodies->bodies())
+    counts.virtual_tool_scene_triangles += body.features().faces.size();
   const scene::Scene& scene = request.scene;
   const double reach = renderer.query().reach_m(), lever = scene.lever_m.value_or(reach);
   if (!(reach > 0.0))

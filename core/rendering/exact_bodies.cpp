@@ -4,6 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/exact/limits.hpp"
+#include "core/exact/simplified.hpp"
+#include "core/mesh/weld.hpp"
 #include "core/voxmap/closed_shells.hpp"
 #include "core/voxmap/grid_mesh.hpp"
 #include "core/voxmap/outward.hpp"
@@ -45,6 +48,29 @@ mesh::TriangleMesh in_own_frame(mesh::TriangleMesh mesh, const Vec3& origin, dou
   return mesh;
 }
 
+exact::SimplifiedMesh simplify(const mesh::TriangleMesh& scaled,
+                               std::span<const std::uint32_t> owners, double scale) {
+  const double most = exact::limits::kSimplifiedM * std::min(1.0, scale);
+  return exact::simplify(mesh::weld(scaled), owners, {most, exact::limits::kSimplifiedRad});
+}
+
+exact::ToolBody tool_body(const mesh::TriangleMesh& tool, double edge_m, double scale) {
+  const mesh::TriangleMesh scaled = in_own_frame(outward(tool, edge_m), Vec3::Zero(), scale);
+  return exact::ToolBody(simplify(scaled, {}, scale).mesh);
+}
+
+exact::ObjectBody object_body(const ExactBodies::Object& object, const Vec3& origin, double edge_m,
+                              double scale) {
+  const mesh::TriangleMesh scaled = in_own_frame(outward(object.mesh, edge_m), origin, scale);
+  const exact::SimplifiedMesh simplified = simplify(scaled, object.owners, scale);
+  if (object.owners.empty())
+    return exact::ObjectBody(simplified.mesh);
+  std::vector<std::uint32_t> owners;
+  for (const std::uint32_t triangle : simplified.triangles)
+    owners.push_back(object.owners[triangle]);
+  return exact::ObjectBody(simplified.mesh, owners);
+}
+
 template <class Build>
 auto sound(Build&& build) {
   try {
@@ -60,15 +86,10 @@ ExactBodies::ExactBodies(const mesh::TriangleMesh& tool, std::span<const Object>
                          double edge_m)
     : scale_(scale_for(tool)),
       origin_(voxmap::default_grid(objects.front().mesh, edge_m).origin),
-      tool_(sound([&] {
-        return exact::ToolBody(in_own_frame(outward(tool, edge_m), Vec3::Zero(), scale_));
-      })) {
+      tool_(sound([&] { return tool_body(tool, edge_m, scale_); })) {
   bodies_.reserve(objects.size());
   for (const Object& object : objects) {
-    bodies_.push_back(sound([&] {
-      return exact::ObjectBody(in_own_frame(outward(object.mesh, edge_m), origin_, scale_),
-                               object.owners);
-    }));
+    bodies_.push_back(sound([&] { return object_body(object, origin_, edge_m, scale_); }));
     leaders_.push_back(object.objects.front());
     objects_.insert(objects_.end(), object.objects.begin(), object.objects.end());
   }

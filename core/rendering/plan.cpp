@@ -8,6 +8,7 @@
 #include "core/contact/contact_renderer.hpp"
 #include "core/contact/limits.hpp"
 #include "core/coupling/coupling_spec.hpp"
+#include "core/exact/limits.hpp"
 #include "core/voxmap/distance_field.hpp"
 
 namespace voxtouch::rendering {
@@ -207,10 +208,13 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.virtual_tool_lever_m > 0.0)
     plan.built.push_back(fmt::format(
         "Virtual tool: it stays outside the meshes, and its spring to the hand has the certified "
-        "stiffness. Contacts are between the {} of the tool and those of the scene; the voxel size "
-        "does not affect them. Rotation counts with a lever of {:g} mm. The work of a frame is "
-        "limited; at the limit the tool lags behind the hand. No wall is passed at any speed.",
-        counted(n.dynamic_triangles, "triangle", "triangles"), 1e3 * n.virtual_tool_lever_m));
+        "stiffness. Contacts are between {} of the tool and {} of the scene, both simplified "
+        "within "
+        "{:g} um; the voxel size does not affect them. Rotation counts with a lever of {:g} mm. "
+        "The work of a frame is limited; at the limit the tool lags behind the hand. No wall is "
+        "passed at any speed.",
+        counted(n.virtual_tool_triangles, "triangle", "triangles"), n.virtual_tool_scene_triangles,
+        1e6 * exact::limits::kSimplifiedM, 1e3 * n.virtual_tool_lever_m));
   else
     say_forces_of_depth(scene, plan);
   plan.built.push_back(scene.design ? design_sentence(*scene.design)

@@ -54,8 +54,10 @@ struct BuildCounts {
   double virtual_tool_lever_m = 0.0;     ///< [m]; 0: no virtual tool
   double tool_reach_m = 0.0;             ///< farthest point of the tool's shell from its origin [m]
   std::uint64_t virtual_tool_bytes = 0;  ///< features of both meshes, with their trees
-  StiffnessBounds contact;               ///< without effects; see contact_range.hpp
-  bool closed = true;  ///< all static meshes are closed; an open one has no interior
+  /// Of the simplified meshes that the virtual tool uses: of the tool, of the scene.
+  std::uint64_t virtual_tool_triangles = 0, virtual_tool_scene_triangles = 0;
+  StiffnessBounds contact;  ///< without effects; see contact_range.hpp
+  bool closed = true;       ///< all static meshes are closed; an open one has no interior
   std::vector<std::string> mesh_warnings;  ///< defects of the meshes, as sentences
 };
 

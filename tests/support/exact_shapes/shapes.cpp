@@ -224,6 +224,79 @@ Outline cross(double length, double width, double grow) {
   return grown(out, grow);
 }
 
+namespace {
+
+constexpr double kPitch = 0.0025, kMajor = 0.010;
+
+/// ISO profile: crest an eighth of the pitch, flanks of 30 degrees, root a quarter; phase in turns.
+double thread_radius(double phase) {
+  const double depth = 0.625 * 0.5 * std::sqrt(3.0) * kPitch;
+  const double from_crest = std::abs(phase - std::round(phase));
+  return kMajor - depth * std::clamp((from_crest - 1.0 / 16) / (5.0 / 16), 0.0, 1.0);
+}
+
+/// Rows of `sides` vertices, a pitch / `sides` apart; its faces look outward.
+mesh::TriangleMesh threaded(double length, double gap, int sides) {
+  mesh::TriangleMesh out;
+  const int half = static_cast<int>(std::lround(0.5 * length / kPitch * sides));
+  for (int row = -half; row <= half; ++row) {
+    for (int k = 0; k < sides; ++k) {
+      const double angle = 2.0 * kPi * k / sides;
+      const double radius = gap + thread_radius(static_cast<double>(row - k) / sides);
+      out.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                                row * kPitch / sides);
+    }
+  }
+  const auto at = [&](int row, int k) {
+    return static_cast<std::uint32_t>(row * sides + k % sides);
+  };
+  for (int row = 0; row < 2 * half; ++row) {
+    for (int k = 0; k < sides; ++k) {
+      out.triangles.push_back({at(row, k), at(row, k + 1), at(row + 1, k + 1)});
+      out.triangles.push_back({at(row, k), at(row + 1, k + 1), at(row + 1, k)});
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+mesh::TriangleMesh bolt(double length, int sides) {
+  mesh::TriangleMesh out = threaded(length, 0.0, sides);
+  const auto n = static_cast<std::uint32_t>(out.vertices.size());
+  const auto round = static_cast<std::uint32_t>(sides);
+  out.vertices.emplace_back(0.0, 0.0, -0.5 * length);
+  out.vertices.emplace_back(0.0, 0.0, 0.5 * length);
+  for (std::uint32_t k = 0; k < round; ++k) {
+    const std::uint32_t next = (k + 1) % round;
+    out.triangles.push_back({n, next, k});
+    out.triangles.push_back({n + 1, n - round + k, n - round + next});
+  }
+  return out;
+}
+
+mesh::TriangleMesh nut(double length, double gap, int sides) {
+  mesh::TriangleMesh out = turned_inside_out(threaded(length, gap, sides));
+  const auto n = static_cast<std::uint32_t>(out.vertices.size());
+  const auto round = static_cast<std::uint32_t>(sides);
+  const Outline outer = circle(0.015, sides);
+  for (const double z : {-0.5 * length, 0.5 * length})
+    for (const auto& p : outer)
+      out.vertices.emplace_back(p.x(), p.y(), z);
+  for (std::uint32_t k = 0; k < round; ++k) {
+    const std::uint32_t next = (k + 1) % round, top = n - round, low = n, high = n + round;
+    for (const auto& triangle : std::initializer_list<std::array<std::uint32_t, 3>>{
+             {low + k, low + next, high + next},
+             {low + k, high + next, high + k},
+             {k, next, low + next},
+             {k, low + next, low + k},
+             {top + next, top + k, high + k},
+             {top + next, high + k, high + next}})
+      out.triangles.push_back(triangle);
+  }
+  return out;
+}
+
 Outline gear(int teeth, double root, double tip, double grow) {
   Outline out;
   for (int k = 0; k < teeth; ++k) {

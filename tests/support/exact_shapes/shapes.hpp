@@ -27,6 +27,11 @@ mesh::TriangleMesh wedge(double angle, double depth, double half);
 /// Closed bowl: half a hollow ball of `inner` and `outer` radius, open to +z, centre at the origin;
 /// n x m facets.
 mesh::TriangleMesh bowl(double inner, double outer, int around, int down);
+/// An M20 bolt along z, closed: ISO thread of `sides` facets a turn whose rows follow the helix.
+/// `length` is a multiple of the pitch, 2.5 mm.
+mesh::TriangleMesh bolt(double length, int sides);
+/// Its nut, a round one: the bolt's thread moved out by `gap`.
+mesh::TriangleMesh nut(double length, double gap, int sides);
 /// Bumpy ground of n x n cells, open, z up.
 mesh::TriangleMesh terrain(double side, int n, double height);
 
