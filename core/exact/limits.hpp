@@ -8,9 +8,9 @@ namespace voxtouch::exact::limits {
 /// pose alone.
 inline constexpr double kMarginM = 5e-7;
 
-/// Meshes are simplified at load within this distance [m], and this turn of a normal [rad] (0.5
+/// Meshes are simplified at load within this distance [m], and this turn of a normal [rad] (0.4
 /// degrees).
-inline constexpr double kSimplifiedM = 5e-6, kSimplifiedRad = 8.7e-3;
+inline constexpr double kSimplifiedM = 5e-6, kSimplifiedRad = 7e-3;
 
 /// A step whose points all move less than this ends the frame [m]. A hand at rest has a tool at
 /// rest.

@@ -19,7 +19,7 @@
 #include <vector>
 
 #include "core/exact/limits.hpp"
-#include "core/exact/pair_probe.hpp"
+#include "core/exact/pair_store.hpp"
 
 namespace voxtouch::exact {
 
@@ -53,20 +53,15 @@ class PairLists {
       : tool_(tool),
         object_(object),
         tree_(Probe::elements(tool)),
-        items_(Probe::items(object)) {
-    states_.resize(tree_.nodes().size());
-    planes_.resize(states_.size());
-    heads_.assign(tree_.elements(), kNone);
-    // So many blocks hold the pairs that a list has as a rule.
-    const std::size_t blocks = limits::kListedPairs / kBlockPairs + 1;
-    blocks_.resize(std::max<std::size_t>(blocks * tree_.elements(), capacity / kBlockPairs));
+        items_(Probe::items(object)),
+        states_(tree_.nodes().size()),
+        planes_(states_.size()),
+        store_(tree_.elements(), blocks_for(tree_.elements(), capacity)) {
     scratch_.reserve(limits::kMaxListed);
-    reset();
   }
 
   std::size_t bytes() const noexcept {
-    return states_.size() * (sizeof(State) + sizeof(Plane)) +
-           heads_.size() * sizeof(std::uint32_t) + blocks_.size() * sizeof(Block) +
+    return states_.size() * (sizeof(State) + sizeof(Plane)) + store_.bytes() +
            scratch_.capacity() * sizeof(Pair);
   }
 
@@ -74,10 +69,7 @@ class PairLists {
   void reset() noexcept {
     std::fill(states_.begin(), states_.end(), State{});
     std::fill(planes_.begin(), planes_.end(), Plane{});
-    std::fill(heads_.begin(), heads_.end(), kNone);
-    for (std::size_t k = 0; k < blocks_.size(); ++k)
-      blocks_[k].next = k + 1 < blocks_.size() ? static_cast<std::uint32_t>(k + 1) : kNone;
-    free_ = blocks_.empty() ? kNone : 0;
+    store_.reset();
   }
 
   /// Renews what does not hold for `need_m` more, as far as `work` lasts. Real-time safe.
@@ -120,7 +112,6 @@ class PairLists {
 
  private:
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  static constexpr std::size_t kBlockPairs = 7;
 
   struct State {
     double until_m = -kInfinity, nearest_m = kInfinity;
@@ -145,13 +136,13 @@ class PairLists {
     std::uint32_t item = 0;
     Vec3 apart = Vec3::Zero();  ///< the shortest way from the item to the element
   };
-  /// Paths first: they are what is read most.
-  struct Block {
-    std::array<double, kBlockPairs> touches_m{};
-    std::uint32_t count = 0, next = kNone;
-    std::array<std::uint32_t, kBlockPairs> items{};
-    std::array<SeparatingPlane, kBlockPairs> planes{};
-  };
+  using Block = PairStore::Block;
+
+  /// So many blocks hold the pairs that a list has as a rule.
+  static std::size_t blocks_for(std::size_t elements, std::size_t capacity) noexcept {
+    const std::size_t of_one = limits::kListedPairs / PairStore::kBlockPairs + 1;
+    return std::max<std::size_t>(of_one * elements, capacity / PairStore::kBlockPairs);
+  }
 
   /// `entry`: where the items within the radius of the node's parent are.
   void renew_node(std::uint32_t at, BoxTree::Entry entry, PosedPoints& posed,
@@ -445,48 +436,19 @@ class PairLists {
   /// Makes what is in `scratch_` the list of `element`; false, and nothing changed, without room
   /// for it.
   bool store(std::uint32_t element, double path_m, Work& work) noexcept {
-    const std::size_t requested = (scratch_.size() + kBlockPairs - 1) / kBlockPairs;
-    if (!has_free(requested, element)) {
+    if (!store_.has_room(scratch_.size(), element)) {
       work.add(states_.size() / 16);
       give_back_expired(path_m);
-      if (!has_free(requested, element))
+      if (!store_.has_room(scratch_.size(), element))
         return false;
     }
-    give_back(element);
-    for (std::size_t first = 0; first < scratch_.size(); first += kBlockPairs) {
-      const std::uint32_t taken = free_;
-      Block& block = blocks_[taken];
-      free_ = block.next;
-      block.count = static_cast<std::uint32_t>(std::min(kBlockPairs, scratch_.size() - first));
-      for (std::size_t k = 0; k < block.count; ++k) {
-        const Pair& pair = scratch_[first + k];
-        block.touches_m[k] = pair.touches_m;
-        block.items[k] = pair.item;
-        block.planes[k] = plane_between(pair.item, pair.apart);
-      }
-      block.next = heads_[element];
-      heads_[element] = taken;
-    }
+    store_.replace(element, scratch_.size(), [&](Block& block, std::size_t k, std::size_t n) {
+      const Pair& pair = scratch_[n];
+      block.touches_m[k] = pair.touches_m;
+      block.items[k] = pair.item;
+      block.planes[k] = plane_between(pair.item, pair.apart);
+    });
     return true;
-  }
-
-  bool has_free(std::size_t requested, std::uint32_t element) const noexcept {
-    std::size_t found = 0;
-    for (std::uint32_t b = heads_[element]; b != kNone && found < requested; b = blocks_[b].next)
-      ++found;
-    for (std::uint32_t b = free_; b != kNone && found < requested; b = blocks_[b].next)
-      ++found;
-    return found >= requested;
-  }
-
-  void give_back(std::uint32_t element) noexcept {
-    while (heads_[element] != kNone) {
-      Block& block = blocks_[heads_[element]];
-      const std::uint32_t next = block.next;
-      block.next = free_;
-      free_ = heads_[element];
-      heads_[element] = next;
-    }
   }
 
   /// Lists of leaves that have expired are of no use. A leaf whose own list holds keeps it, however
@@ -496,7 +458,7 @@ class PairLists {
       const ElementTree::Node& node = tree_.nodes()[at];
       if (!node.leaf || states_[at].until_m > path_m)
         continue;
-      give_back(node.element);
+      store_.clear(node.element);
       states_[at].nearest_m = kInfinity;
     }
   }
@@ -520,8 +482,7 @@ class PairLists {
     const auto turn_bound = turn_bound_of(at, posed);
     bool whole = true;
     state.nearest_m = kInfinity;
-    for (std::uint32_t b = heads_[node.element]; b != kNone; b = blocks_[b].next) {
-      Block& block = blocks_[b];
+    store_.for_blocks(node.element, [&](Block& block) {
       for (std::size_t k = 0; k < block.count; ++k) {
         double& touches = block.touches_m[k];
         if (whole && touches <= path_m + reach_m) {
@@ -540,7 +501,7 @@ class PairLists {
         }
         state.nearest_m = std::min(state.nearest_m, touches);
       }
-    }
+    });
     return whole;
   }
 
@@ -601,8 +562,10 @@ class PairLists {
   StepVerdict check_leaf(std::uint32_t element, PosedPoints& posed, PosedPoints& next,
                          const Step& step, Work& work) noexcept {
     const Probe probe(tool_, object_, posed, element), then(tool_, object_, next, element);
-    for (std::uint32_t b = heads_[element]; b != kNone; b = blocks_[b].next) {
-      Block& block = blocks_[b];
+    bool may_touch = false;
+    store_.for_blocks(element, [&](Block& block) {
+      if (may_touch)
+        return;
       work.add(1);
       for (std::size_t k = 0; k < block.count; ++k) {
         double& touches = block.touches_m[k];
@@ -621,22 +584,21 @@ class PairLists {
         plane = plane_between(block.items[k], way);
         const double distance = way.norm();
         touches = step.path_m + distance;
-        if (distance > step.seen_m && distance <= step.length_m && !stays())
-          return StepVerdict::kMayTouch;
+        may_touch = distance > step.seen_m && distance <= step.length_m && !stays();
+        if (may_touch)
+          return;
       }
-    }
-    return StepVerdict::kClear;
+    });
+    return may_touch ? StepVerdict::kMayTouch : StepVerdict::kClear;
   }
 
   const ToolBody& tool_;
   const ObjectBody& object_;
   const ElementTree& tree_;
   const BoxTree& items_;
-  std::vector<State> states_;         ///< one a node
-  std::vector<Plane> planes_;         ///< likewise
-  std::vector<std::uint32_t> heads_;  ///< first block of each element's list
-  std::vector<Block> blocks_;
-  std::uint32_t free_ = kNone;
+  std::vector<State> states_;  ///< one a node
+  std::vector<Plane> planes_;  ///< likewise
+  PairStore store_;
   std::vector<Pair> scratch_;
 };
 

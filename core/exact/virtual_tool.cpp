@@ -37,24 +37,13 @@ Pose moved(const Pose& pose, const Vec3& shift, const Vec3& rotation) noexcept {
   return out;
 }
 
-bool same(const Pose& a, const Pose& b) noexcept {
-  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs();
-}
-
-bool rests_at_origin(const Pose& pose) noexcept { return same(pose, Pose{}); }
-
-Pose relative(const Pose& tool, const Pose& object) noexcept {
-  return rests_at_origin(object) ? tool : object.inverse() * tool;
-}
-
-Pose between(const Pose& from, const Pose& to, double ratio) noexcept {
-  if (ratio >= 1.0)
-    return to;
-  return {from.position + ratio * (to.position - from.position),
-          from.orientation.slerp(ratio, to.orientation)};
-}
-
 bool positive(double x) noexcept { return std::isfinite(x) && x > 0.0; }
+
+VirtualToolOptions with_lever(VirtualToolOptions options, double reach_m) noexcept {
+  if (options.lever_m == 0.0)
+    options.lever_m = reach_m;
+  return options;
+}
 
 }  // namespace
 
@@ -66,37 +55,15 @@ Mat6 VirtualToolFrame::stiffness(double k) const noexcept {
 
 VirtualTool::VirtualTool(const ToolBody& tool, std::span<const ObjectBody* const> objects,
                          const VirtualToolOptions& options)
-    : options_(options),
-      reach_m_(tool.features().reach_m) {
-  if (options_.lever_m == 0.0)
-    options_.lever_m = reach_m_;
+    : options_(with_lever(options, tool.features().reach_m)),
+      reach_m_(tool.features().reach_m),
+      contacts_(tool, objects, options_.pair_capacity, options_.lever_m),
+      objects_before_(objects.size()),
+      forces_(contacts_.owners()) {
   if (objects.empty() || !positive(reach_m_) || !positive(options_.lever_m) ||
       !std::isfinite(options_.fade_s) || options_.fade_s < 0.0)
     throw std::invalid_argument(
         "virtual tool: needs objects, and reach, lever and fade that are finite");
-  opposites_.reserve(objects.size());
-  std::size_t owners = 0;
-  for (const ObjectBody* object : objects) {
-    opposites_.emplace_back(tool, *object, options_.pair_capacity);
-    first_owners_.push_back(static_cast<std::uint32_t>(owners));
-    owners += object->owners();
-  }
-  objects_.resize(objects.size());
-  targets_.resize(objects.size());
-  planned_.resize(objects.size());
-  objects_before_.resize(objects.size());
-  forces_.resize(owners);
-  near_.reserve(limits::kMaxNearPairs);
-  rows_.reserve(limits::kMaxRows);
-  halfspaces_.reserve(limits::kMaxRows);
-}
-
-std::size_t VirtualTool::bytes() const noexcept {
-  std::size_t sum = near_.capacity() * sizeof(NearPair) + rows_.capacity() * sizeof(Row) +
-                    halfspaces_.capacity() * sizeof(Halfspace);
-  for (const Opposite& opposite : opposites_)
-    sum += opposite.bytes();
-  return sum;
 }
 
 void VirtualTool::reset() noexcept {
@@ -110,7 +77,7 @@ void VirtualTool::reset() noexcept {
 /// Returns a pose of unit norm bit-identically.
 PoseStatus VirtualTool::check(Pose& hand, std::span<const Pose> objects) const noexcept {
   Quat unit = hand.orientation;
-  if (objects.size() != opposites_.size() || !hand.position.allFinite() ||
+  if (objects.size() != contacts_.size() || !hand.position.allFinite() ||
       !normalise_within(unit, limits::kMinQuaternionNorm, limits::kMaxQuaternionNorm))
     return PoseStatus::kNotAPose;
   if (std::abs(hand.orientation.squaredNorm() - 1.0) > 1e-15)
@@ -133,7 +100,9 @@ Vec6 VirtualTool::spring_between(const Pose& tool, const Pose& hand) const noexc
   return spring;
 }
 
-Vec6 VirtualTool::spring_to(const Pose& hand) const noexcept { return spring_between(tool_, hand); }
+Vec6 VirtualTool::spring_to(const Pose& hand) const noexcept {
+  return spring_between(contacts_.tool(), hand);
+}
 
 /// Whether the spring gets shorter by a part of what a step `taken` promises (Armijo's rule).
 ///
@@ -142,7 +111,7 @@ Vec6 VirtualTool::spring_to(const Pose& hand) const noexcept { return spring_bet
 bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
                            const Pose& hand) const noexcept {
   double missing = 0.0;
-  for (const Row& row : rows_)
+  for (const Row& row : contacts_.rows())
     missing = std::max(missing, std::min(limits::kMarginM - row.gap_m, limits::kMaxPushOutM));
   const double falls = 0.5 * (spring.squaredNorm() - spring_between(tool, hand).squaredNorm());
   return falls + 2.0 * missing * spring.norm() >= limits::kArmijoRatio * taken.squaredNorm();
@@ -151,8 +120,9 @@ bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& to
 void VirtualTool::relocate() noexcept {
   if (!placed_)
     return;
-  start_ = {.before = tool_, .returns = true};
-  std::copy(objects_.begin(), objects_.end(), objects_before_.begin());
+  start_ = {.before = contacts_.tool(), .returns = true};
+  const std::span<const Pose> objects = contacts_.objects();
+  std::copy(objects.begin(), objects.end(), objects_before_.begin());
   placed_ = false;
 }
 
@@ -167,11 +137,7 @@ bool VirtualTool::start_is_blocked() noexcept {
   start_ = {};
   if (!blocked.returns)
     return false;
-  tool_ = blocked.before;
-  for (std::size_t n = 0; n < objects_.size(); ++n) {
-    objects_[n] = objects_before_[n];
-    opposites_[n].put(relative(tool_, objects_[n]));
-  }
+  contacts_.put(blocked.before, objects_before_);
   placed_ = pressed_ = true;
   placed_s_ = 0.0;
   return true;
@@ -181,15 +147,11 @@ bool VirtualTool::start_is_blocked() noexcept {
 /// tool is there and all lists are whole.
 bool VirtualTool::initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept {
   if (!start_.begun) {
-    tool_ = start_.given ? start_.pose : hand;
     start_.begun = true;
-    for (std::size_t n = 0; n < objects.size(); ++n) {
-      objects_[n] = objects[n];
-      opposites_[n].put(relative(tool_, objects_[n]));
-    }
+    contacts_.put(start_.given ? start_.pose : hand, objects);
   }
   const double need = limits::kMinReachM + 3.0 * limits::kMarginM;
-  for (Opposite& opposite : opposites_) {
+  for (Opposite& opposite : contacts_.opposites()) {
     const StartVerdict verdict =
         opposite.start_check().advance(opposite.tool(), opposite.object(), opposite.now(), work);
     if (verdict == StartVerdict::kPending)
@@ -221,24 +183,12 @@ bool VirtualTool::place(const Pose& tool, std::span<const Pose> objects) noexcep
   return true;
 }
 
-/// What the objects still have to go, seen from the tool [m].
-double VirtualTool::object_path() noexcept {
-  double most = 0.0;
-  for (std::size_t n = 0; n < opposites_.size(); ++n) {
-    if (same(objects_[n], targets_[n]))
-      continue;
-    const Pose there = relative(tool_, targets_[n]);
-    most = std::max(most, opposites_[n].path_between(opposites_[n].now().pose(), there));
-  }
-  return most;
-}
-
 /// Renews the lists for rows within `rows_m`, and says how far the tool may go in this query:
 /// `need_m` where all that is farther than the rows can be looked at when a step is known.
 void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Work& work) noexcept {
   const double rest = 3.0 * limits::kMarginM;  // rows within it beyond the reach push, and rounding
   double allowed = kInfinity, nearest = kInfinity;
-  for (Opposite& opposite : opposites_) {
+  for (Opposite& opposite : contacts_.opposites()) {
     opposite.renew(rows_m + rest, limits::kListReaches * rows_m + limits::kListRestM, work);
     allowed = std::min(allowed, opposite.allowed_m());
     nearest = std::min(nearest, opposite.nearest_m());
@@ -250,84 +200,20 @@ void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Wor
     query.lists_m = std::max(query.lists_m, allowed);
 }
 
-void VirtualTool::add_row(const Touch& touch, const NearPair& pair) noexcept {
-  const Pose& from = objects_[pair.object];
-  Row row;
-  row.normal = from.orientation * touch.normal;
-  const Vec3 point = from * touch.point;
-  row.arm = point - tool_.position;
-  row.on_object = touch.point - touch.gap_m * touch.normal;
-  row.gap_m = touch.gap_m;
-  row.object = pair.object;
-  row.owner =
-      first_owners_[pair.object] + opposites_[pair.object].object().owner_of(pair.kind, pair.item);
-  row.closes_m = closes(row);
-  Halfspace halfspace;
-  halfspace.jacobian << row.normal, row.arm.cross(row.normal) / options_.lever_m;
-  rows_.push_back(row);
-  halfspaces_.push_back(halfspace);
-}
-
-/// How far the row's object closes its gap on the way to where it is planned [m].
-double VirtualTool::closes(const Row& row) const noexcept {
-  const Pose &from = objects_[row.object], &to = planned_[row.object];
-  if (same(from, to))
-    return 0.0;
-  const Vec3 on_object = tool_.position + row.arm - row.gap_m * row.normal;
-  return row.normal.dot(to * (from.inverse() * on_object) - on_object);
-}
-
-/// After `plan_objects`.
-void VirtualTool::renew_closes() noexcept {
-  for (Row& row : rows_)
-    row.closes_m = closes(row);
-}
-
-/// All pairs within `reach_m`, and their rows; false where there are more than there is room for.
-bool VirtualTool::collect(double reach_m, Work& work) noexcept {
-  near_.clear();
-  rows_.clear();
-  halfspaces_.clear();
-  for (std::uint32_t n = 0; n < opposites_.size(); ++n) {
-    Opposite& opposite = opposites_[n];
-    const auto take = [&](PairKind kind, std::uint32_t element, std::uint32_t item, double distance,
-                          const SeparatingPlane& plane) {
-      work.add(Work::kTouches);
-      if (near_.size() == near_.capacity() || rows_.size() + 8 > rows_.capacity() / 2)
-        return false;
-      const NearPair pair{kind, element, item, n, distance, plane};
-      near_.push_back(pair);
-      const Touches touches =
-          touches_of(pair, opposite.tool(), opposite.object(), opposite.now(), reach_m);
-      for (std::size_t k = 0; k < touches.count; ++k)
-        add_row(touches.of[k], pair);
-      return true;
-    };
-    if (!opposite.visit_near(reach_m + 2.0 * limits::kMarginM, take, work))
-      return false;
-  }
-  return true;
-}
-
-/// Where the objects are after the step.
-void VirtualTool::plan_objects(double ratio) noexcept {
-  for (std::size_t n = 0; n < objects_.size(); ++n)
-    planned_[n] =
-        same(objects_[n], targets_[n]) ? objects_[n] : between(objects_[n], targets_[n], ratio);
-}
-
 /// `push_out`: rows nearer than the margin push the tool out. Else none asks for more than to stay
 /// as near as it is, which no step always does unless an object moves.
 Projection VirtualTool::solve_with(const Vec6& target, double turn_rad, bool push_out,
                                    VirtualToolFrame& out, Work& work) noexcept {
   const double most = push_out ? limits::kMaxPushOutM : 0.0;
-  for (std::size_t k = 0; k < rows_.size(); ++k) {
-    const Row& row = rows_[k];
+  const std::span<const Row> rows = contacts_.rows();
+  const std::span<Halfspace> halfspaces = contacts_.halfspaces();
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Row& row = rows[k];
     const double bend = 0.5 * turn_rad * turn_rad * row.arm.norm();
-    halfspaces_[k].least_m =
+    halfspaces[k].least_m =
         std::min(limits::kMarginM - row.gap_m, most) + row.closes_m + row.missed_m + bend;
   }
-  const Projection projection = project(halfspaces_, target, work);
+  const Projection projection = project(halfspaces, target, work);
   out.iterations += projection.iterations;
   return projection;
 }
@@ -363,44 +249,13 @@ void VirtualTool::hold_by_friction(const Vec6& spring, double friction) noexcept
     return;
   std::array<FrictionContact, 6> contacts;
   for (std::size_t k = 0; k < last_.count; ++k) {
-    const Row& row = rows_[last_.active[k]];
+    const Row& row = contacts_.rows()[last_.active[k]];
     contacts[k] = {row.normal, row.arm, last_.forces_m[k]};
   }
-  const FrictionStep held = with_friction({contacts.data(), last_.count}, halfspaces_, spring,
-                                          last_.delta, options_.lever_m, friction);
+  const FrictionStep held = with_friction({contacts.data(), last_.count}, contacts_.halfspaces(),
+                                          spring, last_.delta, options_.lever_m, friction);
   last_.delta = held.delta;
   loose_ = held.loose;
-}
-
-/// Whether a pair passes through each other on the step to the next poses. Adds a row for each that
-/// does, with what a straight row missed of its gap: second-order correction (Nocedal and Wright
-/// 2006, 18.3).
-bool VirtualTool::passes_something(const Vec6& delta, Work& work) noexcept {
-  bool passed = false;
-  for (const NearPair& pair : near_) {
-    Opposite& opposite = opposites_[pair.object];
-    PosedPoints &now = opposite.now(), &next = opposite.next();
-    if (pair.distance_m > opposite.path_between(now.pose(), next.pose()) + limits::kTouchM)
-      continue;
-    if (work.done())
-      return true;  // not known
-    work.add(2);
-    if (stays_apart(pair, opposite.tool(), now) && stays_apart(pair, opposite.tool(), next))
-      continue;
-    work.add(Work::kSwept);
-    if (!passes(pair, opposite.tool(), opposite.object(), now, next))
-      continue;
-    passed = true;
-    if (rows_.size() == rows_.capacity())
-      continue;
-    double found = 0.0;
-    const Touch touch = passed_touch(pair, opposite.tool(), opposite.object(), now, next, found);
-    add_row(touch, pair);
-    Row& row = rows_.back();
-    const double predicted = row.gap_m - row.closes_m + halfspaces_.back().jacobian.dot(delta);
-    row.missed_m = limits::kCorrection * std::max(0.0, predicted - found);
-  }
-  return passed;
 }
 
 /// Whether the step that is tried, of `path_m`, is clear of all that is farther than the rows.
@@ -422,7 +277,7 @@ bool VirtualTool::clear_beyond_rows(Opposite& opposite, double path_m, Query& qu
 
 /// Rows that close faster must be looked at from farther off.
 void VirtualTool::note_closing(const Vec6& taken) noexcept {
-  for (const Halfspace& row : halfspaces_)
+  for (const Halfspace& row : contacts_.halfspaces())
     closing_m_ = std::max(closing_m_, -row.jacobian.dot(taken));
 }
 
@@ -430,24 +285,19 @@ void VirtualTool::note_closing(const Vec6& taken) noexcept {
 bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                            Work& work) noexcept {
   limit_to(limits::kBeyondRatio, work);
+  contacts_.try_step(tool);
   bool listed = true;
-  for (std::size_t n = 0; n < opposites_.size(); ++n) {
-    Opposite& opposite = opposites_[n];
-    opposite.next().set_pose(relative(tool, planned_[n]));
+  for (Opposite& opposite : contacts_.opposites()) {
     const double path = opposite.path_between(opposite.now().pose(), opposite.next().pose());
     listed = listed && path <= query.lists_m + limits::kMarginM &&
              clear_beyond_rows(opposite, path, query, work);
   }
   limit_to(1.0, work);
-  if (!listed || passes_something(taken, work)) {
+  if (!listed || contacts_.passes_something(taken, work)) {
     ++out.void_steps;
     return false;
   }
-  for (Opposite& opposite : opposites_)
-    opposite.accept();
-  tool_ = tool;
-  for (std::size_t n = 0; n < objects_.size(); ++n)
-    objects_[n] = planned_[n];
+  contacts_.accept();
   return true;
 }
 
@@ -496,7 +346,8 @@ double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexce
       taken = kept_by_rows(taken, out, work);
     limit_to(1.0, work);
     const Pose tool =
-        whole ? query.hand : moved(tool_, taken.head<3>(), taken.tail<3>() / options_.lever_m);
+        whole ? query.hand
+              : moved(contacts_.tool(), taken.head<3>(), taken.tail<3>() / options_.lever_m);
     const bool shorter = objects_move || whole || shortens(spring, taken, tool, query.hand);
     if (shorter && try_step(tool, taken, query, out, work)) {
       note_closing(taken);
@@ -509,8 +360,8 @@ double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexce
     scale *= 0.5;
     if (!objects_move)
       continue;
-    plan_objects(scale * query.objects_ratio);
-    renew_closes();
+    contacts_.plan_objects(scale * query.objects_ratio);
+    contacts_.renew_closes();
   }
   return 0.0;
 }
@@ -525,9 +376,9 @@ bool VirtualTool::collect_for(Query& query, double objects_m, Work& work) noexce
       query.objects_ratio = std::min(1.0, limits::kObjectsReachRatio * query.lists_m / objects_m);
       query.reach_m = query.lists_m - query.objects_ratio * objects_m;
     }
-    plan_objects(query.objects_ratio);
+    contacts_.plan_objects(query.objects_ratio);
     query.rows_m = std::min(query.rows_m, query.lists_m);
-    if (collect(query.rows_m, work))
+    if (contacts_.collect(query.rows_m, work))
       return true;
     if (query.lists_m < limits::kRestM || work.done())
       return false;
@@ -553,8 +404,8 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
   converged_ = false;
   while (out.queries < limits::kMaxQueries) {
     out.queries += !query.more_rows;
-    const double objects = object_path();
-    if (objects == 0.0 && same(tool_, sample.pose)) {
+    const double objects = contacts_.object_path();
+    if (objects == 0.0 && same(contacts_.tool(), sample.pose)) {
       converged_ = true;
       last_ = {};
       break;
@@ -578,8 +429,8 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
     limit_to(limits::kPairsRatio, work);
     if (!collect_for(query, objects, work))
       break;
-    out.rows_seen = std::max(out.rows_seen, static_cast<std::uint32_t>(rows_.size()));
-    out.pairs_seen = std::max(out.pairs_seen, static_cast<std::uint32_t>(near_.size()));
+    out.rows_seen = std::max(out.rows_seen, static_cast<std::uint32_t>(contacts_.rows().size()));
+    out.pairs_seen = std::max(out.pairs_seen, static_cast<std::uint32_t>(contacts_.pairs()));
     const double went = step(query, out, work);
     if (query.more_rows && !work.done())
       continue;
@@ -591,31 +442,31 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
       expected = std::min(2.0 * expected, limits::kMaxReachM);
     if (converged_ || (went == 0.0 && objects == 0.0))
       break;
-    if (remaining < limits::kRestM && object_path() == 0.0) {
+    if (remaining < limits::kRestM && contacts_.object_path() == 0.0) {
       converged_ = true;  // as far as it may go in this frame
       break;
     }
   }
   limit_to(limits::kRenewalRatio, work);
   out.cut_short = !converged_ && work.done();
-  out.object_delay_m = object_path();
+  out.object_delay_m = contacts_.object_path();
   longest_step_m_ = longest;
 }
 
 void VirtualTool::report(VirtualToolFrame& out) noexcept {
-  out.tool = tool_;
+  out.tool = contacts_.tool();
   const Vec6 spring = spring_to(hand_);
   out.shift = spring.head<3>();
   rotation_ = spring.tail<3>() / options_.lever_m;
   out.rotation = rotation_;
-  const bool free = same(tool_, hand_);
+  const bool free = same(contacts_.tool(), hand_);
   if (free)
     last_ = {};
   if (last_.count == 0)
     loose_.setIdentity();
   double most = 0.0;
   for (std::size_t k = 0; k < last_.count; ++k) {
-    const Row& row = rows_[last_.active[k]];
+    const Row& row = contacts_.rows()[last_.active[k]];
     const double force = last_.forces_m[k];
     Wrench& sum = forces_[row.owner];
     sum.force += force * row.normal;
@@ -624,7 +475,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
     if (force <= most)
       continue;
     most = force;
-    out.contact_point = objects_[row.object] * row.on_object;
+    out.contact_point = contacts_.objects()[row.object] * row.on_object;
     out.contact_normal = row.normal;
     out.contact_owner = row.owner;
   }
@@ -645,7 +496,7 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
                                     std::span<const Pose> objects) noexcept {
   VirtualToolFrame out;
   out.lever_m = options_.lever_m;
-  out.tool = tool_;
+  out.tool = contacts_.tool();
   out.not_initialised = !placed_;
   std::fill(forces_.begin(), forces_.end(), Wrench{});
   HandSample hand = sample;
@@ -664,14 +515,11 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
     out.not_initialised = false;
     hand_ = hand.pose;
   }
-  std::copy(objects.begin(), objects.end(), targets_.begin());
+  contacts_.set_targets(objects);
   Vec6 hands_way;
   hands_way << hand.pose.position - hand_.position,
       options_.lever_m * rotation_vector(hand_.orientation, hand.pose.orientation);
-  bool rests = same(hand_, hand.pose);
-  for (std::size_t n = 0; n < objects_.size(); ++n)
-    rests &= same(objects_[n], targets_[n]);
-  if (!rests) {
+  if (!same(hand_, hand.pose) || contacts_.objects_move()) {
     damping_ = 1.0;
     last_step_m_ = 0.0;
   }

@@ -12,10 +12,9 @@
 #include <span>
 #include <vector>
 
+#include "core/exact/contact_rows.hpp"
 #include "core/exact/friction.hpp"
-#include "core/exact/opposite.hpp"
 #include "core/exact/projection.hpp"
-#include "core/exact/touches.hpp"
 #include "core/exact/work.hpp"
 
 namespace voxtouch::exact {
@@ -109,23 +108,12 @@ class VirtualTool {
   bool place(const Pose& tool, std::span<const Pose> objects) noexcept;
 
   bool placed() const noexcept { return placed_; }
-  const Pose& pose() const noexcept { return tool_; }
+  const Pose& pose() const noexcept { return contacts_.tool(); }
   const VirtualToolOptions& options() const noexcept { return options_; }
   /// Memory that it takes [bytes], lists and rows.
-  std::size_t bytes() const noexcept;
+  std::size_t bytes() const noexcept { return contacts_.bytes(); }
 
  private:
-  /// A row, in addition to what the projection needs of it.
-  struct Row {
-    Vec3 normal = Vec3::Zero();     ///< W, from the object to the tool
-    Vec3 arm = Vec3::Zero();        ///< from the tool's origin to its point, W [m]
-    Vec3 on_object = Vec3::Zero();  ///< the object's point, in its frame [m]
-    double gap_m = 0.0;
-    double closes_m = 0.0;  ///< by so much the object's own motion in this step closes the gap
-    double missed_m = 0.0;  ///< that the straight row missed of the gap in a step that was void
-    std::uint32_t object = 0;
-    std::uint32_t owner = 0;  ///< as `contact_forces` counts
-  };
   /// What limits the steps of a query.
   struct Query {
     Pose hand;
@@ -157,14 +145,8 @@ class VirtualTool {
                 const Pose& hand) const noexcept;
   bool start_is_blocked() noexcept;
   bool initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept;
-  double object_path() noexcept;
   void reach_of_query(double need_m, double rows_m, Query& query, Work& work) noexcept;
-  bool collect(double reach_m, Work& work) noexcept;
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
-  void add_row(const Touch& touch, const NearPair& pair) noexcept;
-  void plan_objects(double ratio) noexcept;
-  double closes(const Row& row) const noexcept;
-  void renew_closes() noexcept;
   void solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept;
   Vec6 kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept;
   Projection solve_with(const Vec6& target, double turn_rad, bool push_out, VirtualToolFrame& out,
@@ -174,7 +156,6 @@ class VirtualTool {
   bool clear_beyond_rows(Opposite& opposite, double path_m, Query& query, Work& work) noexcept;
   void note_closing(const Vec6& taken) noexcept;
   void hold_by_friction(const Vec6& spring, double friction) noexcept;
-  bool passes_something(const Vec6& delta, Work& work) noexcept;
   void limit_to(double ratio, Work& work) const noexcept;
   double solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
                      Work& work) noexcept;
@@ -185,18 +166,12 @@ class VirtualTool {
 
   VirtualToolOptions options_;
   double reach_m_;  ///< of the tool
-  std::vector<Opposite> opposites_;
-  std::vector<std::uint32_t> first_owners_;  ///< of each object
-  std::vector<Pose> objects_, targets_,
-      planned_;                       ///< where the tool meets them; where they are; after the step
+  ContactRows contacts_;
   std::vector<Pose> objects_before_;  ///< with Start::before
-  std::vector<NearPair> near_;
-  std::vector<Row> rows_;
-  std::vector<Halfspace> halfspaces_;
   std::vector<Wrench> forces_;
   Projection last_;                ///< at `tool_`, of the last query
   Mat6 loose_ = Mat6::Identity();  ///< likewise: what friction does not hold
-  Pose tool_, hand_;
+  Pose hand_;
   Vec3 rotation_ = Vec3::Zero();  ///< of the last frame: near half a turn its axis stays
   double longest_step_m_ = 0.0;   ///< of the last frame
   double closing_m_ = 0.0;        ///< by so much a row's gap closed at most, in a step of a frame

@@ -11,6 +11,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/exact/limits.hpp"
+#include "core/exact/simplified.hpp"
 #include "tests/unit/exact/rig.hpp"
 
 namespace voxtouch::exact {
@@ -31,9 +33,14 @@ struct Scene {
   Hand hand;
 };
 
+/// As the virtual tool of a scene has it.
+mesh::TriangleMesh simplified(const mesh::TriangleMesh& mesh) {
+  return simplify(mesh, {}, {limits::kSimplifiedM, limits::kSimplifiedRad}).mesh;
+}
+
 void print(const Scene& scene) {
   const double before = cpu_us();
-  Rig rig(scene.tool(), scene.object());
+  Rig rig(simplified(scene.tool()), simplified(scene.object()));
   const double built = 1e-6 * (cpu_us() - before);
   std::vector<double> times;
   std::uint64_t most_work = 0;
@@ -125,6 +132,8 @@ std::vector<Scene> scenes() {
   hole("gear 0.05 mm", gear(12, .008, .01, 0), gear(12, .008, .01, 5e-5), .01);
   hole("pin 0.2 mm", circle(.005, 144), circle(.0052, 144), .015);
   hole("pin 0.05 mm", circle(.005, 144), circle(.00505, 144), .015);
+  hole("pin 384 0.2 mm", circle(.005, 384), circle(.0052, 384), .015);
+  hole("pin 384 0.05 mm", circle(.005, 384), circle(.00505, 384), .015);
   out.push_back(
       {"ball 642 on plane", [] { return ball(.01, 3); }, plate, 9000,
        [](int k) {

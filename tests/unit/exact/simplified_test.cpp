@@ -74,9 +74,9 @@ TEST(Simplified, CurvedSurfacesStayWithinTheBound) {
     mesh::TriangleMesh mesh;
     double ratio;  ///< of triangles, at most
   };
-  for (const Case& c : {Case{"ground", test::terrain(0.024, 60, 0.0001), 0.5},
-                        Case{"thread", test::bolt(0.005, 32), 0.2},
-                        Case{"cylinder", test::prism(test::circle(0.02, 1500), -0.01, 0.01), 0.3},
+  for (const Case& c : {Case{"ground", test::terrain(0.024, 60, 0.0001), 0.9},
+                        Case{"thread", test::bolt(0.005, 32), 0.25},
+                        Case{"cylinder", test::prism(test::circle(0.02, 1500), -0.01, 0.01), 0.4},
                         Case{"ball", test::ball(0.01, 4), 1.0}}) {
     SCOPED_TRACE(c.name);
     const mesh::TriangleMesh simplified = simple(c.mesh);
