@@ -40,8 +40,24 @@ class BuildProgress(unittest.TestCase):
             "Building CXX object",
         )
         self.assertEqual(
-            [build_progress.is_compiling(line) for line in lines], [True, True, False, False]
+            [build_progress.compiled(line) for line in lines], ["a.o", "b.o", None, None]
         )
+
+    def test_a_unit_weighs_its_sources(self):
+        folder = "tests/runner"
+        source = pathlib.Path(build_progress.__file__)
+        with tempfile.TemporaryDirectory() as build:
+            one = f"{folder}/CMakeFiles/x.dir/{source.name}.o"
+            of_one = build_progress.weight(build, one)
+            self.assertEqual(of_one, build_progress.HEADERS + source.stat().st_size)
+            joined = pathlib.Path(build) / folder / "CMakeFiles/x.dir/Unity/unity_0_cxx.cxx"
+            joined.parent.mkdir(parents=True)
+            joined.write_text(f'#include "{source}"\n#include "{source}"\n')
+            of_two = build_progress.weight(
+                build, f"{folder}/CMakeFiles/x.dir/Unity/unity_0_cxx.cxx.o"
+            )
+            self.assertEqual(of_two, build_progress.HEADERS + 2 * source.stat().st_size)
+            self.assertEqual(build_progress.weight(build, "idl/made.c.o"), build_progress.HEADERS)
 
     def run_in(self, *targets):
         with tempfile.TemporaryDirectory() as folder:
