@@ -28,17 +28,18 @@ ROWS = {
         moves faster than the hand, and makes most of their direction error. The spring of the
         virtual tool has no mass and no damper; facets of the ball's mesh, 642 points, make its
         direction error.""",
-    "D2a": """The hand turns the nut and stays at its height; a spring pulls along the axis. See
-        D2h for the virtual tool.""",
+    "D2a": """The hand turns the nut and stays at its height; a spring pulls along the axis. The
+        virtual tool turns too, but lags behind the hand (D2h).""",
     "D2h": """The hand does not turn. The play is 0.144 mm each way; a thread is skipped if
-        the nut ends more than half a pitch away. For the virtual tool some thousand pairs of
-        features touch at once, more than a frame's limit of work evaluates. The tool stays
-        where it is and gives no force; such frames count as not converged.""",
+        the nut ends more than half a pitch away. In the virtual tool's simplified meshes about
+        a thousand pairs of features touch at once, and a frame's limit of work suffices for a
+        step. The tool comes to rest on the flanks within 20 frames and gives no force until
+        then, which this figure takes for 12 mm; such frames count as not converged.""",
     "D2l": """The nut is pressed down on its flanks and may turn. Flanks of 60° lock from a
         friction of tan(lead angle) cos 30° = 0.0375 on. In MuJoCo it falls by its weight,
         and is locked if it turns by less than 1° in half a second. The mesh has 128 sides a
-        turn: facets of 32 lock it by their own slope. The virtual tool gives no force
-        here, see D2h.""",
+        turn: facets of 32 lock it by their own slope. The virtual tool has more pairs here
+        than in D2h and does not turn.""",
     "C3": """The hand is `pen`. voxtouch starts only what it can certify or what the device
         can show; the other systems know neither and run. At 2,000 N/m none of them swings
         with this device.""",
@@ -57,7 +58,7 @@ SYSTEMS = {
         at points of the tool: an edge that crosses an edge passes between two points (E1),
         and a foil thinner than a voxel has no inside (E2). The virtual tool touches with the
         triangles of its mesh: facets of a ball turn its direction by up to half their angle
-        (C4), and on a thread it lags without force (D2h).""",
+        (C4), and on a thread it lags (D2h).""",
     "Coal": """Exact for a ball, which is a distance to a point. Two meshes give a contact
         for each pair of triangles that meet; their sum by depth is this league's, and deep
         overlaps (E3) and edges (E1, B3p) have pairs that point sideways, or out by the far side
