@@ -79,8 +79,8 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   requested.cutoff_hz = options.cutoff_hz;
   judge(source, node, map, requested);
   map.read("gain_margin", options.gain_margin);
-  map.read("damping_floor", options.damping_floor);
-  map.read("rotation_damping_floor", options.rotation_damping_floor);
+  map.read("min_damping_ratio", options.min_damping_ratio);
+  map.read("rotation_min_damping_ratio", options.rotation_min_damping_ratio);
   map.read("damping_force_ratio", options.damping_force_ratio);
   map.read("stiffness_cap_n_per_m", options.stiffness_cap_n_per_m);
   map.read("stiffness_cap_nm_per_rad", options.stiffness_cap_nm_per_rad);

@@ -23,11 +23,12 @@ std::string_view name_of(HandOption hand) noexcept;
 
 /// Values of the scene file; design_problem.hpp converts them for the designer.
 struct DesignOptions {
-  std::string kind = "auto";   ///< auto | shaping_filter | spring_damper | direct
-  double cutoff_hz = 5.0;      ///< goal, w0 / (2 pi)
-  double gain_margin = 2.0;    ///< >= 1
-  double damping_floor = 0.3;  ///< of translation, with a hand, and a third of it released; 0: none
-  double rotation_damping_floor = 0.0;  ///< likewise
+  std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
+  double cutoff_hz = 5.0;     ///< goal, w0 / (2 pi)
+  double gain_margin = 2.0;   ///< >= 1
+  double min_damping_ratio =
+      0.3;  ///< of translation, with a hand, and a third of it released; 0: none
+  double rotation_min_damping_ratio = 0.0;  ///< likewise
   std::optional<double>
       damping_force_ratio;  ///< as in CouplingSpec; unset: the designer chooses one
   /// Requested caps on the contact's stiffness in W; without both the designer chooses caps.

@@ -103,7 +103,7 @@ void read_timing(const MapReader& map, const FigureReader& read, DeviceDescripti
   d.rate_hz = map.get<double>("rate_hz");
   d.delay_s = read.number("delay_s");
   d.jitter = read.number("jitter");
-  d.lost_in_a_row = static_cast<std::uint32_t>(read.count("lost_in_a_row"));
+  d.consecutive_losses = static_cast<std::uint32_t>(read.count("consecutive_losses"));
 }
 
 }  // namespace

@@ -182,7 +182,7 @@ Json parameter(const effects::EffectParameter& p) {
 }
 
 Json effect_kind(const effects::EffectKind& kind) {
-  Json out = map_of({.meaning = kind.says});
+  Json out = map_of({.meaning = kind.summary});
   for (const effects::EffectParameter& p : kind.parameters) {
     out["properties"][p.name] = parameter(p);
     if (!p.standard)

@@ -46,7 +46,7 @@ std::string validate(const DeviceDescription& d) {
   within("network_delay_s", d.network_delay_s, 0.0, 0.1);
   within("force_bandwidth_hz", d.force_bandwidth_hz, 1e-3, kNoLimit);
   within("jitter", d.jitter, 0.0, 100.0);
-  within("lost_in_a_row", d.lost_in_a_row, 0.0, 1'000.0);
+  within("consecutive_losses", d.consecutive_losses, 0.0, 1'000.0);
   if (wrong.empty() && d.grip != "pen" && d.grip != "arm")
     wrong = "the device's grip must be pen or arm";
   return wrong;

@@ -31,8 +31,9 @@ struct DeviceDescription {
   double orientation_resolution_rad = 0.0;
   double max_stiffness_nm_per_rad = 0.0;  ///< 0 without torque
   double jitter = 0.2;                    ///< the longest sample period is (1 + jitter) / rate_hz
-  std::uint32_t lost_in_a_row = 1;  ///< samples or commands that may be lost one after the other
-  std::string grip = "pen";         ///< how it is usually held: "pen" or "arm"
+  std::uint32_t consecutive_losses =
+      1;                     ///< samples or commands that may be lost one after the other
+  std::string grip = "pen";  ///< how it is usually held: "pen" or "arm"
   std::uint32_t input_dof = 6, output_dof = 3;
   bool simulated = false;  ///< its command acts within the sample's own period; a real device's may
                            ///< leave a period later

@@ -19,9 +19,6 @@ MOST_STRETCHES = 6  # of one fault that are reported one by one
 CONTACT_FAULTS = {
     "FLAG_REFUSED_SAMPLE": "device sample not usable; the last valid one is used",
     "FLAG_FAST": "the tool moved more than half a voxel per sample",
-    "FLAG_CROSSED": (
-        "a wall was crossed in one sample and the tool pushed back (recordings of older releases)"
-    ),
     "FLAG_TUNNELLING_SUSPECTED": "tunnelling suspected: the tool was too fast near the scene",
     "FLAG_NOT_CONVERGED": "virtual tool not converged within the frame",
     "FLAG_NOT_INITIALISED": "virtual tool not initialised: no force displayed",

@@ -193,7 +193,7 @@ DeviceDescription describe_fr3() {
   d.damping_nms_per_rad = 0.1;
   d.coulomb_friction_nm = 0.0;
   d.max_stiffness_nm_per_rad = 300.0;
-  d.lost_in_a_row = 2;
+  d.consecutive_losses = 2;
   d.grip = "arm";
   derive_slew_limits(d);  // of the guard; the torque steps of the joints (TorqueRamp) are smaller
   return d;

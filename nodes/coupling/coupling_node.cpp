@@ -105,11 +105,11 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   }
 
   /// Runs this coupling from now on. If it must not run, the device receives no commands and fades
-  /// its force out. `anew`: start from rest, without the state of the previous coupling.
-  void adopt(device_fit::FittedCoupling fitted, bool anew = false) {
+  /// its force out. `starts_at_rest`: without the state of the previous coupling.
+  void adopt(device_fit::FittedCoupling fitted, bool starts_at_rest = false) {
     if (coupling_.runs() && !fitted.refusal.empty())
       watch_.keep("the new design or plan does not fit the device");
-    TakenUp use{host_.session_in_loop(), host_.next_sample(), anew,
+    TakenUp use{host_.session_in_loop(), host_.next_sample(), starts_at_rest,
                 adopted(fitted, scene_.device, fitting_.device()), coupling_.period_s()};
     coupling_.adopt(use.coupling);
     use.coupling.runs = coupling_.runs();
@@ -133,7 +133,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
     watch_.begin_sample(coupling_.counters());
     msg::ForceCommand command = coupling_.answer(contact);
     if (watch_.latched())
-      command.wrench = {}, command.status |= msg::force_command::kStatusLocked;
+      command.wrench = {}, command.status |= msg::force_command::kStatusFaultLatched;
     return command;
   }
 

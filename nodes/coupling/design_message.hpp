@@ -16,7 +16,7 @@ std::string status_word(const device_fit::FittedCoupling& fitted);
 struct TakenUp {
   std::uint64_t session = 0;
   std::uint64_t from_sample = 0;  ///< the first sample of the session that it may answer
-  bool anew = false;              ///< starts from rest, without the state of the previous coupling
+  bool starts_at_rest = false;    ///< without the state of the previous coupling
   AdoptedCoupling coupling;
   double sample_time_s = 0.0;
 };

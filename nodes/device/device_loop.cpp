@@ -233,7 +233,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample,
   state.buttons = sample.buttons;
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
-                (progress_.latch.latched() ? msg::device_state::kFlagLocked : 0U) |
+                (progress_.latch.latched() ? msg::device_state::kFlagFaultLatched : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseLatched);
   seen_.state = state, seen_.answered = false;

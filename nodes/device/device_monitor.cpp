@@ -177,7 +177,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
   fill(report);
   judge_start(report, status);
   progress_.latch.report_to(report, !ended);
-  status.say(StatusPriority::kLocked, std::exchange(report.message, {}));
+  status.say(StatusPriority::kFaultLatched, std::exchange(report.message, {}));
 }
 
 /// What the check at start found, for a device with a measured file.

@@ -57,7 +57,7 @@ void CouplingReplay::adopt(const device_fit::FittedCoupling& fitted) {
 }
 
 void CouplingReplay::take_up(const coupling_node::TakenUp& design) {
-  if (design.anew)
+  if (design.starts_at_rest)
     coupling_.begin_session(device_.timing);
   coupling_.adopt(design.coupling);
   if (!session_->described_anew)

@@ -211,7 +211,7 @@ class Collector {
   void design(const msg::CouplingDesign& m) {
     designs_.push_back(coupling_node::taken_up(m));
     const coupling_node::AdoptedCoupling& design = designs_.back().coupling;
-    if (!design.runs)
+    if (!design.commands_force)
       return;
     for (const coupling::CouplingIssue& issue :
          coupling::validate(design.spec, design.limits, m.sample_time_s))
@@ -257,7 +257,7 @@ class Collector {
     using namespace msg::effect_changed;
     if (records_changes_)
       return;
-    if (m.result == kResultWaiting || (m.request != 0 && !answered_.insert(m.request).second))
+    if (m.result == kResultPending || (m.request != 0 && !answered_.insert(m.request).second))
       return;
     RecordedChange made;
     if (m.request == 0 && !nameless_.empty()) {

@@ -21,10 +21,12 @@ namespace {
 struct Renamed {
   std::string_view old_name, name;
 };
-constexpr std::array kRenamed{
-    Renamed{"--beside", "--compare-with"}, Renamed{"--damper-share", "--damping-force-ratio"},
-    Renamed{"--grip-harder-at", "--grip-change-time"}, Renamed{"--held", "--gripped"},
-    Renamed{"--let-go-at", "--release-time"}};
+constexpr std::array kRenamed{Renamed{"--beside", "--compare-with"},
+                              Renamed{"--damper-share", "--damping-force-ratio"},
+                              Renamed{"--damping-floor", "--min-damping-ratio"},
+                              Renamed{"--grip-harder-at", "--grip-change-time"},
+                              Renamed{"--held", "--gripped"},
+                              Renamed{"--let-go-at", "--release-time"}};
 
 }  // namespace
 

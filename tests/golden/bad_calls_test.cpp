@@ -51,6 +51,8 @@ TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
 TEST_F(BadCall, WithARenamedOptionNamesTheNewOne) {
   expect_refused({"design", "--held"}, "--held; its name is --gripped");
   expect_refused({"up", "cup", "--let-go-at=2"}, "--let-go-at; its name is --release-time");
+  expect_refused({"design", "--damping-floor", "0"},
+                 "--damping-floor; its name is --min-damping-ratio");
   expect_refused({"report", "bag", "--beside", "bag"}, "--beside; its name is --compare-with");
 }
 

@@ -32,7 +32,7 @@ std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
   std::vector<std::pair<std::string, std::string>> words = {
       {"effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]"},
       {"{design: auto, kind: shaping_filter}",
-       "{design: auto, kind: shaping_filter, damping_force_ratio: 0, damping_floor: 0, "
+       "{design: auto, kind: shaping_filter, damping_force_ratio: 0, min_damping_ratio: 0, "
        "velocity_windows: false}"}};
   if (smooth)
     words.push_back(

@@ -137,7 +137,7 @@ TEST(Up, RefusesARigThatAnswersLate) {
   std::this_thread::sleep_for(milliseconds(250));
   msg::RigClaim held{};
   char host[] = "other";
-  held.host = host, held.state = msg::rig_claim::kStateHeld;
+  held.host = host, held.state = msg::rig_claim::kStateActive;
   std::memcpy(held.participant, participant.guid().data(), participant.guid().size());
   claims.write(held);
   const Finished end = up.wait();

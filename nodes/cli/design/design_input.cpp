@@ -47,8 +47,8 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     problem.hand = scene::operator_range(options, grip);
     hand = input.hand;
   }
-  if (input.damping_floor)
-    problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
+  if (input.min_damping_ratio)
+    problem.goals.floors = coupling::design::floors_of(*input.min_damping_ratio);
   if (input.damping_force_ratio)
     problem.goals.damping_force_ratio = *input.damping_force_ratio;
   if (input.gripped)

@@ -20,7 +20,7 @@ struct DesignInput {
   double cutoff_hz = 5.0, gain_margin = 2.0;
   double stiffness_n_per_m =
       0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
-  std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
+  std::optional<double> min_damping_ratio;  ///< with a hand; none: the scene's, or the standard
   std::optional<double>
       damping_force_ratio;  ///< as CouplingSpec has it; none: the scene's, or the standard
   bool gripped = false, no_damping = false;

@@ -42,7 +42,7 @@ std::string device_lines(const coupling::design::DeviceModel& d) {
       "\n"
       "                {:.4g} Hz, latency {:.3g} ms, jitter {:.0f} %, {} consecutive losses",
       1.0 / d.timing.period_s, d.timing.delay_s * 1e3, d.timing.jitter * 100,
-      d.timing.lost_in_a_row);
+      d.timing.consecutive_losses);
   return text;
 }
 

@@ -223,7 +223,7 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
     out.clock.period_s = clock.period_s;
     out.clock.jitter = std::max(out.clock.jitter, clock.jitter);
     out.clock.loss = std::max(out.clock.loss, clock.loss);
-    out.clock.lost_in_a_row = std::max(out.clock.lost_in_a_row, clock.lost_in_a_row);
+    out.clock.consecutive_losses = std::max(out.clock.consecutive_losses, clock.consecutive_losses);
   }
   out.guard_clamped = device.counts().clamped();
   return out;

@@ -30,7 +30,7 @@ enum class RunFact : std::uint8_t {
   kDisagree,        ///< value: samples; text: the validator's message
   kForeignSamples,  ///< value: samples refused; text: by which node, of which writers
   kForeignRecords,  ///< value: records refused; text: the logger's message
-  kLocked,          ///< value: times
+  kFaultLatched,    ///< value: times
   kTooStiff,        ///< value, bound: displayed and permitted stiffness [N/m]
   kNoSample,
   kNoForce,        ///< text: the device's reason

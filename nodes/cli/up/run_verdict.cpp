@@ -123,7 +123,7 @@ class VerdictRules {
 
   void force() {
     for (const char* node : {"device", "coupling"})
-      put_count(RunFact::kLocked, node, faults::FaultLatch::kCount);
+      put_count(RunFact::kFaultLatched, node, faults::FaultLatch::kCount);
     const double displayed = count("coupling", "stiffness_at_hand_n_per_m"),
                  most = count("coupling", "device_max_stiffness_n_per_m");
     if (most > 0 && displayed > most)

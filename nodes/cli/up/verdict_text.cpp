@@ -55,7 +55,7 @@ std::string sentence(const RunRecord& run, const Found& f) {
     case RunFact::kForeignRecords:
       return fmt::format("{:.0f} records of another writer are not in the recording ({})", f.value,
                          f.text);
-    case RunFact::kLocked:
+    case RunFact::kFaultLatched:
       return fmt::format("the {} latched at zero force {:.0f} times: see its fault records", f.node,
                          f.value);
     case RunFact::kTooStiff:

@@ -74,8 +74,8 @@ PhaseResult predictor_phase(const Options& options);
 /// samples; the longest eight times that.
 void drive(coupling_models::NonlinearLoop& loop, double displayed, double max_effort,
            coupling_models::Random& random);
-/// Jitter within +- `jitter`, 1 to 3 % loss of at most `lost_in_a_row`, quantisation, a wall that
-/// only pushes, any of the laws.
+/// Jitter within +- `jitter`, 1 to 3 % loss of at most `consecutive_losses`, quantisation, a wall
+/// that only pushes, any of the laws.
 void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopTiming& timing,
              double resolution, coupling_models::Random& random);
 

@@ -71,7 +71,7 @@ void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopT
   loop.resolution = resolution;
   loop.jitter = timing.jitter;
   loop.loss = random.uniform(0.01, 0.03);
-  loop.most_lost_in_a_row = timing.lost_in_a_row;
+  loop.most_consecutive_losses = timing.consecutive_losses;
   loop.measured_period = random.chance(0.5);
   loop.seed = random.next();
 }
@@ -102,7 +102,7 @@ std::string describe(const coupling_models::NonlinearLoop& l,
       c.injected_damping, c.velocity_filter_rad_per_s, c.velocity_window, l.slow_velocity_rad_per_s,
       l.velocity_band, l.contact_stiffness, name_of(l.wall), l.wall_knee, l.resolution,
       l.coulomb_friction, l.max_effort, l.jitter, l.measured_period, l.delay_jitter_s, l.loss,
-      l.most_lost_in_a_row, l.damping_only_in_contact, l.push, l.start_speed, l.duration_s,
+      l.most_consecutive_losses, l.damping_only_in_contact, l.push, l.start_speed, l.duration_s,
       l.longest_s, l.seed, v.early_amplitude, v.late_amplitude, v.quiet, v.simulated_s);
 }
 

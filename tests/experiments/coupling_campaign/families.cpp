@@ -55,7 +55,7 @@ DeviceDescription draw_device(Random& random) {
                                             : random.log_uniform(30.0, 300.0);
   d.max_force_n = pen ? random.log_uniform(3.0, 30.0) : random.log_uniform(20.0, 150.0);
   d.max_stiffness_n_per_m = random.log_uniform(500.0, 8000.0);
-  d.jitter = 0.2, d.lost_in_a_row = random.chance(0.5) ? 1 : 0;
+  d.jitter = 0.2, d.consecutive_losses = random.chance(0.5) ? 1 : 0;
   if (random.chance(0.3)) {
     d.output_dof = 6;
     d.max_torque_nm = 0.05 * d.max_force_n;

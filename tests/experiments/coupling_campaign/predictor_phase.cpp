@@ -64,7 +64,7 @@ PhaseResult predictor_phase(const Options& options) {
       continue;
     loop.contact_stiffness = critical / margin;
     coupling::design::LoopTiming timing = member.device.timing;
-    timing.lost_in_a_row = 1;
+    timing.consecutive_losses = 1;
     disturb(loop, timing, member.device.translation.resolution, random);
     loop.loss = 0.01;
     drive(loop, loop.contact_stiffness, member.device.translation.max_effort, random);

@@ -113,17 +113,17 @@ class LoopRun {
     if (d.silence_s > 0.0 && disturbed() && time_ < d.at_s + d.silence_s)
       return true;
     return loop_.loss > 0.0 && random_.chance(loop_.loss) &&
-           lost_in_a_row_ < loop_.most_lost_in_a_row;
+           consecutive_losses_ < loop_.most_consecutive_losses;
   }
   void measure() noexcept {
     ++statistics_.samples;
     if (loses()) {
-      ++statistics_.lost, ++lost_in_a_row_;
+      ++statistics_.lost, ++consecutive_losses_;
       statistics_.longest_loss =
-          std::max(statistics_.longest_loss, static_cast<std::uint64_t>(lost_in_a_row_));
+          std::max(statistics_.longest_loss, static_cast<std::uint64_t>(consecutive_losses_));
       return;
     }
-    lost_in_a_row_ = 0;
+    consecutive_losses_ = 0;
     const double noise = loop_.measurement_noise > 0.0
                              ? random_.uniform(-loop_.measurement_noise, loop_.measurement_noise)
                              : 0.0;
@@ -132,7 +132,8 @@ class LoopRun {
   double faded(double effort) noexcept {
     if (loop_.fade_after_lost <= 0)
       return effort;
-    const double step = lost_in_a_row_ > loop_.fade_after_lost ? -1.0 / kFadeOutS : 1.0 / kFadeInS;
+    const double step =
+        consecutive_losses_ > loop_.fade_after_lost ? -1.0 / kFadeOutS : 1.0 / kFadeInS;
     weight_ = std::clamp(weight_ + step * loop_.plant.period_s, 0.0, 1.0);
     return weight_ * effort;
   }
@@ -185,7 +186,7 @@ class LoopRun {
   double measured_ = 0.0, applied_ = 0.0, error_ = 0.0, weight_ = 1.0, most_work_ = 0.0,
          time_ = 0.0;
   double last_period_ = loop_.plant.period_s;
-  int lost_in_a_row_ = 0;
+  int consecutive_losses_ = 0;
 };
 
 }  // namespace voxtouch::coupling_models

@@ -26,7 +26,8 @@ struct LoopDisturbance {
   double stiffness_factor = 1.0;  ///< the contact's stiffness becomes this many times itself,
   double stiffness_ramp_s = 0.0;  ///< linearly within this time
   double more_delay_s = 0.0;      ///< added to the delay from then on; may be negative
-  double silence_s = 0.0;  ///< all samples of this time are lost, whatever `most_lost_in_a_row`
+  double silence_s =
+      0.0;  ///< all samples of this time are lost, whatever `most_consecutive_losses`
 };
 
 /// Everything of one run. Zero is "none" for all that can be none.
@@ -48,7 +49,7 @@ struct NonlinearLoop {
   double delay_jitter_s =
       0.0;  ///< added to the delay, uniformly; an effort that newer ones have overtaken is dropped
   double loss = 0.0;  ///< chance that a sample is lost; its input is held and the filter goes on
-  int most_lost_in_a_row = 3;
+  int most_consecutive_losses = 3;
   int fade_after_lost =
       0;  ///< more lost in a row than this: effort fades out within kFadeOutS; 0: never
   bool damping_only_in_contact =

@@ -26,7 +26,7 @@ TEST(Restarts, SumCountsAndKeepTheFirstSampleAndExtremes) {
                              {"first_sample", {3, "sample number"}},
                              {"disagree", {2, "samples"}},
                              {"written", {50, "messages"}},
-                             {"locks", {1, "times"}},
+                             {"fault_latches", {1, "times"}},
                              {"most_residual_m", {0.5, "m"}},
                              {"stiffness_at_hand_n_per_m", {900, "N/m"}},
                              {"design_gain", {0.4, "1"}}});
@@ -43,7 +43,7 @@ TEST(Restarts, SumCountsAndKeepTheFirstSampleAndExtremes) {
   EXPECT_EQ(value(all, "first_sample"), 3);
   EXPECT_EQ(value(all, "disagree"), 2) << "a disagreement is not forgotten";
   EXPECT_EQ(value(all, "written"), 55);
-  EXPECT_EQ(value(all, "locks"), 1) << "of the earlier process alone";
+  EXPECT_EQ(value(all, "fault_latches"), 1) << "of the earlier process alone";
   EXPECT_EQ(value(all, "most_residual_m"), 0.5);
   EXPECT_EQ(value(all, "stiffness_at_hand_n_per_m"), 900);
   EXPECT_EQ(value(all, "design_gain"), 0.6) << "as it runs now";

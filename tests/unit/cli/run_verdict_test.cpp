@@ -138,8 +138,8 @@ INSTANTIATE_TEST_SUITE_P(
              "721 of rendering (process 7 on host) and 3 of ROS 2's /player)"},
         Case{"foreign_descriptions", RunFact::kForeignSamples,
              [](RunRecord& r) { set(r, "rendering", "foreign_samples", 3); }, "3 samples"},
-        Case{"a_lock", RunFact::kLocked, [](RunRecord& r) { set(r, "coupling", "locks", 1); },
-             "the coupling latched"},
+        Case{"a_fault_latch", RunFact::kFaultLatched,
+             [](RunRecord& r) { set(r, "coupling", "fault_latches", 1); }, "the coupling latched"},
         Case{"a_node_killed", RunFact::kNodeEnded,
              [](RunRecord& r) {
                r.events.push_back({RunFact::kNodeEnded, "rendering", 137});

@@ -102,7 +102,7 @@ TEST(MinimumDampingRatio, WinsOverStiffnessAndReportsItsCost) {
   EXPECT_GE(damped.translation.gain_margin, 2.0 - 1e-9) << "with the certificates of any design";
   EXPECT_EQ(damped.status, DesignStatus::kStiffnessReduced);
   ASSERT_FALSE(damped.reasons.empty());
-  EXPECT_NE(damped.reasons.front().find("gripped 0.3); damping_floor: 0"), std::string::npos)
+  EXPECT_NE(damped.reasons.front().find("gripped 0.3); min_damping_ratio: 0"), std::string::npos)
       << damped.reasons.front();
 }
 

@@ -88,7 +88,7 @@ TEST(PublishedExample, LightlyDampedRobotGetsDamping) {
 TEST(Stylus, VelocityWindowsRaiseItsStiffness) {
   DesignProblem r = stylus();
   r.device.translation.inertia_min = r.device.translation.inertia_max = 0.045;
-  r.device.timing.lost_in_a_row = 1;
+  r.device.timing.consecutive_losses = 1;
   r.goals = {}, r.goals.free_cap = true;  // as a scene that asks for nothing
   const Design d = designed(r);
   EXPECT_EQ(d.spec.kind, "direct");

@@ -60,7 +60,7 @@ inline coupling::design::DesignProblem sim_stylus() {
   r.device.name = "sim-phantom";
   r.device.translation.inertia_min = 0.035, r.device.translation.inertia_max = 0.08;
   r.device.translation.max_stiffness = 800.0;
-  r.device.timing.lost_in_a_row = 1;
+  r.device.timing.consecutive_losses = 1;
   r.goals.force_layer_depth_m = 0.004;
   return r;
 }
@@ -76,7 +76,7 @@ inline coupling::design::DesignProblem sim_arm() {
   o.resolution = 1e-4;
   o.max_effort = 15.0, o.max_stiffness = 300.0,
   o.effort_bandwidth_hz = r.device.translation.effort_bandwidth_hz;
-  r.device.timing.lost_in_a_row = 1;
+  r.device.timing.consecutive_losses = 1;
   r.hand.rotation = kWrist;
   r.contact = {100.0, 4000.0};
   r.contact_rotation = {0.5, 30.0};
@@ -95,7 +95,7 @@ inline coupling::design::DesignProblem random_request(Random& random) {
   t.resolution = random.log(1e-6, 63e-6);
   r.device.timing.period_s = random.log(0.25e-3, 4e-3);
   r.device.timing.delay_s = r.device.timing.period_s * random.uniform(0.0, 4.0);
-  r.device.timing.lost_in_a_row = random.below(3);
+  r.device.timing.consecutive_losses = random.below(3);
   r.hand.translation.may_release = random.chance(0.7);
   r.hand.translation.any_passive = random.chance(0.1);
   r.contact.all_points = light ? random.log(20.0, 5000.0) : random.log(100.0, 16000.0);

@@ -382,7 +382,7 @@ TEST(Design, RefusesInvalidNumbers) {
     r.device.translation.inertia_min = 1e-9;
   });
   refused(stylus(), "longest delay",
-          [](DesignProblem& r) { r.device.timing.lost_in_a_row = 1000; });
+          [](DesignProblem& r) { r.device.timing.consecutive_losses = 1000; });
   refused(stylus(), "contact.all_points",
           [](DesignProblem& r) { r.contact.all_points = kInfinity; });
   refused(stylus(), "contact.one_point", [](DesignProblem& r) { r.contact.one_point = 2000.0; });

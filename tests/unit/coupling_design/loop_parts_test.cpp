@@ -72,7 +72,7 @@ TEST(LoopParts, NameFieldValueAndRuleOfEveryImpossibleNumber) {
       {"timing.delay_s is -0.001;", [](auto& d) { d.timing.delay_s = -0.001; }},
       {"timing.delay_s is 0.3;", [](auto& d) { d.timing.delay_s = 0.3; }},
       {"timing.jitter is nan;", [](auto& d) { d.timing.jitter = kNan; }},
-      {"timing.lost_in_a_row is -1;", [](auto& d) { d.timing.lost_in_a_row = -1; }},
+      {"timing.consecutive_losses is -1;", [](auto& d) { d.timing.consecutive_losses = -1; }},
   };
   for (const DeviceFault& fault : faults) {
     DeviceModel device = good_device();

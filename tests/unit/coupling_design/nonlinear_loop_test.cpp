@@ -180,7 +180,8 @@ TEST(NonlinearLoop, DivergesAtATooStiffBilateralWall) {
 
 TEST(NonlinearLoop, AppliesTheRequestedJitterLossAndDelay) {
   coupling_models::NonlinearLoop loop = literal_recipe();
-  loop.jitter = 0.2, loop.loss = 0.05, loop.most_lost_in_a_row = 2, loop.delay_jitter_s = 2.5e-3;
+  loop.jitter = 0.2, loop.loss = 0.05, loop.most_consecutive_losses = 2,
+  loop.delay_jitter_s = 2.5e-3;
   loop.duration_s = loop.longest_s = 400.0;
   const coupling_models::LoopStatistics s = coupling_models::simulate(loop).statistics;
   EXPECT_EQ(s.samples, 400'000u);
@@ -300,7 +301,7 @@ TEST(NonlinearLoop, BoundedDamperNeedsItsOwnCertificate) {
   loop.damping_only_in_contact = true, loop.push = 2.985384978940393,
   loop.start_speed = 0.092972250067355822;
   loop.jitter = 0.2, loop.measured_period = true, loop.delay_jitter_s = 0.00011042098195988705;
-  loop.loss = 0.026423134074208952, loop.most_lost_in_a_row = 3;
+  loop.loss = 0.026423134074208952, loop.most_consecutive_losses = 3;
   loop.duration_s = 10.579033722208118, loop.longest_s = 84.632269777664945,
   loop.seed = 10502131564318940975U;
   EXPECT_TRUE(coupling_models::simulate(loop).stable);
@@ -327,7 +328,7 @@ TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
             loop.plant.hand_stiffness = stiffness;
           loop.contact_stiffness = displayed, loop.wall = coupling_models::WallLaw::kUnilateral;
           loop.resolution = 3e-5, loop.jitter = 0.2, loop.loss = 0.03,
-          loop.most_lost_in_a_row = lost;
+          loop.most_consecutive_losses = lost;
           loop.damping_only_in_contact = runs % 3 > 0, loop.measured_period = runs % 2 > 0;
           loop.push = 0.3, loop.start_speed = 0.2, loop.duration_s = 4.0,
           loop.seed = 40U + static_cast<unsigned>(++runs);

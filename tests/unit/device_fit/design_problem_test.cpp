@@ -93,7 +93,7 @@ TEST(DesignProblem, CarriesEveryRequestOfTheScene) {
   scene::Scene s = scaled_scene();
   s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5,
   s.design->inject_damping = false, s.design->velocity_windows = false;
-  s.design->damping_floor = 0.15, s.design->rotation_damping_floor = 0.06,
+  s.design->min_damping_ratio = 0.15, s.design->rotation_min_damping_ratio = 0.06,
   s.design->damping_force_ratio = 0.2;
   s.design->hand = scene::HandOption::kAnyPassive;
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});

@@ -76,7 +76,7 @@ auto numbers_of(const DeviceDescription& d) {
       d.damping_ns_per_m, d.coulomb_friction_n, d.position_resolution_m, d.delay_s,
       d.force_bandwidth_hz, d.inertia_min_kg_m2, d.inertia_max_kg_m2, d.damping_nms_per_rad,
       d.coulomb_friction_nm, d.orientation_resolution_rad, d.max_stiffness_nm_per_rad, d.jitter,
-      d.lost_in_a_row, d.grip, d.input_dof, d.output_dof, d.model);
+      d.consecutive_losses, d.grip, d.input_dof, d.output_dof, d.model);
 }
 
 TEST_P(DriverContract, KeepsItsDescriptionAfterOpening) {

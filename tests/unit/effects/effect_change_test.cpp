@@ -37,7 +37,7 @@ class Push final : public Effect {
 
 const EffectKind kPush = {
     .name = "push",
-    .says = "",
+    .summary = "",
     .equations = "",
     .parameters = kPushParameters,
     .needs =

@@ -45,7 +45,7 @@ struct Seen {
   double cutoff_hz = 0, displayed_n_per_m = 0, damping_ns_per_m = 0;
   std::size_t reasons = 0, notes = 0;
   std::uint64_t from_sample = 0;
-  bool anew = false, runs = false;
+  bool starts_at_rest = false, commands_force = false;
 };
 
 /// Device and rendering of one rig, as far as the coupling sees them.
@@ -183,7 +183,7 @@ class Around {
     designs.take_each([this](const msg::CouplingDesign& d) {
       seen.push_back({d.status, d.kind, d.cutoff_hz, d.displayed_stiffness_n_per_m,
                       d.injected_damping_ns_per_m, d.reasons._length, d.notes._length,
-                      d.from_sample, d.anew, d.runs});
+                      d.from_sample, d.starts_at_rest, d.commands_force});
       for (std::uint32_t n = 0; n < d.notes._length; ++n)
         notes.emplace_back(d.notes._buffer[n]);
     });

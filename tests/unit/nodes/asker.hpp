@@ -65,7 +65,7 @@ class Asker {
       meanwhile();
       take_answers();
       return !said[request].empty() &&
-             said[request].back().result != msg::effect_changed::kResultWaiting;
+             said[request].back().result != msg::effect_changed::kResultPending;
     })) << "none answered "
         << request;
     return said[request].empty() ? Said{} : said[request].back();

@@ -244,7 +244,7 @@ TEST_F(RenderingLive, WaitsForTheNamedSample) {
   EXPECT_EQ(said.result, result::kResultDone) << said.sentence;
   EXPECT_EQ(said.from_sample, at);
   ASSERT_EQ(asker.said[request].size(), 2U);
-  EXPECT_EQ(asker.said[request][0].result, result::kResultWaiting);
+  EXPECT_EQ(asker.said[request][0].result, result::kResultPending);
   samples(20);
   for (const msg::ContactState& c : seen)
     if (c.sequence_number < at)
@@ -391,7 +391,7 @@ TEST_F(RenderingLive, ChecksEarlierChangesWhenADeviceComes) {
 TEST_F(RenderingLive, DropsPendingChangesTheDeviceCannotBear) {
   const std::uint64_t waits =
       asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
-  EXPECT_EQ(asker.first_word(waits).result, result::kResultWaiting);
+  EXPECT_EQ(asker.first_word(waits).result, result::kResultPending);
   begin(5);
   samples(400);
   refused(asker.last_word(waits, [this] { sample(); }), kStands);
@@ -447,7 +447,7 @@ TEST_F(RenderingLive, ReportsPendingChangesAtOnceWithTheirDelay) {
   EXPECT_EQ(done.result, result::kResultDone) << done.sentence;
   EXPECT_EQ(done.from_sample, asker.said[far].back().from_sample) << "in order";
   const Said waits = asker.said[behind].front();
-  EXPECT_EQ(waits.result, result::kResultWaiting);
+  EXPECT_EQ(waits.result, result::kResultPending);
 }
 
 TEST_F(RenderingLive, ContinuesAfterAnInvalidDescription) {

@@ -46,7 +46,7 @@ TEST(DesignMessage, CarriesAllCouplingParameters) {
   EXPECT_EQ(back.coupling.limits.coulomb_friction_n, use.coupling.limits.coulomb_friction_n);
   EXPECT_EQ(back.coupling.limits.delay_s, use.coupling.limits.delay_s);
   EXPECT_EQ(back.coupling.limits.force_lag_s, use.coupling.limits.force_lag_s);
-  EXPECT_TRUE(back.anew && back.coupling.runs);
+  EXPECT_TRUE(back.starts_at_rest && back.coupling.runs);
   EXPECT_TRUE(differences(use.coupling, back.coupling).empty());
 }
 

@@ -217,7 +217,7 @@ TEST_F(DeviceLoopRun, LatchesForTooLargeCommandsUntilReset) {
     if (n == 1800) {
       runtime::NodeReport report;
       progress.latch.report_to(report);
-      number = std::stoull("0" + report.values["lock"]);
+      number = std::stoull("0" + report.values["fault_latch"]);
       commanded_n = 2.0;
       progress.latch.reset(number + 1);
     }
@@ -227,8 +227,8 @@ TEST_F(DeviceLoopRun, LatchesForTooLargeCommandsUntilReset) {
   EXPECT_EQ(run(3500), End::kFinished);
   EXPECT_NE(number, 0U);
   EXPECT_GT(largest(50, 1700), 0.5) << "it had begun to push, and it is cut to the limit";
-  EXPECT_EQ(largest(1750, 1999), 0.0) << "no force, and no word for another lock helps";
-  EXPECT_LT(largest(2000, 2100), 1.0) << "it ramps in";
+  EXPECT_EQ(largest(1750, 1999), 0.0) << "no force: another number does not reset it";
+  EXPECT_LT(largest(2000, 2100), 1.0) << "ramps in";
   EXPECT_GT(largest(3000, 3500), 1.5);
 }
 

@@ -32,7 +32,7 @@ effects::EffectKind idle_kind(std::string_view name,
                               std::span<const effects::EffectParameter> parameters,
                               effects::EffectBound (*bound)(const effects::EffectValues&)) {
   return {.name = name,
-          .says = "",
+          .summary = "",
           .equations = "",
           .parameters = parameters,
           .needs = [](const effects::EffectValues&) { return effects::EffectNeeds{}; },
@@ -281,7 +281,7 @@ TEST(SceneUpdateServer, ChecksTheTransitionOfTwoChanges) {
 TEST(SceneUpdateServer, ChecksTheTransitionOfTwoPendingChanges) {
   UpdateServer on(paste(), stylus());
   EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result,
-            result::kResultWaiting);
+            result::kResultPending);
   const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused)
       << "2 * 9 Ns/m may be displayed before the fraction is down";
