@@ -10,8 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kCancelledEvery = 50ms;
-constexpr double kOtherGeometryM =
-    0.01;  // the robot's own calibration is within millimetres of the nominal arm
+constexpr double kOtherGeometryM = 0.01;  // calibrated and nominal arm differ by millimetres
 
 std::chrono::nanoseconds seconds(double s) {
   return std::chrono::nanoseconds(std::llround(s * 1e9));
@@ -147,7 +146,7 @@ void Fr3Driver::first_state() {
     reply_without_force();
 }
 
-/// Compares the robot's own pose of its end effector with the geometry of this driver.
+/// Compares the robot's pose of its end effector with the geometry of this driver.
 void Fr3Driver::compare_geometry() const {
   const Vec3 ours = posture_.flange.position + posture_.flange.orientation * state_.ee_in_flange;
   const double apart = (ours - state_.ee_in_base).norm();

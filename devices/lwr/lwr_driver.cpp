@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint64_t kGapPeriods =
     5;  // after a longer gap a difference of positions is not the present velocity
-constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
+constexpr double kBeyondLimitRad = 0.05;  // the arm's stops are within this of its limits
 
 std::int64_t wall_ns() noexcept {
   timespec now{};

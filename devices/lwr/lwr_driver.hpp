@@ -34,7 +34,7 @@
 
 namespace voxtouch::lwr {
 
-/// Description of an arm whose controller sends every `period_s`.
+/// Description of an arm whose controller sends at intervals of `period_s`.
 DeviceDescription describe_lwr(double period_s);
 
 /// Errors of `read`: kTimeout (no new measurement in time, or only outdated ones), kDisconnected

@@ -65,8 +65,8 @@ LwrDriver::LwrDriver(const LwrOptions& options)
 void LwrDriver::connect() {
   const auto start = Clock::now(), deadline = start + seconds(options_.connect_timeout_s);
   received_.store(start, std::memory_order_relaxed);
-  // Without a first position there is nothing to mirror; a measurement of a closed interface ends
-  // an earlier session.
+  // A first position is needed to mirror it; a measurement of a closed interface belongs to an
+  // earlier session.
   for (bool good = false; !good;) {
     const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
     if (options_.cancelled && options_.cancelled->load())

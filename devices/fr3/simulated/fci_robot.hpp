@@ -89,7 +89,7 @@ class FciRobot final : public arm_sim::SimulatedArm {
   const fr3::fci::Dialect* dialect_;
   std::uint64_t ticks_ = 0;
   fr3::fci::State state_;
-  arm::Joints held_rad_;  // position held by the robot's own controller
+  arm::Joints held_rad_;  // position that the robot's controller keeps
   arm::Joints commanded_ = arm::Joints::Zero();
   arm::Joints measured_ =
       arm::Joints::Zero();  // last torque that gave force over the last millisecond

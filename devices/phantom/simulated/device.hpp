@@ -64,7 +64,7 @@ class Device {
   void begin_tick(ErrorStack& errors) noexcept;
   /// Advances the arm by one period, and faults counted in ticks towards their end.
   void end_tick() noexcept;
-  /// Advances the arm under the torque held by the amplifier.
+  /// Advances the arm under the torque that the amplifier holds.
   void advance(int substeps) noexcept;
   /// Sets the substeps of the arm per tick, which is the tick's length. The velocity restarts.
   void set_substeps(int substeps) noexcept;
