@@ -54,9 +54,8 @@ class LiveScene {
   /// Returns the scene that has been replaced, once; null without one.
   BuiltScene* retired() noexcept;
 
-  effects::EffectChain& effects() noexcept {
-    return now_->scene_renderer().effects();
-  }  ///< of the newest scene
+  /// Of the newest scene.
+  effects::EffectChain& effects() noexcept { return now_->scene_renderer().effects(); }
   /// The scene that the hits, normal and model of the last frame belong to.
   BuiltScene& dominant() noexcept { return *dominant_; }
 

@@ -14,11 +14,11 @@ namespace {
 
 using runtime::StatusPriority;
 
-/// Node step of the coupling: answers each contact with a force command.
-/// Its cycle time is bounded by NodeHost::run and by kMaxTakes descriptions and plans. These come
-/// from the bound participants, or from any while none is bound and no force is possible. A fit
-/// takes some tenths of a second. It runs in the loop at the start of a session and, in lockstep,
-/// for a change; in real time a change is fitted in another thread.
+/// Node step of the coupling: answers each contact with a force command. Its cycle time is bounded
+/// by NodeHost::run and by kMaxTakes descriptions and plans. These come from the bound
+/// participants, or from any while none is bound and no force is possible. A fit takes tenths of a
+/// second. The loop fits at the start of a session and, in lockstep, for a change. In real time
+/// another thread fits a change.
 class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCommand> {
  public:
   CouplingNode(const Options& options, const scene::Scene& scene)

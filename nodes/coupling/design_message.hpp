@@ -12,7 +12,7 @@ namespace voxtouch::coupling_node {
 /// "configured" for a manual coupling, otherwise the status of the designer.
 std::string status_word(const device_fit::FittedCoupling& fitted);
 
-/// Where and how a coupling was adopted.
+/// The first sample and the state of an adopted coupling.
 struct TakenUp {
   std::uint64_t session = 0;
   std::uint64_t from_sample = 0;  ///< the first sample of the session that it may answer

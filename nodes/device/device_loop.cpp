@@ -252,8 +252,7 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
   for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
-    // The gate has a rule of its own as a second safeguard: it releases a writer only if that
-    // writer is not followed any longer.
+    // The gate has a second safeguard: it releases a writer only if that writer is not followed.
     if (gate_.writer() && *gate_.writer() != commands_.writer())
       gate_.release_writer();
     const devices::GateVerdict verdict =

@@ -180,7 +180,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
   status.say(StatusPriority::kFaultLatched, std::exchange(report.message, {}));
 }
 
-/// What the check at start found, for a device with a measured file.
+/// The result of the check at start, for a device with a measured file.
 void DeviceMonitor::judge_start(runtime::NodeReport& report, runtime::StatusText& status) {
   if (!start_ && progress_.start_checked.load(std::memory_order_acquire)) {
     start_ = progress_.start_check.findings();

@@ -109,9 +109,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       renderer_.live().finish();
   }
 
-  /// Applies due changes between two samples.
-  /// In lockstep it waits for what the answer to sample `next` needs. That is the plan of a change,
-  /// which readers must receive first, or a scene that is being built.
+  /// Applies due changes between two samples. In lockstep it waits for what sample `next` needs:
+  /// the plan of a change, which readers must receive first, or a scene that is being built.
   void apply_changes(std::uint64_t next, bool at_sample) noexcept {
     const bool lockstep = host_.options().lockstep;
     if (lockstep && at_sample)

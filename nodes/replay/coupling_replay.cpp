@@ -61,7 +61,7 @@ void CouplingReplay::take_up(const coupling_node::TakenUp& design) {
     coupling_.begin_session(device_.timing);
   coupling_.adopt(design.coupling);
   if (!session_->described_anew)
-    compare(design.coupling);  // else the bag does not say what it was fitted to
+    compare(design.coupling);  // otherwise the bag does not contain what it was fitted to
 }
 
 /// This program must make the same of the recorded device and contact.

@@ -7,7 +7,7 @@
 
 namespace voxtouch::replay {
 
-/// While it lives. What is built or judged next to a loop has the usual arithmetic, and is
+/// Active during its lifetime. Code that runs next to a loop uses the default arithmetic, and is
 /// bit-identical only with it.
 class LoopArithmetic {
  public:

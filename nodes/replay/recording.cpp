@@ -52,7 +52,7 @@ constexpr KindOfTopic kKinds[] = {
     {qos::kNodeStatus, Kind::kStatus},    {qos::kExternalSample, Kind::kExternal},
     {qos::kEffectMade, Kind::kMade}};
 
-/// The rig of a topic "/<rig>/<path>", empty where it is none.
+/// The rig of a topic "/<rig>/<path>"; empty for other topics.
 std::string rig_in(const std::string& name, std::string_view path) {
   const std::string end = "/" + std::string(path);
   return name.size() > end.size() + 1 && name.ends_with(end)
@@ -229,8 +229,8 @@ class Collector {
             .voxel_size_m = m.voxel_size_m};
   }
 
-  /// The rendering's own record of what it made: where a bag has this topic nothing else counts, or
-  /// a change would be made once for each topic that it stands on.
+  /// The rendering's record of its changes. If a bag has this topic, the others are ignored, so
+  /// that each change is made once.
   void made(const msg::EffectChange& m) {
     RecordedChange done = requested_by(m);
     done.session = m.session_id, done.from_sample = m.from_sample;
@@ -251,8 +251,8 @@ class Collector {
       nameless_.push_back(std::move(requested));
   }
 
-  /// A change that was requested twice is answered twice and applied once. Without a number of its
-  /// own the answers come in the order of the questions.
+  /// A repeated request is answered twice and applied once. Requests without a number are answered
+  /// in their order.
   void changed(const msg::EffectChanged& m) {
     using namespace msg::effect_changed;
     if (records_changes_)

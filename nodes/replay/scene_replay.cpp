@@ -82,7 +82,7 @@ std::string SceneReplay::reload(const RecordedChange& change) {
         rendering::carried_over(scene_.effects, settled_, next.effects);
     built->scene_renderer().effects() = effects::EffectChain(effects);
     renderer_.live()
-        .finish();  // over, where the bag is whole: the loop takes no scene while another fades in
+        .finish();  // finished, if the bag is complete: the loop accepts no scene during a fade
     renderer_.live().swap_to(*built);
     built_.push_back(std::move(built));
     scene_ = std::move(next), settled_ = std::move(effects);
@@ -98,7 +98,7 @@ void SceneReplay::take_external(const msg::ExternalSample& sample,
   renderer_.take_external(runtime::from_msg(sample.wrench), next);
 }
 
-/// Which of those that were found: the last one, or the one that the recorded answer names.
+/// Selects a result of the search: the last one, or that of the recorded answer.
 void SceneReplay::take_springs(const msg::ContactState* recorded) noexcept {
   if (!recorded) {
     in_use_ = found_.size() - 1;

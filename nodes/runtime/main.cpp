@@ -17,7 +17,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// Options of earlier versions and their current names.
+/// Retired options and their replacements.
 struct Renamed {
   std::string_view old_name, name;
 };

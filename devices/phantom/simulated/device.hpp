@@ -44,9 +44,8 @@ class Device {
   /// Passes the set values to the amplifier. kIllegalEnd: no frame is open.
   phantom::hd::HDerror end_frame(bool servo_runs) noexcept;
   bool frame_open() const noexcept { return frame_open_; }
-  const Frame& current() const noexcept {
-    return current_;
-  }  ///< of this frame, or of the last one if none is open
+  /// Of this frame, or of the last one if none is open.
+  const Frame& current() const noexcept { return current_; }
   /// For set calls; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
   /// Ends an open frame; its set values are lost.

@@ -55,17 +55,14 @@ class PhantomPlant {
   Vec3 tip_velocity() const noexcept {
     return phantom::phantom_jacobian(config_.geometry, joints_) * rates_;
   }
-  const Vec3& motor_torque() const noexcept {
-    return motor_torque_;
-  }  ///< over the last substep, after the limits [Nm]
-  const Vec3& hand_force() const noexcept {
-    return hand_force_;
-  }  ///< at the start of the last substep, without the mass of the hand [N]
+  /// Over the last substep, after the limits [Nm].
+  const Vec3& motor_torque() const noexcept { return motor_torque_; }
+  /// At the start of the last substep, without the mass of the hand [N].
+  const Vec3& hand_force() const noexcept { return hand_force_; }
   /// Force of the last torques at the tip [N]; zero if the arm is stretched.
   Vec3 motor_force() const noexcept;
-  double energy() const noexcept {
-    return dynamics_.energy(joints_, rates_);
-  }  ///< of the arm only [J]
+  /// Of the arm only [J].
+  double energy() const noexcept { return dynamics_.energy(joints_, rates_); }
   const hand::Hand& hand() const noexcept { return hand_; }
   const phantom::PhantomDynamics& dynamics() const noexcept { return dynamics_; }
   const PlantConfig& config() const noexcept { return config_; }

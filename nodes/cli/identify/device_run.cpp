@@ -50,7 +50,7 @@ class GuardedDriver {
       ++sequence_;
     return sample;
   }
-  /// What reached the device.
+  /// Returns the force that reached the device.
   Vec3 write(const Vec3& force, std::int64_t time_ns) noexcept {
     const auto verdict = gate_.accept(kWriter, kSession, sequence_, sequence_);
     guard_.count(verdict);

@@ -17,8 +17,8 @@
 namespace voxtouch::cli {
 namespace {
 
-// Readers are taps: they slow no writer and bear any deadline, but ask for the last value where a
-// topic keeps one.
+// Readers do not slow writers and accept any deadline. They request the last value of a latched
+// topic.
 constexpr std::string_view kCode = R"py(
 
 @dataclass(frozen=True)

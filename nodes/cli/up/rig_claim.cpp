@@ -55,8 +55,8 @@ void RigClaim::announce() {
 
 void RigClaim::take() {
   runtime::NodeRegistry registry(participant_, options_.rig);
-  // Of half a second since it was announced; at least as long as it takes to look twice, for what
-  // came meanwhile lies here.
+  // The rest of half a second since the announcement, and at least two polls, for claims received
+  // meanwhile.
   const std::int64_t left_ms = 500 - (runtime::monotonic_ns() - announced_ns_) / 1'000'000;
   const std::int64_t patience_ms = came_first_ ? 0 : std::max<std::int64_t>(left_ms, 50);
   (void)runtime::look_for(
