@@ -1,5 +1,5 @@
 #pragma once
-/// The one table of services: name, type, who serves, and why.
+/// Table of services: name, type, server, purpose.
 #include <string>
 #include <string_view>
 

@@ -140,7 +140,7 @@ Vec3 ContactStage::latched_direction(Push push, const Hit& hit) const noexcept {
   return push == Push::kShared ? shared_now_ : hit.normal;
 }
 
-/// Selects the force direction of a point that has just gone through.
+/// Selects the force direction of a point that has just passed through.
 ContactStage::Push ContactStage::choose_direction(const HitList& hits,
                                                   const Hit& hit) const noexcept {
   if (shared_.isZero(0.0))
@@ -206,7 +206,7 @@ void ContactStage::returning_point(const HitList& hits, const Hit& hit, const La
   returning_.push_back({hit.point, before.push, left});
 }
 
-/// Latched force of a point that has just gone through.
+/// Latched force of a point that has just passed through.
 ContactStage::LatchedHit ContactStage::gone_through(const HitList& hits,
                                                     const Hit& hit) const noexcept {
   if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size())

@@ -13,7 +13,7 @@ namespace voxtouch::contact {
 struct StageResult {
   ContactResult contact;  ///< The model's result, with blended directions and the forces of latched
                           ///< points added.
-  /// Points have gone through (or just returned): latched depths give force.
+  /// Points have passed through (or just returned): latched depths give force.
   bool latched = false;
   bool fast = false;  ///< some point may have moved more than half a voxel since the last pose
   /// ContactRenderer: fast near the scene, so a wall may have been passed undetected.
@@ -39,13 +39,11 @@ constexpr bool remembers(ContactModelKind model) noexcept {
   return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
 }
 
-/// Blends directions (`adapted` only), latches the depths of points that have gone through, and
-/// sets the fast flag; formulas in laws.md.
-/// If no depth is latched and no direction is blended, the cost per point is a copy of its number.
-/// `field` and memoryless models pass through with the fast flag only. `field` has neither a
-/// fallback to blend nor a layer to go through.
-/// The constructor allocates all memory; `apply` and `reset` are real-time safe. One thread at a
-/// time.
+/// Blends directions (`adapted` only), latches the depths of points that have passed through, and
+/// sets the fast flag; formulas in laws.md. If no depth is latched and no direction is blended, the
+/// cost per point is a copy of its number. `field` and memoryless models set the fast flag only:
+/// `field` has neither a fallback to blend nor a layer to pass through. The constructor allocates
+/// all memory; `apply` and `reset` are real-time safe. One thread at a time.
 class ContactStage {
  public:
   /// Allocates all memory for a shell of `config.points` points.
@@ -66,9 +64,9 @@ class ContactStage {
     return has_last_pose_ ? motion_bound(pose) : 0.0;
   }
 
-  /// For the members of one solid, with disjoint voxels of one grid, so that a point that moves
-  /// from one to the next stays latched. Each adds the memories of the others to the first one's
-  /// and copies that. Call it at most once per frame; `apply` follows. Real-time safe.
+  /// For the members of one solid, with disjoint voxels of one grid: a point that moves from one to
+  /// the next stays latched. Adds the memory of `other` to this one. Once per frame, before
+  /// `apply`: merge all into the first member, then copy that to the others. Real-time safe.
   void merge_memory(const ContactStage& other) noexcept;
   void copy_memory(const ContactStage& other) noexcept;
 

@@ -30,7 +30,7 @@ AxisModel careful(AxisModel m) {
   return m;
 }
 
-/// The mass for which the last pulse covers what it did, without viscous friction:
+/// The mass for which the last pulse covers its measured path, without viscous friction:
 ///
 ///     X = P d^2 / (2 m) (1 + P / (2 Fc + P))
 double mass_by_path(const PulseResult& p, double coulomb_n) {

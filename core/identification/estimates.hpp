@@ -71,7 +71,7 @@ struct AxisFigures {
   }
 };
 
-/// What the stamps and positions of all samples show.
+/// Figures from the stamps and positions of all samples.
 struct ClockFigures {
   double period_s = 0.0;       ///< mean of the periods without a lost sample
   double jitter = 0.0;         ///< largest relative deviation from that mean (99.9 % of periods)

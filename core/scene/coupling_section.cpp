@@ -1,4 +1,4 @@
-/// The scene's section `coupling`: parameters set by hand, or what a design is asked for.
+/// The scene's section `coupling`: manual parameters, or the request for a design.
 #include <fmt/core.h>
 
 #include <array>
@@ -10,8 +10,8 @@
 namespace voxtouch::scene {
 namespace {
 
-/// Refuses the keys with this rule, which do not go with what the scene asks for; `why` completes
-/// "'key' ...".
+/// Refuses the keys with this rule, which contradict the scene's request; `why` completes "'key'
+/// ...".
 void refuse_all(const MapReader& map, KeyRule rule, std::string_view why) {
   for (const Key& key : keys::coupling.keys)
     if (key.rule == rule)

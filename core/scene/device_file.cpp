@@ -64,7 +64,7 @@ class FigureReader {
   DeviceFile& file_;
 };
 
-/// All that is missing in one error: who writes such a file looks for figures once.
+/// Reports all missing figures in one error.
 void require_all(const SceneSource& source, const YamlNode& root, const MapReader& map) {
   std::vector<std::string> missing;
   for (const Key& key : keys::device_file.keys)

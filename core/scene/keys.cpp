@@ -25,7 +25,7 @@ constexpr auto kPose =
 constexpr auto kSphere =
     std::to_array<Key>({{"centre", kVector, kOptional, initial<&SpherePrimitive::centre>, "[m]"},
                         {"radius", kPositive, kRequired, kNone, "[m]"}});
-// A region has no place of its own to be centred at, where a part of a mesh has.
+// A region has no default centre, unlike a part of a mesh.
 constexpr auto kRegionSphere = std::to_array<Key>(
     {{"centre", kVector, kRequired, kNone, "[m]"}, {"radius", kPositive, kRequired, kNone, "[m]"}});
 constexpr auto kBox = joined(

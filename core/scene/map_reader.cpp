@@ -48,7 +48,7 @@ bool is_not_finite_word(std::string text) {
   return text == "inf" || text == "infinity" || text == "nan";
 }
 
-/// Keys and values of earlier scenes, and their names.
+/// Retired keys and values with their replacements.
 struct Renamed {
   std::string_view old_name, name;
 };

@@ -16,8 +16,7 @@ void derive_slew_limits(DeviceDescription& d) noexcept {
 
 std::string validate(const DeviceDescription& d) {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-  constexpr double kMostRate =
-      1e15;  // finite: what is derived from a figure that overflowed is not
+  constexpr double kMostRate = 1e15;  // finite: values derived from an overflow are not
   std::string wrong;
   const auto within = [&](std::string_view name, double value, double least, double most) {
     if (wrong.empty() && !(value >= least && value <= most))  // NaN is not within
