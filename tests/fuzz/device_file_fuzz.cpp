@@ -1,5 +1,5 @@
-// Device files for the coupling's designer: text to numbers that the design's own entrance takes,
-// or a sentence.
+// Device files for the coupling's designer: text to numbers that the design's checks accept, or a
+// sentence.
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/device_fit/design_problem.hpp"

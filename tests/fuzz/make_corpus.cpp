@@ -1,6 +1,5 @@
-// make_corpus FOLDER: a few good inputs of every fuzz target, by the project's own writers where it
-// has some. Inputs that a fuzzer has found stand next to them under names that begin with `found_`;
-// this leaves them alone.
+// make_corpus FOLDER: some valid inputs of every fuzz target, written by the project's writers
+// where possible. Inputs found by a fuzzer are stored there as `found_*` and are not changed.
 #include <array>
 #include <cstdio>
 #include <filesystem>

@@ -16,7 +16,7 @@ const std::string kScene = (kData / "scenes/sphere__cylinder__exact.yaml").strin
 const std::string kPoses = (kVectors / "poses/sphere__cylinder__exact.csv").string();
 const std::string kMesh = (kVectors / "meshes/sphere.obj").string();
 
-/// `says`: what the sentence must hold, so that a person knows which of the arguments was wrong.
+/// `says`: part of the sentence that identifies the wrong argument.
 void expect_refused(const std::vector<std::string>& arguments, const std::string& says) {
   const Finished run = voxtouch(arguments);
   std::string call;
@@ -144,7 +144,7 @@ TEST(Environment, WithAFaultyDomainOnlyStopsWhatJoinsOne) {
   }
 }
 
-/// DDS's own line stands in the sentence, with the setting to change.
+/// The sentence includes DDS's message and the setting to change.
 TEST(Environment, OfDdsThatDoesNotStartNamesTheCause) {
   struct Case {
     const char* configuration;

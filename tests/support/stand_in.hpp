@@ -1,6 +1,5 @@
 #pragma once
-/// What stands in for a node of the ring: a participant with a status, so that the others take it
-/// for what it plays.
+/// Replaces a node of the ring: a participant with a status, which the others accept as that node.
 #include <cstring>
 #include <string>
 #include <utility>
@@ -49,7 +48,7 @@ struct StandInUp {
   bus::Writer<msg::RigClaim> claims;
 };
 
-/// A small stylus, simulated; its strings live for ever.
+/// A small simulated stylus; its strings have static lifetime.
 inline msg::DeviceDescription stylus(std::uint64_t session) {
   static char model[] = "stylus", grip[] = "pen";
   msg::DeviceDescription m{};

@@ -1,7 +1,7 @@
-/// stability_families: designed loops of random devices on walls, by family of contact; what
-/// swings, by how much, and which run it was.
-/// `--family corner --only 17 --seed 1` runs one of them again. A run goes on until its last third
-/// is at rest, for 40 s at most. Exit status 1 where a run swings by 0.2 N or more.
+/// stability_families: designed loops of random devices on walls, by family of contact; counts and
+/// amplitudes of oscillations, with the run. `--family corner --only 17 --seed 1` repeats one run.
+/// A run lasts until its last third is at rest, for 40 s at most. Exit status 1 if a run oscillates
+/// by 0.2 N or more.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -31,8 +31,8 @@ using long_runs::LoopWall;
 using long_runs::WallLoop;
 using long_runs::WallLoopOptions;
 
-/// In the last three the hand goes on: to and fro in and out of contact, as a tremor, over
-/// textures. None is a swing.
+/// In the last three the hand keeps moving: in and out of contact, with tremor, over textures. None
+/// counts as an oscillation.
 constexpr std::array kFamilies{"one_wall", "gentle", "blow",   "slot_tight", "slot_clear",
                                "corner",   "lever",  "timing", "cycle_wall", "cycle_slot",
                                "strokes",  "tremor", "texture"};
@@ -146,7 +146,7 @@ bool hand_goes_on(const std::string& family) {
 
 Vec3 turned_z(double angle) { return {std::sin(angle), 0.0, std::cos(angle)}; }
 
-/// Walls, motion and what else makes the family.
+/// Walls, motion and other parts of the family.
 void set_up(const std::string& family, Random& random, const coupling::design::Design& design,
             WallLoopOptions& o) {
   const double cap = design.translation.displayed_stiffness,
@@ -189,8 +189,8 @@ void set_up(const std::string& family, Random& random, const coupling::design::D
                {.normal = turned_z(-lean),
                 .n_per_m = random.chance(0.5) ? rigid : cap * random.log_uniform(0.1, 1000.0)}};
     m.path = {Vec3(0, 0, 3e-3), Vec3(0.3 * depth * random.uniform(-1.0, 1.0), 0, -depth)};
-  } else if (family == "strokes") {  // the hand goes to and fro in contact, out of it and in, with
-                                     // tremor: no swing
+  } else if (family ==
+             "strokes") {  // strokes in contact and out of it, with tremor: not an oscillation
     m.path = {-random.uniform(-1.0, 0.8) * depth * wall.normal, -depth * wall.normal};
     m.repeat_from = 0, m.hold_s = 0.0;
     m.speed_m_per_s = (m.path[0] - m.path[1]).norm() * random.log_uniform(1.0, 10.0);
@@ -310,7 +310,7 @@ Result run(const Choice& choice) {
   return r;
 }
 
-/// The damping ratio of the device at which a run comes to rest.
+/// The damping ratio of the device from which a run comes to rest.
 double damping_that_ends(Choice choice) {
   for (const double ratio : {0.01, 0.02, 0.05, 0.1, 0.2}) {
     choice.damping = ratio;

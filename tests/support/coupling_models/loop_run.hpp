@@ -1,5 +1,5 @@
 #pragma once
-/// One simulated run, sample by sample; nonlinear_loop.cpp decides how long and what it means.
+/// One simulated run, sample by sample; nonlinear_loop.cpp sets its duration and evaluates it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace voxtouch::coupling_models {
 
-/// Efforts that are under way to the device, by time of arrival, counted from the current sample.
+/// Pending efforts, by time of arrival at the device, counted from the current sample.
 class PendingEfforts {
  public:
   struct Effort {
@@ -20,8 +20,7 @@ class PendingEfforts {
   };
   static constexpr std::size_t kMaxEfforts = 256;
 
-  /// The newest effort; those that would arrive after it have been overtaken and are dropped. Their
-  /// number.
+  /// Adds the newest effort; drops those that would arrive after it, and returns their number.
   std::uint64_t send(double in_s, double value) noexcept {
     std::uint64_t dropped = 0;
     for (; size_ > 0 && at(size_ - 1).in_s >= in_s; --size_)
@@ -54,7 +53,7 @@ struct Range {
   double width() const noexcept { return high > low ? high - low : 0.0; }
 };
 
-/// What a stretch of the run has seen.
+/// Figures of a stretch of the run.
 struct Stretch {
   Range position, effort;
   void add(const Stretch& s) noexcept { position.add(s.position), effort.add(s.effort); }

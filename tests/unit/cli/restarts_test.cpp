@@ -1,4 +1,4 @@
-// What a node did in all its processes, on reports that are made up.
+// Figures of a node over all its processes, on synthetic reports.
 #include "nodes/cli/up/restarts.hpp"
 
 #include <gtest/gtest.h>
@@ -57,8 +57,7 @@ TEST(Restarts, HaveNoFirstSampleWithoutAnAnswer) {
   EXPECT_EQ(value(all, "first_sample"), 2500);
 }
 
-/// A bound is an extreme of its own process: the larger one must not excuse what the other process
-/// gave away.
+/// A bound is an extreme of one process: the larger one must not excuse the other process's debt.
 TEST(Restarts, KeepTheWorseEnergyAccountWithItsOwnBound) {
   const auto account = [](double lowest_j, double bound_j) {
     return with({{"samples", {10, "samples"}},

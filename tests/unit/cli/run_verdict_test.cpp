@@ -147,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(
              "rendering ended by signal 9"}),
     [](const auto& one) { return std::string(one.param.name); });
 
-/// Two reasons for one thing hide what is to be done.
+/// Two reasons for one fault would hide the remedy.
 TEST(RunVerdict, KilledNodeNeedsNoFinalReport) {
   RunRecord run = good_run();
   run.reports["rendering"].state = NodeState::kRunning;

@@ -34,7 +34,7 @@ double impulse(double d, double t) {
 
 TEST(FilterShape, ClosedFormsEqualBruteForceIntegration) {
   for (const double d : kRatios) {
-    // Simpson over pieces that end where h changes its sign.
+    // Simpson over pieces that end at sign changes of h.
     const double wave = d < 0.9 ? std::numbers::pi / std::sqrt(1.0 - d * d) : 1.0;
     const double end = 40.0 * (d < 1.0 ? 1.0 / d : 2.0 * d);
     double overshoot = 0.0, lag = 0.0;
@@ -181,7 +181,7 @@ TEST(LinearPassive, EqualsTheReference) {
     const double expected = c["k_any_passive_human"];
     const double found = linear_passive_stiffness_filter(c["w0"], c["d"], c["b"],
                                                          ideal(c["T"], c["delay"]), c["force_lag"]);
-    // The reference's own search is up to 1.6e-4 low where the largest lag is that at standstill.
+    // The reference's search is up to 1.6e-4 low if the largest lag is that at standstill.
     EXPECT_NEAR(found / expected, 1.0, 2e-4) << c["note"];
     worst = std::max(worst, std::abs(found / expected - 1.0));
     ++rows;

@@ -34,7 +34,7 @@ HandRange good_hand() {
 }
 
 struct DeviceFault {
-  const char* begins;  ///< of the one sentence that must come
+  const char* begins;  ///< of the expected sentence
   std::function<void(DeviceModel&)> plant;
 };
 
@@ -108,7 +108,7 @@ TEST(LoopParts, NameEveryImpossibleNumberOfAHand) {
     ASSERT_EQ(found.size(), 1u) << begins;
     if (std::string(begins).find("stiffness_min is 900") == std::string::npos) {
       EXPECT_EQ(found[0].substr(0, std::string(begins).size()), begins);
-    } else {  // the pair is wrong: said of the larger one
+    } else {  // the pair is wrong: reported for the larger one
       EXPECT_TRUE(found[0].starts_with("stiffness_max is 800;") &&
                   found[0].contains("stiffness_min") && found[0].contains("900"))
           << found[0];

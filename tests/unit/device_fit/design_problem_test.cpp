@@ -42,7 +42,7 @@ coupling::design::DeviceModel arm() {
   return d;
 }
 
-/// What the hand feels of a spring in W, through the mapping that the ring uses.
+/// A spring in W as displayed at the hand, through the ring's mapping.
 TEST(HandScales, AreWhatTheDeviceMappingDoes) {
   scene::WorkspaceMapping spec;
   spec.position_scale = 4, spec.force_scale = 0.5;

@@ -1,5 +1,5 @@
 #pragma once
-/// Device and rendering of one rig, as far as a coupling node sees them, and what it answers.
+/// Device and rendering of one rig, as a coupling node receives them, and its answers.
 #include <unistd.h>
 
 #include <filesystem>
@@ -23,7 +23,7 @@ namespace voxtouch::test::around_coupling {
 using std::chrono::milliseconds;
 inline constexpr double kDepth = 1e-3, kStiffness = 200.0, kForce = kStiffness * kDepth;
 
-/// plane.yaml with another coupling, as a file of its own.
+/// plane.yaml with another coupling, as a temporary file.
 inline std::string scene_with(const std::string& coupling) {
   std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   std::string line, text;
@@ -51,7 +51,7 @@ struct Seen {
 /// Device and rendering of one rig, as far as the coupling sees them.
 class Around {
  public:
-  /// `claimed`: the ring is one of `voxtouch up`, whose claim is to be written.
+  /// `claimed`: the ring belongs to a `voxtouch up`, whose claim is to be written.
   explicit Around(const std::string& coupling, bool lockstep = false, bool claimed = false)
       : rig(own_rig("c")),
         device(kDomain, "device", rig),
@@ -99,7 +99,7 @@ class Around {
     descriptions.write(m);
     device.say(7);
   }
-  /// What the effects demand, next to the contact.
+  /// Requirements of the effects, in addition to the contact.
   struct Demand {
     double damping_ns_per_m, least_n_per_m;
     std::string torque;
@@ -138,7 +138,8 @@ class Around {
     m.external_place = runtime::lend(none);
     return m;
   }
-  /// Force stops within some samples, and the node says why; `text` stands in its sentence.
+  /// Force stops within some samples, and the node reports the reason; `text` is part of its
+  /// sentence.
   void expect_no_force(const std::string& text) {
     EXPECT_TRUE(wait_until([&] {
       touch();

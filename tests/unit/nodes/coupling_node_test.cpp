@@ -1,5 +1,4 @@
-// The coupling node alone: what it designs, when it designs anew, and which numbers of a device it
-// refuses.
+// The coupling node alone: its designs, the causes of a new design, and refused device properties.
 #include <gtest/gtest.h>
 
 #include <algorithm>

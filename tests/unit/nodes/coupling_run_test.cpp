@@ -1,5 +1,5 @@
-// The coupling node alone, once it is designed: contacts that come twice or out of order, and the
-// lock at zero force.
+// The coupling node alone, after its design: duplicated and reordered contacts, and the fault
+// latch.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 namespace voxtouch::test::around_coupling {
 namespace {
 
-/// Such a number may be forged with the rendering's own GUID, which DDS without security cannot
-/// tell from the rightful one.
+/// Such a number may be forged with the rendering's GUID, which DDS without security cannot
+/// distinguish from the authorised one.
 TEST(CouplingNode, AcceptsContactsAfterAForgedNumber) {
   Around a("{design: auto}");
   a.describe(20.0), a.plan();
@@ -24,8 +24,8 @@ TEST(CouplingNode, AcceptsContactsAfterAForgedNumber) {
   EXPECT_TRUE(a.force_comes()) << a.message();
 }
 
-/// DDS makes a write anew that it could not end in time, and who had it already has it twice.
-/// Answered twice, the filter would be a step ahead.
+/// DDS repeats a write that did not complete in time, so a reader may receive it twice. Answered
+/// twice, the filter would be a step ahead.
 TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
   Around a("{design: auto}", true);
   a.describe(20.0), a.plan();
@@ -42,7 +42,7 @@ TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
   EXPECT_EQ(a.forces.size(), 50U);
 }
 
-/// A contact that pushes only on the way out, harder each time.
+/// A contact with force only on the way out, larger each time.
 TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
   Around a("{kind: shaping_filter, cutoff_hz: 20}");
   bus::Writer<msg::Recover> person(a.participant, qos::kRecover, a.rig,
@@ -79,8 +79,8 @@ TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
   EXPECT_EQ(latch(), 0U);
 }
 
-/// Strokes that each give energy: the port as a whole gives more than five times what a sound
-/// contact may show.
+/// Strokes that each supply energy: the port as a whole supplies more than five times the bound of
+/// a sound contact.
 TEST(CouplingNode, LatchesIfThePortGivesEnergy) {
   Around a("{kind: shaping_filter, cutoff_hz: 20}");
   a.describe(20.0), a.plan();

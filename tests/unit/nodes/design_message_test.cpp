@@ -8,7 +8,7 @@
 namespace voxtouch::coupling_node {
 namespace {
 
-/// Every field has a value of its own, which none has by default.
+/// Every field has a different value, none its default.
 TakenUp distinct() {
   TakenUp use{7, 812, true, {}, 0.0013};
   auto& [kind, cutoff, ratio, gain, c, r, cap, cap_rotation, injected, injected_rotation, filter,

@@ -1,4 +1,5 @@
-// Who plays a role: whose status counts, whom a reader follows, and who is named.
+// Role bindings: which status counts, which writer a reader follows, and which participant is
+// named.
 #include "nodes/runtime/role_binding.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
 
 class RoleTest : public testing::Test {
  protected:
-  /// Time for what was written to come.
+  /// Waits for written samples to arrive.
   void settle() {
     for (int i = 0; i < 20; ++i)
       update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -141,7 +142,7 @@ TEST(RigRoles, WritesAGuidAsTextAndReadsItBack) {
 TEST_F(RoleTest, IsUnboundAndNamesBothConflictingClaimants) {
   auto first = std::make_unique<Coupling>(rig);
   Coupling second(rig);
-  registry.update();  // none looks while they come
+  registry.update();  // not polled while they arrive
   first->say(7), second.say(7);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   update();
@@ -216,7 +217,7 @@ TEST_F(RoleTest, AcceptsOnlyItsHolderAndNamesOthers) {
   foreign.sequence_number = 666;
   real.command(1);
   for (int i = 0; i < 10'000; ++i)
-    other->write(foreign);  // one history for all, if it were asked for
+    other->write(foreign);  // one history for all, if it were requested
   ASSERT_TRUE(comes([&] { return role.refused() > 100; }));
   ASSERT_TRUE(wait_until([&] { return commands.take(taken); })) << "pushed out by the foreign ones";
   EXPECT_EQ(taken.sequence_number, 1U);
@@ -349,7 +350,7 @@ TEST_F(RoleTest, RosterRefusesOversizedTextsAndForgetsGoneNodes) {
   })) << "only a child's last word is kept";
 }
 
-/// A status with one thing in it that no node's own has.
+/// A status with one property that no real node has.
 struct Unlikely {
   const char* what;
   std::size_t name = 4, values = 0, figures = 0, key = 3, value = 3, unit = 1;
@@ -451,7 +452,7 @@ TEST_F(RoleTest, RosterForgetsVanishedNodesAfterAWhile) {
   EXPECT_TRUE(comes([&] { return registry.hung().empty(); })) << "after 10 s";
 }
 
-/// A coupling in lockstep with a device and a rendering, which speak as long as the test wants.
+/// A coupling in lockstep with a device and a rendering, which send as long as the test needs.
 class LockstepPeers : public testing::Test {
  protected:
   LockstepPeers() {
