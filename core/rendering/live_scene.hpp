@@ -45,7 +45,7 @@ class LiveScene {
   /// Sets the wrench that the effect `external` of every scene follows from the next sample on.
   void external_is(const effects::ExternalWrench& newest) noexcept;
   /// The hand may be anywhere in the next sample; see SceneRenderer.
-  void lose_tool() noexcept;
+  void reset_virtual_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
   /// Ends a fade at once, when no session runs and no force is displayed.
   void finish() noexcept;

@@ -70,7 +70,7 @@ class SceneRenderer {
   /// Samples were missing for longer than the last one is repeated, so the hand may be anywhere. A
   /// virtual tool is placed at the hand if that is in free space; otherwise it stays in place.
   /// Real-time safe.
-  void lose_tool() noexcept {
+  void reset_virtual_tool() noexcept {
     if (constrained_)
       constrained_->lose_hand();
     series_.lose();

@@ -36,8 +36,9 @@ def measured_by(text):
 
 
 def design(program, file):
-    """What `voxtouch design --json` says; exit status 1 means that nothing holds, which is an
-    answer too.
+    """Output of `voxtouch design --json`; exit status 1 means that nothing can be certified, which
+    is a valid result too.
+
     """
     run = subprocess.run(
         [program, "design", "--device", file, "--json"],

@@ -45,7 +45,7 @@ import subprocess
 import sys
 import warnings
 
-sys.dont_write_bytecode = True  # next to the program stand sources, and nothing else
+sys.dont_write_bytecode = True  # only sources are stored next to the program
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from plot_accuracy import accuracy_figure, page_figure  # noqa: E402
 from plot_design import design_figure  # noqa: E402
@@ -63,7 +63,7 @@ ENDINGS = {
 
 # -------------------- files
 def check_picture(picture, endings=tuple(ENDINGS)):
-    """Ends with a sentence where a picture cannot be drawn, or not be written there."""
+    """Exits with a sentence if a picture cannot be drawn or written there."""
     if picture.suffix.lower() not in endings:
         allowed = "{} or {}".format(", ".join(endings[:-1]), endings[-1]).removeprefix(" or ")
         sys.exit(f"{picture}: valid file extensions: {allowed}.")
@@ -135,14 +135,12 @@ def read_json(file, verb):
 
 # -------------------- report
 def report_progress(fraction):
-    """For who started this and waits: a line that is no part of what is said in the end."""
+    """Progress for the calling program: not part of the final output."""
     print(f"progress {100.0 * fraction:.0f}", file=sys.stderr, flush=True)
 
 
 def write_report(bag, page, compared=None, rig="", progress=lambda fraction: None):
-    """Writes a run's page; says what it holds. Of what goes wrong a sentence, whatever stands in
-    the bag.
-    """
+    """Writes a run's page; prints its content. Errors are sentences, for any content of the bag."""
     progress(0.0)
     import run_page
     from bag_data import BagError
@@ -170,7 +168,7 @@ def write_report(bag, page, compared=None, rig="", progress=lambda fraction: Non
 
 # -------------------- command
 class Version(argparse.Action):
-    """As the program says that this tool stands next to."""
+    """The name of the program next to this tool."""
 
     def __call__(self, parser, *unused):
         program = pathlib.Path(sys.argv[0]).parent / "voxtouch"

@@ -12,7 +12,7 @@ from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 
-ARGUMENTS = {  # name: (default, what it is); an empty one is left to `voxtouch up`
+ARGUMENTS = {  # name: (default, meaning); an empty one is left to `voxtouch up`
     "scene": ("cup", "scene file, or the name of one that comes with voxtouch"),
     "device": ("", "haptic device"),
     "motion": ("", "what the simulated hand does"),
@@ -27,7 +27,7 @@ def ring(context):
     command = ["voxtouch", "up", value["scene"]]
     for name in OPTIONS:
         command += [f"--{name}", value[name]] if value[name] else []
-    # Humble lays out the messages by which tools know nodes otherwise than every later ROS 2.
+    # In Humble the messages that list nodes have another layout than in later ROS 2 releases.
     command += ["--ros", "humble" if os.environ.get("ROS_DISTRO") == "humble" else "iron"]
     # A ring stops in order, device first: it is given the time for it.
     return [

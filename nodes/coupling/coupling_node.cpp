@@ -109,8 +109,8 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   void adopt(device_fit::FittedCoupling fitted, bool starts_at_rest = false) {
     if (coupling_.runs() && !fitted.refusal.empty())
       watch_.keep("the new design or plan does not fit the device");
-    TakenUp use{host_.session_in_loop(), host_.next_sample(), starts_at_rest,
-                adopted(fitted, scene_.device, fitting_.device()), coupling_.period_s()};
+    Adoption use{host_.session_in_loop(), host_.next_sample(), starts_at_rest,
+                 adopted(fitted, scene_.device, fitting_.device()), coupling_.period_s()};
     coupling_.adopt(use.coupling);
     use.coupling.runs = coupling_.runs();
     const std::optional<device_fit::ForcePreview> preview = fitting_.preview(fitted);

@@ -67,7 +67,7 @@ std::string status_word(const device_fit::FittedCoupling& fitted) {
                          : "configured";
 }
 
-void write_coupling(const TakenUp& use, msg::CouplingDesign& m) {
+void write_coupling(const Adoption& use, msg::CouplingDesign& m) {
   const coupling::CouplingSpec& spec = use.coupling.spec;
   m.session_id = use.session;
   m.from_sample = use.from_sample;
@@ -87,8 +87,8 @@ void write_coupling(const TakenUp& use, msg::CouplingDesign& m) {
   m.sample_time_s = use.sample_time_s;
 }
 
-TakenUp taken_up(const msg::CouplingDesign& m) {
-  TakenUp use{m.session_id, m.from_sample, m.starts_at_rest, {}, m.sample_time_s};
+Adoption adoption_of(const msg::CouplingDesign& m) {
+  Adoption use{m.session_id, m.from_sample, m.starts_at_rest, {}, m.sample_time_s};
   use.coupling.runs = m.commands_force;
   use.coupling.spec.kind = m.kind ? m.kind : "";
   for (const SpecNumber& one : kSpecNumbers)
@@ -131,7 +131,7 @@ std::vector<std::string> differences(const AdoptedCoupling& recorded, const Adop
 }
 
 void publish_design(bus::Writer<msg::CouplingDesign>& writer,
-                    const device_fit::FittedCoupling& fitted, const TakenUp& use,
+                    const device_fit::FittedCoupling& fitted, const Adoption& use,
                     const std::string& external) {
   const coupling::design::Design& design = fitted.design;
   const std::string status = status_word(fitted);

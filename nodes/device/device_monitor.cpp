@@ -158,7 +158,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
     late_peer_ = find_late_peer(registry);
   const bool running = progress_.started_ns.load() != 0, ended = end != End::kNone;
   report.session_id = session;
-  report.partners = peers_.participants();
+  report.lockstep_peers = peers_.participants();
   report.state = !ended ? (running ? NodeState::kRunning : NodeState::kReady)
                         : (end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                          : NodeState::kFailed);

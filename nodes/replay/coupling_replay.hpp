@@ -38,7 +38,7 @@ class CouplingReplay {
   device_fit::FittedCoupling fit(const rendering::StiffnessBounds& bounds,
                                  const device_fit::SceneRequirements& demand) const;
   void adopt(const device_fit::FittedCoupling& fitted);
-  void take_up(const coupling_node::TakenUp& design);
+  void adopt(const coupling_node::Adoption& design);
   void compare(const coupling_node::AdoptedCoupling& recorded);
 
   const scene::Scene& scene_;

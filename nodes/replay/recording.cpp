@@ -143,7 +143,7 @@ class Collector {
                             return one.second.state.has_value();
                           })->second;
       out_.lockstep = (first.state->flags & msg::device_state::kFlagLockstep) != 0;
-      for (coupling_node::TakenUp& design : designs_)
+      for (coupling_node::Adoption& design : designs_)
         if (design.session == session.id)
           session.designs.push_back(std::move(design));
     }
@@ -209,9 +209,9 @@ class Collector {
   }
 
   void design(const msg::CouplingDesign& m) {
-    designs_.push_back(coupling_node::taken_up(m));
+    designs_.push_back(coupling_node::adoption_of(m));
     const coupling_node::AdoptedCoupling& design = designs_.back().coupling;
-    if (!design.commands_force)
+    if (!design.runs)
       return;
     for (const coupling::CouplingIssue& issue :
          coupling::validate(design.spec, design.limits, m.sample_time_s))
@@ -299,7 +299,7 @@ class Collector {
   std::map<std::uint64_t, DeviceDescription> devices_;
   std::map<std::uint64_t, std::vector<std::byte>> described_;  ///< the first description's bytes
   std::set<std::uint64_t> anew_, answered_;
-  std::vector<coupling_node::TakenUp> designs_;
+  std::vector<coupling_node::Adoption> designs_;
   std::map<std::uint64_t, RecordedChange> requests_;  ///< by request
   std::deque<RecordedChange> nameless_;
   std::uint64_t doubled_ = 0;

@@ -51,7 +51,7 @@ struct RecordedSession {
   std::map<std::uint64_t, RecordedSample> samples{};  ///< by sequence number
   std::optional<DeviceDescription> device{};          ///< the first that it was described as
   bool described_anew = false;
-  std::vector<coupling_node::TakenUp> designs{};  ///< in the order that they were taken up
+  std::vector<coupling_node::Adoption> designs{};  ///< in the order that they were taken up
 };
 
 struct Recording {

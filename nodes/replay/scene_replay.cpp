@@ -5,7 +5,7 @@
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/rendering/effect_action.hpp"
-#include "nodes/replay/loop_arithmetic.hpp"
+#include "nodes/replay/flush_denormals_guard.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/scene_build/build_here.hpp"
 
@@ -94,7 +94,7 @@ std::string SceneReplay::reload(const RecordedChange& change) {
 
 void SceneReplay::take_external(const msg::ExternalSample& sample,
                                 const msg::DeviceState& next) noexcept {
-  const LoopArithmetic arithmetic;
+  const FlushDenormalsGuard arithmetic;
   renderer_.take_external(runtime::from_msg(sample.wrench), next);
 }
 
@@ -117,7 +117,7 @@ void SceneReplay::take_springs(const msg::ContactState* recorded) noexcept {
 
 msg::ContactState SceneReplay::answer(const msg::DeviceState& state,
                                       const msg::ContactState* recorded) noexcept {
-  const LoopArithmetic arithmetic;
+  const FlushDenormalsGuard arithmetic;
   take_springs(recorded);
   return renderer_.answer(state);
 }

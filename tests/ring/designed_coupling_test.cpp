@@ -123,9 +123,9 @@ TEST_P(DesignedCoupling, TouchesTheCupWithinItsEnergyBound) {
   // `hit` rests on the wall from about 2.9 to 5.4 s; a tool released at 4.2 s comes to rest at any
   // place.
   if (std::string(c.motion) == "hit" || !c.hand.empty()) {
-    const bool let_go = !c.hand.empty() && c.hand.front() == "--release-time";
-    if (std::string(c.motion) == "hit" || let_go) {
-      const std::size_t from = let_go ? 5500 : 4300, to = let_go ? 6000 : 5300;
+    const bool released = !c.hand.empty() && c.hand.front() == "--release-time";
+    if (std::string(c.motion) == "hit" || released) {
+      const std::size_t from = released ? 5500 : 4300, to = released ? 6000 : 5300;
       const double left_m = peak_to_peak(r.position, from, to);
       EXPECT_LE(left_m, c.encoder_step_m * 1.001) << "in samples " << from << " to " << to;
       RecordProperty("oscillation_m", std::to_string(left_m));

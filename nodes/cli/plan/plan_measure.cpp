@@ -214,7 +214,7 @@ class Measurement {
   void slide(int n, PlanTimes& out) {
     rendering::SceneRenderer& renderer = built_.scene_renderer();
     if (!path_.leads())
-      renderer.lose_tool();
+      renderer.reset_virtual_tool();
     rendering::SceneFrame frame;
     rendering::ToolState hand;
     for (const rendering::ToolState& next : path_.lead(n))

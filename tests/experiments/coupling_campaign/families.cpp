@@ -86,7 +86,7 @@ struct Result {
   std::uint64_t slewed = 0;
   DeviceDescription device;
   double mass_kg = 0.0;
-  bool direct = false, virtual_tool = false, let_go = false;
+  bool direct = false, virtual_tool = false, released = false;
 };
 
 /// Least and largest of position and force, a tenth of a second at a time.
@@ -301,7 +301,7 @@ Result run(const Choice& choice) {
   d.damping_ns_per_m += choice.damping * 2.0 * std::sqrt(o.device.mass_kg.x() * r.promise_n_per_m);
   r.device = o.designed_for, r.mass_kg = o.device.mass_kg.x();
   r.direct = o.kind == "direct", r.virtual_tool = o.virtual_tool;
-  r.let_go = std::isfinite(o.hand.release_time_s);
+  r.released = std::isfinite(o.hand.release_time_s);
   WallLoop loop(o, design);
   simulate(loop, o, name, r);
   const auto& swing = loop.counters().swing;
@@ -370,7 +370,7 @@ void print_run(const Choice& c, const Result& r) {
              r.mass_kg, d.damping_ns_per_m, d.coulomb_friction_n, 1e3 * d.position_resolution_m,
              d.rate_hz, 1e3 * d.delay_s, 1e3 / (2.0 * std::numbers::pi * d.force_bandwidth_hz),
              r.direct ? "direct" : "filter", r.virtual_tool ? ", rigid" : "",
-             r.let_go ? ", released" : ", held", r.promise_n_per_m * d.position_resolution_m);
+             r.released ? ", released" : ", held", r.promise_n_per_m * d.position_resolution_m);
 }
 
 struct Request {

@@ -259,9 +259,9 @@ TEST(NonlinearLoop, DampingInContactNeverPulls) {
   loop.duration_s = loop.longest_s = 0.2;
   const coupling_models::NonlinearVerdict pulled = coupling_models::simulate(loop);
   loop.damping_only_in_contact = true;
-  const coupling_models::NonlinearVerdict let_go = coupling_models::simulate(loop);
-  EXPECT_LT(let_go.end_position, pulled.end_position - 1e-3);
-  EXPECT_LE(let_go.energy_extracted_j, 0.5 * 200.0 * 0.005 * 0.005 * 1.01);
+  const coupling_models::NonlinearVerdict released = coupling_models::simulate(loop);
+  EXPECT_LT(released.end_position, pulled.end_position - 1e-3);
+  EXPECT_LE(released.energy_extracted_j, 0.5 * 200.0 * 0.005 * 0.005 * 1.01);
 }
 
 TEST(NonlinearLoop, NeverPullsAtAnySpeed) {

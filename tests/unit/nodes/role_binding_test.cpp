@@ -461,7 +461,7 @@ class LockstepPeers : public testing::Test {
     coupling.emplace(own, "coupling", options,
                      [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
                        session.report_to(report, options, registry, links, "", true);
-                       partners = report.partners.size();
+                       peers = report.lockstep_peers.size();
                      });
   }
   /// Time passes in which `speaking` give signs of life; until it is over or the coupling has lost
@@ -478,14 +478,14 @@ class LockstepPeers : public testing::Test {
         within);
   }
   bool starts() {
-    return wait_until([&] { return device->say(7), rendering->say(7), partners == 3; });
+    return wait_until([&] { return device->say(7), rendering->say(7), peers == 3; });
   }
 
   const std::string rig = own_rig("peers");
   runtime::NodeOptions options;
   bus::Participant own{{kDomain, "lo", "coupling"}};
   runtime::Session session;
-  std::atomic<std::size_t> partners{0};
+  std::atomic<std::size_t> peers{0};
   std::optional<StandIn> device{std::in_place, kDomain, "device", rig},
       rendering{std::in_place, kDomain, "rendering", rig};
   const std::vector<runtime::Link> links{
@@ -520,8 +520,7 @@ TEST_F(LockstepPeers, ExcludeOtherSessionsUnlinkedAndNamesakes) {
       namesake(kDomain, "coupling", rig);
   of_another.say(8), unlinked.say(7), namesake.say(7);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  ASSERT_TRUE(wait_until([&] { return device->say(7), rendering->say(7), partners >= 3; }))
-      << partners;
+  ASSERT_TRUE(wait_until([&] { return device->say(7), rendering->say(7), peers >= 3; })) << peers;
   EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "these fell silent before the start";
 }
 

@@ -87,7 +87,7 @@ TEST(SceneUpdateServer, DoesNotDelayANewSession) {
       [&](std::uint64_t session) {
         last = session, waiting = true;
         EXPECT_TRUE(wait_until([&] { return go_on.load(); }))
-            << "device_is waits for the update server";
+            << "set_device waits for the update server";
       });
   const auto begin = [&](std::uint64_t session) {
     server.set_device(std::make_unique<rendering_node::DescribedDevice>(

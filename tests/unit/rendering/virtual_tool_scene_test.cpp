@@ -138,7 +138,7 @@ TEST(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
   clutched.clutched = true;
   EXPECT_GT(clutch.hold(clutched, 300).object.position.z(), 0.0095);
   EXPECT_GT(clutch(at(0.0)).wrench.force.z(), 2.8);
-  loss.live.lose_tool();
+  loss.live.reset_virtual_tool();
   EXPECT_LT(loss(at(0.0)).wrench.force.z(), 0.05) << "it fades in";
   const SceneFrame after = loss.hold(at(0.0), 250);
   EXPECT_FALSE(after.tool.not_initialised);
@@ -151,7 +151,7 @@ TEST(VirtualToolScene, RestartsInFreeSpaceAfterLossOrSession) {
   Rig loss(scene_of()), session(scene_of());
   for (Rig* rig : {&loss, &session})
     ASSERT_GT(rig->press(0.0).wrench.force.z(), 2.8);
-  loss.live.lose_tool();
+  loss.live.reset_virtual_tool();
   EXPECT_EQ(loss(at(-0.05)).object.position, at(-0.05).pose.position) << "below the block";
   session.live.reset();
   EXPECT_TRUE(session(at(0.0)).tool.not_initialised);
@@ -269,7 +269,7 @@ TEST(VirtualToolScene, FramesUseNoHeap) {
   EXPECT_EQ(test::heap_count_of([&] {
               for (int i = 0; i < 200; ++i)
                 rig(at(0.0, 0.003 + 5e-5 * i));
-              rig.live.lose_tool();
+              rig.live.reset_virtual_tool();
               rig.live.set_spring_target(100.0);
               rig(at(0.0));
               rig(at(0.03));
