@@ -82,7 +82,7 @@ def bad_paths(root, folder, words):
 
 
 def bad_script_options(root, words):
-    """Options of a script of the repository: its own text must know them."""
+    """Options of a script of the repository: its text must contain them."""
     script = root / words[0] if words else root
     if script.is_file() and words[0].split("/")[0] in TOP:
         text = script.read_text(encoding="utf-8", errors="replace")
@@ -92,7 +92,7 @@ def bad_script_options(root, words):
 
 
 class Programs:
-    """What is built, or would be, and what it says of itself."""
+    """Built programs, or targets, and their --help."""
 
     def __init__(self, folder):
         self.folder = folder

@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Builds targets of a CMake build folder with Ninja; reports what there is to do and the remaining
+"""Builds targets of a CMake build folder with Ninja; prints the number of steps and the remaining
 time. `deploy/build` calls it.
 
 usage: build_progress.py BUILD TARGET...
 
-The remaining time is a rate: the time of the steps that compile, by the number of those left. Links
-and copies are left out, since they take a fiftieth of it. Exit status: that of the build.
+The remaining time follows from the rate of the compile steps and the number left. Links and copies
+are excluded, since they take a fiftieth of it. Exit status: that of the build.
+
 """
 
 import os

@@ -35,7 +35,7 @@ MOST = 5  # more have a cause that is not the machine's load
 
 
 def listing(build):
-    """All tests, as ctest knows them."""
+    """All tests, from ctest."""
     command = ["ctest", "--test-dir", str(build), "--show-only=json-v1"]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)[
         "tests"
@@ -77,8 +77,9 @@ def all_cases(build):
 
 
 def run_cases(build, expected):
-    """Runs what a filter of GoogleTest names, in every program that has it. True if something ran
+    """Runs the cases of a GoogleTest filter, in every program that has them. True if something ran
     and nothing failed.
+
     """
     parts = [
         re.compile("".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in part))
@@ -105,8 +106,9 @@ def run_cases(build, expected):
 
 
 def named_in(output):
-    """Cases of GoogleTest that failed by what a program has said; where it ended in the middle, the
-    one that ran then.
+    """Cases of GoogleTest that failed according to a program's output; if it ended early, the case
+    that ran then.
+
     """
     failed = list(
         dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE))
@@ -121,7 +123,7 @@ def named_in(output):
 
 
 def failures(junit):
-    """Name and output of each test that failed or was not run for want of one that failed."""
+    """Name and output of each test that failed or was not run because of one that failed."""
     if not junit.exists():
         return {}
     cases = xml.parse(junit).getroot().iter("testcase")
@@ -138,7 +140,7 @@ def failures(junit):
 
 
 def known_seconds(build):
-    """Seconds that each test took in earlier runs of this build folder, as ctest keeps them."""
+    """Seconds of each test in earlier runs of this build folder, from ctest."""
     file = build / "Testing/Temporary/CTestCostData.txt"
     lines = file.read_text(encoding="utf-8").split("\n---")[0].splitlines() if file.exists() else []
     found = (re.fullmatch(r"(.*) (\d+) ([\d.eE+-]+)", line) for line in lines)

@@ -78,7 +78,7 @@ def family(root):
         try:
             text = pathlib.Path(entry.path, "stat").read_text()
         except OSError:
-            continue  # gone meanwhile
+            continue  # ended meanwhile
         pid, rest = int(entry.name), text[text.rindex(")") + 2 :].split()
         parents[pid], names[pid] = int(rest[1]), text[text.index("(") + 1 : text.rindex(")")]
     found, grown = {root}, True
@@ -92,7 +92,7 @@ def family(root):
 
 
 def look(pid):
-    """Resident memory [kB] and CPU time [s] of a process; None if it has gone."""
+    """Resident memory [kB] and CPU time [s] of a process; None if it has ended."""
     try:
         pages = int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1])
         text = pathlib.Path(f"/proc/{pid}/stat").read_text()
@@ -104,8 +104,9 @@ def look(pid):
 
 
 def places(pid):
-    """Resident memory by what it is of [kB]: the main heap; files; stack; all else (the heaps of
-    threads, buffers, threads' stacks).
+    """Resident memory by kind [kB]: the main heap; files; stack; the rest (the heaps of threads,
+    buffers, threads' stacks).
+
     """
     sums = {}
     try:
@@ -134,9 +135,7 @@ def places(pid):
 
 
 class Watch:
-    """What was seen at each line of `up`: samples so far, force, contacts so far, and each
-    process.
-    """
+    """State at each line of `up`: samples so far, force, contacts so far, and each process."""
 
     def __init__(self, root, samples):
         self.root, self.samples, self.rows, self.reported = root, samples, [], -1

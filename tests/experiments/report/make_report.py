@@ -340,7 +340,8 @@ def experiments(page, build, out, quick):
 # -------------------- figure 12
 def first_touch(force):
     """Of a force [N] at 1 kHz: the largest of the first 100 ms of the first contact, and the mean
-    45 to 55 ms after it; None where nothing is touched.
+    45 to 55 ms after it; None without contact.
+
     """
     begin = next((i for i, f in enumerate(force) if f > 0.02), len(force))
     if begin + 160 > len(force):
@@ -545,7 +546,7 @@ def accuracy(page, build, out, quick):
 
 
 def commit_name():
-    """The commit that is measured; empty where there is no git, or no repository."""
+    """The measured commit; empty without git, or without a repository."""
     try:
         return subprocess.run(
             ["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True
@@ -586,7 +587,7 @@ def main():
         before = time.monotonic()
         try:
             step(page, a.build, a.out, a.quick)
-        except Exception as error:  # the page shows what failed, and the other parts
+        except Exception as error:  # the page shows the failure, and the other parts
             page.fail(name, f"{type(error).__name__}: {error}")
         spent.append(f"{name} {time.monotonic() - before:.0f} s")
     commit = commit_name()

@@ -36,7 +36,8 @@ IDL = pathlib.Path(__file__).resolve().parents[3] / "idl"
 
 
 def types_of_idl():
-    """Of our messages, as a person gives them who has a workspace: sqlite3 bags hold none."""
+    """Definitions of our messages, as provided by a user with a workspace: sqlite3 bags have
+    none."""
     types = {}
     for file in sorted((IDL / "msg").glob("*.msg")):
         types |= get_types_from_msg(file.read_text(), f"voxtouch_msgs/msg/{file.stem}")
@@ -46,9 +47,7 @@ def types_of_idl():
 
 
 def by_rosbags(bag, is_mcap):
-    """How many messages of each topic, every one of them decoded; of an MCAP by the definitions
-    that stand in it.
-    """
+    """Number of messages of each topic, all decoded; for an MCAP with the definitions in it."""
     store = get_typestore(Stores.ROS2_HUMBLE)
     with Reader(bag) as reader:
         types = {}
@@ -162,7 +161,7 @@ def judge(bin_folder, bag, is_mcap, lockstep, killed):
         counts = by_rosbags(bag, is_mcap)
         if is_mcap and (other := by_mcap(bag)) != counts:
             faults.append(f"mcap reads {dict(other)}, rosbags {dict(counts)}")
-    except Exception as error:  # whatever a reader of others does is what is asked here
+    except Exception as error:  # any failure of a foreign reader is a result
         faults.append(f"a reader fails: {type(error).__name__}: {error}")
     status, output = replayed(bin_folder, bag)
     if "samples" not in output:

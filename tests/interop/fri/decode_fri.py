@@ -144,9 +144,7 @@ def datagrams(data):
 
 
 def field_values(kind, name, code, count):
-    """Values that tell every field from every other: a number from its name, plus an eighth an
-    element.
-    """
+    """Different values for all fields: a number from the name, plus an eighth per element."""
     fixed = {
         "packetSize": {"MSR": 916, "CMD": 376},
         "datagramId": {"MSR": 0x2006, "CMD": 0x1005},

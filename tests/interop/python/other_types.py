@@ -56,7 +56,7 @@ def ours(row):
 
 
 def facts(path, samples):
-    """What a test can hold against the ring's own figures."""
+    """Figures for comparison with the ring's."""
     found = {"count": len(samples)}
     if path == "device/state":
         found["sessions"] = sorted({s.session_id for s in samples})

@@ -57,7 +57,7 @@ MOST_LOST, ANSWERED_MS = (
 
 
 def commands(clients, rust):
-    """Name, command and way of asking of each client with the settings that it has by itself."""
+    """Name, command and method of requests of each client with its default settings."""
     own = dict(clients.commands(SECONDS))
     yield "Cyclone DDS 0.10.2 (C)", own["Cyclone DDS 0.10, Humble"], "service"
     yield "Cyclone DDS 11 (Python)", own["Cyclone DDS 11, Humble"], "service"
