@@ -4,7 +4,6 @@ model against the true force, and prints the recommended setting.
 
 It calls `voxtouch new` and `voxtouch accuracy --json`, which measures for 10 s to minutes. Needs
 the programs of voxtouch on PATH, or --voxtouch.
-
 """
 
 import argparse

@@ -5,7 +5,6 @@ written as geometry_msgs/WrenchStamped.
 A scene uses it if it names the topic as an external effect (see deploy/scenes). The ring then
 limits its force and slew, and fades it when it is late. Put your law into `wrench_at`. Needs
 voxtouch[dds]. Stops on Ctrl-C; the last wrench then fades.
-
 """
 
 import argparse

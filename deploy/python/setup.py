@@ -3,7 +3,6 @@
 
 C++ parts come from the tree's build, which CMake runs first: build/, or the folder in
 VOXTOUCH_BUILD. deploy/setup installs the requirements.
-
 """
 
 import os

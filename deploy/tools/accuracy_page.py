@@ -5,7 +5,6 @@ usage: voxtouch accuracy cup --json | accuracy_page.py > deploy/results/contact_
 
 One row per model, voxel size and shell density. The page names the command, date, machine and
 version, so a reader can repeat it.
-
 """
 
 import argparse

@@ -3,7 +3,6 @@ idl/msg.
 
 Reads rosbag2 folders (see bag_files.py), also of a killed ring. Needs numpy, a dependency of
 python3-matplotlib.
-
 """
 
 import functools
@@ -59,7 +58,6 @@ class Messages(dict):
 def layout_hash(kind):
     """The hash of a type such as voxtouch_msgs/msg/NodeStatus in this version's layout; "" for an
     unknown type.
-
     """
     package, _, name = kind.partition("/msg/")
     try:
@@ -76,7 +74,6 @@ def constants(name):
 def layout(name, package=OWN):
     """(dtype, whole): the fixed-size fields at the front of a message, and whether these are all.
     Ends before padding.
-
     """
     out, at = [], 0
     for kind, owner, array, count, field in message(name, package)[0]:
@@ -166,7 +163,6 @@ def norm(vectors):
 class Rows:
     """Data of one topic: its times [ns], and its numbers (`fields` of a message's front) or its
     whole messages.
-
     """
 
     def __init__(self, type_name, fields):

@@ -1,7 +1,6 @@
 """The files of a rosbag2 bag as raw messages: sqlite3 and MCAP, also split ones, also after a kill
 of the logger. Standard library; compressed chunks of an MCAP need a zstd: Debian's
 python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on.
-
 """
 
 import pathlib

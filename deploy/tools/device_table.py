@@ -38,7 +38,6 @@ def measured_by(text):
 def design(program, file):
     """Output of `voxtouch design --json`; exit status 1 means that nothing can be certified, which
     is a valid result too.
-
     """
     run = subprocess.run(
         [program, "design", "--device", file, "--json"],

@@ -5,7 +5,6 @@ one for each node.
 usage: man_page.py BIN OUT PROGRAM...
 
 BIN: folder of the programs. OUT: folder for PROGRAM.1.gz.
-
 """
 
 import gzip

@@ -1,6 +1,5 @@
 """Cost of accuracy, from a result of `voxtouch accuracy --json`: the errors over the time of a
 frame, and all of it on one page.
-
 """
 
 import math
@@ -227,7 +226,6 @@ def worst_depth(row):
 def page_title(rows):
     """The models that are best and worst at their worst depth: at a single depth a curve may cross
     1.
-
     """
     if not rows:
         return "Accuracy and time: no measurement at the scene's voxel edge"

@@ -1,6 +1,5 @@
 """The stable region of a designed coupling: the contact's stiffness over the filter's cut-off, from
 a result of `voxtouch design --json`.
-
 """
 
 import math
@@ -17,7 +16,6 @@ LAWS = {
 def draw_region(axis, x, curves, low, high):
     """Two areas and their upper edges; `curves`: (values, colour, label). None: always stable; 0 is
     below the plane.
-
     """
     for values, colour, label in curves:
         values = [min(high * 10 if k is None else k, high * 10) for k in values]

@@ -1,6 +1,5 @@
 """Measurements of `voxtouch identify`: strokes with the fitted model, its residual, friction over
 speed, and the response to the dense tones.
-
 """
 
 import html
@@ -51,7 +50,6 @@ def friction_plot(axis, one):
     with p = (1 - s^2)^4, s from -1 to 1 over the stroke (weak form, Shinbrot 1957):
 
         Ff = (int p u + c int p - m int p'' x) / int p,  v = -int p' x / int p
-
     """
     import numpy
 

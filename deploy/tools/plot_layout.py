@@ -1,6 +1,5 @@
 """Layout of a picture: title and note, legend next to the plane, limits of logarithmic axes, names
 next to their marks.
-
 """
 
 import math
@@ -14,7 +13,6 @@ NOTE_WIDTH = 140  # characters
 def new_figure(title, note, rows=1, columns=1, **more):
     """A figure of 16 x 9 and its axes in rows; the title states the quantity, the note under it the
     conditions, wrapped to fit.
-
     """
     note = "\n".join(textwrap.fill(line, NOTE_WIDTH) for line in note.splitlines())
     figure = Figure(figsize=(16, 9), dpi=100, layout="constrained")

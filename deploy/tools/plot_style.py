@@ -1,6 +1,5 @@
 """Style of all pictures: colours, fonts, axes, and the reduction of many samples. Without
 matplotlib, NO_MATPLOTLIB has the message.
-
 """
 
 import logging

@@ -1,6 +1,5 @@
 """The pictures of a run's report, each as SVG text with the page's colours, light or dark. Two runs
 are drawn next to each other on one scale.
-
 """
 
 import io
@@ -66,7 +65,6 @@ ON_THE_PAGE = {
 def as_svg(figure, name, alt):
     """Without a fixed size, so that it uses the page's; its names begin with `name`, because the
     page has several.
-
     """
     out = io.StringIO()
     figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})

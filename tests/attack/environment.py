@@ -5,7 +5,6 @@
 
 Without root, rows that need it (no /proc, a removed address) are skipped and named. Exit status 1
 if a check failed.
-
 """
 
 import argparse

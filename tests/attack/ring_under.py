@@ -8,7 +8,6 @@ Starts `voxtouch up`, waits for contact, runs the program, waits for the end of 
 checks: `up` ends by itself, no process is lost, the device never gets more force than the contact
 gives, and exit status and reported problems agree. The program must end with 0. Exit status 1 if a
 check failed.
-
 """
 
 import argparse

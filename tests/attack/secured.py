@@ -8,7 +8,6 @@ For each attack: a ring runs in contact, the attack begins, the ring ends; a sec
 during the attack. Counts foreign samples received by any node, refused starts, and runs with a
 problem. Finally the forger attacks a plain ring, which must fail: otherwise the test would prove
 nothing. Exit status 1 if a check failed.
-
 """
 
 import argparse

@@ -132,7 +132,6 @@ def calls_in_a_second(pid):
 def system_calls(ask):
     """{ring: {role: {name: calls in a second}}}, ours and the bare one with wait sets; empty if
     strace is missing or not permitted.
-
     """
     if not shutil.which("strace"):
         return {}

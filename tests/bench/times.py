@@ -6,7 +6,6 @@ usage: times.py OUT
 `deploy/demo` and `deploy/test`, each in a separate clone of the last commit, in a temporary folder
 and without a compiler cache. For each the wall time, the processor time of all its processes, and
 the accuracy of the remaining time that it prints after the first minute.
-
 """
 
 import datetime

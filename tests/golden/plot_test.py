@@ -3,7 +3,6 @@
 values; refusals with a sentence.
 
 usage: plot_test.py BIN DEPLOY [arguments of unittest]
-
 """
 
 import contextlib

@@ -3,7 +3,6 @@
 and an unusable recording gives a sentence.
 
 usage: replay_test.py BIN DEPLOY [arguments of unittest]
-
 """
 
 import json
@@ -109,7 +108,6 @@ def message_of(bag, topic, number):
 def gain_of(design):
     """Offset of the gain in a CouplingDesign: after session, sample, two bools, two texts and two
     numbers.
-
     """
     at = HEADER + 20
     for _ in range(2):

@@ -4,7 +4,6 @@ figures are those of the run, counted independently from the bytes of the bag. F
 foreign or empty bag it prints a sentence.
 
 usage: report_test.py BIN DEPLOY [arguments of unittest]
-
 """
 
 import html

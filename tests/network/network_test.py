@@ -316,7 +316,6 @@ def topic(bag, name):
 def states(bag):
     """(time of reception here [s], the device's time [s], force on) of each sample of the device,
     whose clock falls behind with each overrun.
-
     """
     out = []
     for taken, data in topic(bag, "/haptic/device/state"):
@@ -358,7 +357,6 @@ def statuses(bag):
 def received_again(bag, healed_at):
     """The first messages of each other host, including the coupling's readiness for the session;
     with times [s].
-
     """
 
     def first(times):
@@ -404,7 +402,6 @@ RAMP_N = 0.6
 def expect_met(ring, healed_at):
     """From the first forwarded frame to the statuses of all nodes, and to the first command, which
     is sent when the coupling is designed.
-
     """
     received = statuses(ring.bag)
     session = next(s for _, node, s in received if node == "device" and s)
@@ -432,7 +429,6 @@ def expect_met(ring, healed_at):
 def steady(bin_folder, meet=False, seconds=3.0, **network):
     """The device's last message, the fraction of samples with force in the contact, the commands,
     and the coupling's reason for a refusal.
-
     """
     ring = Ring(bin_folder, cut=meet, **network)
     if meet:

@@ -3,7 +3,6 @@
 without one.
 
 usage: planted_test.py COMPILER
-
 """
 
 import json

@@ -3,7 +3,6 @@
 programs, settings, folders.
 
 usage: check_services.py ROOT BIN       BIN: the build's folder of programs
-
 """
 
 import pathlib

@@ -3,7 +3,6 @@
 faults.
 
 usage: planted_faults.py BIN
-
 """
 
 import pathlib

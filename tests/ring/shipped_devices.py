@@ -3,7 +3,6 @@
 arm, and for a user's file, also at 4 kHz.
 
 usage: shipped_devices.py VOXTOUCH DOMAIN
-
 """
 
 import json

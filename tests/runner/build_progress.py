@@ -6,7 +6,6 @@ usage: build_progress.py BUILD TARGET...
 
 The remaining time follows from the rate of the compile steps and the number left. Links and copies
 are excluded, since they take a fiftieth of it. Exit status: that of the build.
-
 """
 
 import os

@@ -6,7 +6,6 @@ usage: listed_programs.py FOLDER [LIST]
 Links each of them into FOLDER (emptied first) and prints their number. A test that starts a program
 of another package passes on a machine that has it by chance and fails on a bare one. With FOLDER as
 the only entry of PATH it fails everywhere. `run_tests.py` runs all tests so.
-
 """
 
 import pathlib

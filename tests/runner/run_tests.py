@@ -79,7 +79,6 @@ def all_cases(build):
 def run_cases(build, expected):
     """Runs the cases of a GoogleTest filter, in every program that has them. True if something ran
     and nothing failed.
-
     """
     parts = [
         re.compile("".join({"*": ".*", "?": "."}.get(c, re.escape(c)) for c in part))
@@ -108,7 +107,6 @@ def run_cases(build, expected):
 def named_in(output):
     """Cases of GoogleTest that failed according to a program's output; if it ended early, the case
     that ran then.
-
     """
     failed = list(
         dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE))

@@ -2,7 +2,6 @@
 """Output of `deploy/test` for failing tests: planted ones, in a synthetic build folder.
 
 usage: run_tests_test.py RUN_TESTS
-
 """
 
 import os

@@ -7,7 +7,6 @@ usage: time_report.py BUILD [--tests JUNIT_XML] [--rows N] [--page FILE]
 The time of a target is the sum over its steps in BUILD/.ninja_log, each at its last run. Steps run
 in parallel, so on two cores the sum is about twice the wall time. JUNIT_XML is the output of `ctest
 --output-junit`.
-
 """
 
 import argparse

@@ -7,7 +7,6 @@ samples.
 Captures loopback while a secured ring runs, and while a plain one does, which must show plenty.
 Exit status 1: something passed in clear text, or the plain ring showed nothing; 77: this user may
 not capture.
-
 """
 
 import base64

@@ -1,6 +1,5 @@
 """Processor time of other programs: a test checks times only if it is small, and otherwise prints
 them with the fraction.
-
 """
 
 import os
@@ -13,7 +12,6 @@ QUIET = 0.1  # the fraction that programs of others may take
 class Processors:
     """Fraction of the processors used by other programs from now on: all busy time except that of
     this program and its children.
-
     """
 
     def __init__(self):

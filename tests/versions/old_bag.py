@@ -3,7 +3,6 @@
 one without hashes is read.
 
 usage: old_bag.py VOXTOUCH DOMAIN
-
 """
 
 import json

@@ -24,7 +24,6 @@ SEPARATOR = "=" * 80
 class Definition:
     """A type and the types that it uses: `fields` maps a type's name to [(type, None, "fixed" or
     "list", count, field name)].
-
     """
 
     def __init__(self, name, text):

@@ -16,7 +16,6 @@ the force, as it should. Therefore one witness per CPU, with a higher real-time 
 rigs if permitted, wakes every millisecond and records when it could not. Force is lost by one long
 stall or by several short ones with a late answer after each. A loss of force is attributed to the
 machine if one CPU was stalled for 20 of the last 80 ms in total.
-
 """
 
 import argparse

@@ -2,7 +2,6 @@
 """Tests the guard of the league's figures, with planted faults.
 
 usage: figures_test.py PAGE
-
 """
 
 import pathlib

@@ -1,7 +1,6 @@
 """Rows beyond lists of poses: a box at rest, and a spring in the loop with a device.
 
 Each function gives a dict of facts, or a sentence if the system cannot take part.
-
 """
 
 import json

@@ -3,7 +3,6 @@ pose.
 
 Static rows: poses are independent, and the answer is a contact wrench. Path rows: poses are one
 millisecond apart, and the answer is the wrench of a spring between hand and tool.
-
 """
 
 import dataclasses
@@ -239,7 +238,6 @@ def slide(radius, depth, speed, z_from, z_to):
     """Path of a hand `depth` below the first touch of a ball of 10 mm on a cylinder about z, for
     120 degrees around its side away from +x; outside, in, around and out. Directions, and the
     samples that slide.
-
     """
     steps = int(round(np.radians(120) * (radius + 0.01) / speed * 1000))
     inside = radius + 0.01 - depth
@@ -370,7 +368,6 @@ def screwed(turns, up_m=0.0):
 def hammered(speed, reach_m, blows):
     """Heights of a hand that moves up and down at this speed, waits 20 ms at each end, and ends at
     0.
-
     """
     step = speed * 0.001
 

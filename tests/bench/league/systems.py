@@ -3,7 +3,6 @@
 A system has a name, a setting ("standard" or "best": its defaults, or the best found within a
 millisecond), and answer(row, folder) -> (wrenches n x 6 about the tool's origin, microseconds n),
 or None if it cannot take part. One thread; times are CPU time.
-
 """
 
 import io

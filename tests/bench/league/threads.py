@@ -1,7 +1,6 @@
 """The friction from which an M20 nut locks: it is pressed down on its bolt and may rotate.
 
 Flanks of 60 degrees lock from tan(lead angle) cos(30 degrees) on, at the thread's pitch diameter.
-
 """
 
 import numpy as np
@@ -21,7 +20,6 @@ AT_REST_TORQUE = 0.02  # relative to a nut without friction
 def threshold(turns_at):
     """Least friction, to MOST / 2^HALVINGS, at which `turns_at` reports no rotation; a sentence if
     the nut rotates at MOST or is held without friction.
-
     """
     low, high = LEAST, MOST
     if not turns_at(low):

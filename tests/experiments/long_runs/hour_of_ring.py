@@ -106,7 +106,6 @@ def look(pid):
 def places(pid):
     """Resident memory by kind [kB]: the main heap; files; stack; the rest (the heaps of threads,
     buffers, threads' stacks).
-
     """
     sums = {}
     try:

@@ -341,7 +341,6 @@ def experiments(page, build, out, quick):
 def first_touch(force):
     """Of a force [N] at 1 kHz: the largest of the first 100 ms of the first contact, and the mean
     45 to 55 ms after it; None without contact.
-
     """
     begin = next((i for i, f in enumerate(force) if f > 0.02), len(force))
     if begin + 160 > len(force):

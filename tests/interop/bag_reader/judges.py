@@ -2,7 +2,6 @@
 a kill, without a workspace and without our code.
 
 usage: judges.py MAKE_BAG
-
 """
 
 import pathlib

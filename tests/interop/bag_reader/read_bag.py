@@ -2,7 +2,6 @@
 """Validates a voxtouch bag as rosbag2 (Humble) reads it, with the standard library only.
 
 usage: read_bag.py MAKE_BAG closed|killed
-
 """
 
 import os

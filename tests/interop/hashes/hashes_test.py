@@ -17,7 +17,6 @@ HEADERS, IDL = pathlib.Path(sys.argv[1]), pathlib.Path(__file__).resolve().paren
 def words_of(file):
     """rosbags has a separate id for `char`. ROS treats it as uint8: its published hash of
     ServiceEventInfo, which has one, confirms it (qos_test).
-
     """
     return re.sub(r"^char\b", "uint8", file.read_text(), flags=re.MULTILINE)
 
@@ -39,7 +38,6 @@ def renamed(tree, names):
 def service_types(package, name, text):
     """ROS's description of a service: its request, its response, the event of both, and all three
     together.
-
     """
     request, response = re.split(r"^---$", text, flags=re.MULTILINE)
     parts = {

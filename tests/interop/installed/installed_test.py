@@ -3,7 +3,6 @@
 folder, deploy/examples/contact builds against it, and its bag goes to the user's data folder.
 
 usage: installed_test.py BUILD CMAKE
-
 """
 
 import json

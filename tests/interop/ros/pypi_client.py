@@ -4,7 +4,6 @@ samples that it receives from the ring, and the time of replies to effect change
 usage: pypi_client.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN SETTINGS SECONDS [CHANGES]
 
 SETTINGS may be empty. Prints one JSON object.
-
 """
 
 import json

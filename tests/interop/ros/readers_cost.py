@@ -7,7 +7,6 @@ kHz topics and all standard ones, in turns. Six readers and eight turns take 3 m
 Target: p99 with six readers of at most 1.05 times that without. The result is only printed, because
 it depends on the machine, which should be idle. Each reader is a process of Debian's Cyclone DDS
 that polls 200 times a second.
-
 """
 
 import argparse

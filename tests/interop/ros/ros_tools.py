@@ -262,7 +262,6 @@ print(received)
 class Cdr:
     """Little-endian CDR, as needed for ParticipantEntitiesInfo. Offsets count from the end of the
     encapsulation header.
-
     """
 
     def __init__(self, data):

@@ -1,6 +1,5 @@
 """RViz, Foxglove and rclpy with a ring, as far as their rules can be tested without them: readers
 with their default QoS, in a process of PyPI's cyclonedds.
-
 """
 
 import json

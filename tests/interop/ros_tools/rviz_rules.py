@@ -3,7 +3,6 @@
 The rules are those of rviz_default_plugins (marker_common.cpp, marker_array_display.cpp,
 markers/*.cpp, validate_floats) and tf2 (buffer_core.cpp), from knowledge and not compared with a
 release. They use no namespace, id or frame of this project.
-
 """
 
 import math

@@ -3,7 +3,6 @@ voxtouch.
 
 A request and its reply each follow 16 bytes of the same CDR: the client's id, and the request's
 number.
-
 """
 
 import time
@@ -332,7 +331,6 @@ QOS = (
 class Client:
     """As in rmw_cyclonedds: its number is its writer's instance handle, and both endpoints announce
     the same client.
-
     """
 
     count = 0

@@ -1,6 +1,5 @@
 """Services, parameters, /parameter_events and /rosout of a running ring, used by an independent
 client in rmw_cyclonedds' wire form.
-
 """
 
 import json

@@ -4,7 +4,6 @@ starts a ring.
 usage: workspace_test.py IDL BIN [arguments of unittest]
 
 ROS is not installed: classes with the same arguments replace `launch`.
-
 """
 
 import importlib.util

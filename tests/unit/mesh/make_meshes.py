@@ -112,7 +112,6 @@ def cylinder(radius, length, sides):
 def sphere(radius, halvings):
     """Icosahedron whose edges are halved `halvings` times, every new corner moved out to the
     sphere.
-
     """
     mesh = Mesh()
     g = (1 + math.sqrt(5)) / 2

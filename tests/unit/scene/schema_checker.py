@@ -5,7 +5,6 @@ usage: schema_checker.py SCHEMA VALUES
 
 Both files are JSON; VALUES is a list. Prints a list of as many lists: the violations of each value,
 each with its place first.
-
 """
 
 import json
