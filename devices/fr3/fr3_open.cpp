@@ -208,7 +208,7 @@ void Fr3Driver::disengage() noexcept {
     const Intake intake = wait_and_take(deadline);
     if (intake == Intake::kNothing)
       return;
-    if (intake == Intake::kUntrusted)
+    if (intake == Intake::kInvalid)
       continue;
     accept();
     if (ramp_.at_rest() && !ending_) {

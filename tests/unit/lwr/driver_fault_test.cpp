@@ -92,7 +92,7 @@ TEST_F(LwrDriverFault, AnswersInvalidMeasurementsWithTheLastPosition) {
   EXPECT_EQ(without_push().sample.error(), devices::DeviceError::kProtocol);
   msr().interface.quality = lwr::fri::Quality::kPerfect;
   push();
-  EXPECT_EQ(driver->counts().untrusted, 2U);
+  EXPECT_EQ(driver->counts().invalid, 2U);
 }
 
 TEST_F(LwrDriverFault, ReportsAProtocolErrorForGarbage) {
@@ -170,7 +170,7 @@ TEST_F(LwrDriverFault, IgnoresAStaleMeasurement) {
   krc->send();
   std::this_thread::sleep_for(120ms);
   EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
-  EXPECT_EQ(driver->counts().aged, 1U);
+  EXPECT_EQ(driver->counts().stale, 1U);
   push();
 }
 

@@ -269,11 +269,11 @@ TEST_F(ChangeQueueTest, AcceptsNoMoreThanItCanReport) {
 
 TEST_F(ChangeQueueTest, HoldsTheLoopUntilTheSceneIsBuilt) {
   line_.pause_before(100);
-  EXPECT_FALSE(line_.is_paused_before(99));
-  EXPECT_TRUE(line_.is_paused_before(100));
+  EXPECT_FALSE(line_.announce_sample(99));
+  EXPECT_TRUE(line_.announce_sample(100));
   EXPECT_EQ(line_.answering(), 100U);
   line_.resume();
-  EXPECT_FALSE(line_.is_paused_before(100));
+  EXPECT_FALSE(line_.announce_sample(100));
 }
 
 }  // namespace
