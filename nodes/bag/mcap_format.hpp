@@ -14,7 +14,7 @@
 namespace voxtouch::bag::mcap {
 
 static_assert(std::endian::native == std::endian::little,
-              "numbers are copied as they stand in memory");
+              "numbers are copied with their bytes in memory");
 
 inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 enum class Op : std::uint8_t {

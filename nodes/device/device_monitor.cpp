@@ -16,7 +16,7 @@ namespace {
 
 std::string differing(const identification::StartFindings& findings) {
   return fmt::format(
-      "the device is not as its file says: {}. Its certificate does not hold; measure it again "
+      "the device differs from its file: {}. Its certificate does not hold; measure it again "
       "with voxtouch identify",
       identification::differences(findings));
 }

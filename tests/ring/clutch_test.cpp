@@ -84,7 +84,7 @@ TEST(Clutch, InContactHoldsTheToolAndFadesTheForce) {
         << i;
   }
   EXPECT_GT(looked_at, 25U) << "or nothing is shown";
-  EXPECT_GT(force(commands.back()), 0.02) << "felt again";
+  EXPECT_GT(force(commands.back()), 0.02) << "displayed again";
 }
 
 }  // namespace

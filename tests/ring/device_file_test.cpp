@@ -69,7 +69,7 @@ TEST(DeviceFileRing, AFileThatTheDeviceContradictsFails) {
     EXPECT_EQ(run.summary["limits"]["start_check_differences"]["value"], 1);
     const std::string problems = run.summary["problems"].dump();
     EXPECT_TRUE(problems.contains(std::string("(") + wrong.what)) << problems;
-    EXPECT_TRUE(run.process.err.contains("not as its file says")) << run.process.err;
+    EXPECT_TRUE(run.process.err.contains("differs from its file")) << run.process.err;
   }
 }
 

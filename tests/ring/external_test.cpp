@@ -126,7 +126,7 @@ TEST(ExternalRing, IsBoundedFadesOnStopAndReplaysExactly) {
   }
   EXPECT_GT(most_n, 0.3);
   EXPECT_LE(most_n, kMaxN);
-  EXPECT_GT(most_command_n, 0.3) << "the hand felt it";
+  EXPECT_GT(most_command_n, 0.3) << "displayed at the hand";
   EXPECT_LE(most_command_n, 1.2 * kMaxN) << "the filter's overshoot";
   EXPECT_LE(high - low, 0.1 * kMaxN)
       << "in the last second of the closed loop the force stands: from " << low << " to " << high

@@ -56,7 +56,7 @@ TEST(ForgedRecord, IsNotInTheBagAndReplayIsBitIdentical) {
   })) << registry.find("logger")->message;
   up.signal(SIGINT);
   const Finished end = up.wait(std::chrono::seconds(120));
-  EXPECT_EQ(end.status, 1) << "a second writer is no good run" << end.err;
+  EXPECT_EQ(end.status, 1) << "a second writer fails the run" << end.err;
   const auto summary = parse_summary(end.out);
   EXPECT_EQ(summary["recording"]["refused_records"], 1) << end.out;
   EXPECT_NE(summary["problems"].dump().find("1 records"), std::string::npos) << end.out;

@@ -129,11 +129,11 @@ void presses(double thick_m, const std::string& device, double hand_n_per_m, dou
     if (f >= 1.0)
       worst_from_1_n = std::min(worst_from_1_n, fraction);
     EXPECT_GE(f, 0.95 * r.certified * (d - 1e-4))
-        << "wanted " << expected << " m, hand " << d << " m deep, " << f << " N";
+        << "requested " << expected << " m, hand " << d << " m deep, " << f << " N";
     if (d > deepest_so_far) {  // dry friction of the device permits small backward motions between
                                // two places
       EXPECT_GE(f, last * (1.0 - 1e-3) - r.certified * encoder_m)
-          << "rises all the way; wanted " << expected;
+          << "monotonic; requested " << expected;
       last = f, deepest_so_far = d;
     }
     ++measured;
@@ -146,7 +146,7 @@ void presses(double thick_m, const std::string& device, double hand_n_per_m, dou
   testing::Test::RecordProperty("force_at_40_mm_wanted_n", std::to_string(deepest));
   std::printf(
       "%s, %.4g m thick: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.4f from 1 N on, "
-      "%.3f N at 10 mm wanted, %.3f N at 40 mm wanted, %d places\n",
+      "%.3f N at 10 mm requested, %.3f N at 40 mm requested, %d places\n",
       device.c_str(), thick_m, r.certified, worst, worst_depth, worst_from_1_n, at_10_mm, deepest,
       measured);
   EXPECT_GT(measured, 100);

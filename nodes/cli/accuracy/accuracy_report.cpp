@@ -179,9 +179,9 @@ std::string slides_text(const AccuracyReport& report) {
       "  Pushing straight in needs no query.\n",
       accuracy::kSlideEdges, queries);
   if (without_truth > 0)
-    text +=
-        fmt::format("  Virtual tool: {} places not judged; the reference found no rest there.\n",
-                    without_truth);
+    text += fmt::format(
+        "  Virtual tool: {} places not evaluated; the reference found no equilibrium there.\n",
+        without_truth);
   return text;
 }
 

@@ -288,7 +288,7 @@ std::string to_text(const DesignReport& r) {
           : "friction suppresses limit cycles of quantisation");
   if (d.max_approach_m_per_s > 0)
     row("approach", fmt::format("up to {:.2g} m/s stays within the contact layer ({:.2g} mm); a "
-                                "faster hand goes deeper and is stopped there",
+                                "faster hand moves deeper and is stopped there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper", paper_line(r.paper));
   return text + list("Limits:", d.reasons) + list("Remedies:", d.remedies) +

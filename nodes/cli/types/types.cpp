@@ -40,7 +40,7 @@ class Row:
         return Topic(participant, self.dds_name(rig), self.type)
 
     def reader(self, participant, rig="haptic"):
-        """A reader that slows no writer. Topics that keep their last value give it to a reader that comes late."""
+        """A reader that does not slow writers. Latched topics deliver their last value to late readers."""
         return DataReader(participant, self.topic(participant, rig), qos=self.qos(self.keeps_last))
 
     def writer(self, participant, rig="haptic"):

@@ -189,7 +189,7 @@ TEST(RunVerdict, NotesHarmlessForeignTraffic) {
   const std::string notes = ::testing::PrintToString(notes_of(run, verdict));
   for (const char* words :
        {"1 changes", "requested by: 2 of ROS 2's /tuner", "12 node statuses",
-        "1625 Recover messages came from tool (process 8 on host)", "on device/description"})
+        "1625 Recover messages from tool (process 8 on host)", "on device/description"})
     EXPECT_TRUE(notes.contains(words)) << notes;
 }
 
