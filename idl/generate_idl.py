@@ -4,10 +4,10 @@
 usage: generate_idl.py OUT_DIR PACKAGE=DIR ...      (DIR holds msg and srv; the first package is the
                                                     project's own)
 
-For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how
-ROS 2 names it on DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and
-static_asserts on its layout; OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as
-Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. Of a service it writes
+For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, ROS 2's
+name on DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and
+static_asserts on its layout; OUT_DIR/voxtouch_msgs/python_types.hpp has the same types as
+Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. For a service it writes
 OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp.
 """
 

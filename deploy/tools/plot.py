@@ -1,12 +1,12 @@
 #!/usr/bin/python3 -I
-"""Draws what voxtouch measures; the ending of PICTURE says the format: .png, .svg or .pdf. Needs
+"""Draws results of voxtouch; the suffix of PICTURE selects the format: .png, .svg or .pdf. Needs
 python3-matplotlib.
 
-  %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model
+  %(prog)s accuracy RUN.json PICTURE    cost of accuracy: error of every contact model
                                         and voxel size over the time of a frame
   %(prog)s costs RUN.json PICTURE       the same on one page: force, direction error and noise over
                                         depth, and the time of a frame
-  %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over
+  %(prog)s design RUN.json PICTURE      stable region of a designed coupling: contact stiffness over
                                         the filter's cut-off
   %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded
                                         run over time
@@ -18,10 +18,10 @@ python3-matplotlib.
                                         device; PICTURE may end in .html; voxtouch identify --plots
                                         calls it
   %(prog)s report BAG PAGE.html         all of a recorded run on one page; voxtouch report calls it
-  %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn
-                                        and written there
+  %(prog)s check PICTURE                draws nothing: exit status 0 if a picture can be drawn and
+                                        written there
 
-Where the data come from (each command with --help says more):
+Sources of the data (see --help of each command):
   voxtouch accuracy deploy/scenes/cup.yaml --json > run.json         or at once: voxtouch accuracy
                                                                      deploy/scenes/cup.yaml --plot
                                                                      cup.png
@@ -30,8 +30,8 @@ Where the data come from (each command with --help says more):
                                                                      --plot region.png
   voxtouch up deploy/scenes/cup.yaml --motion slide --duration 10 --lockstep --record bag
 
-PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 where the picture is
-written; else 1 and a sentence on stderr.
+PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 if the picture is
+written; otherwise 1 and a sentence on stderr.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 """A ring of voxtouch, started and stopped by ROS 2: ros2 launch voxtouch_msgs voxtouch.launch.py
 scene:=cup motion:=slide rig:=left
 
-The programs of voxtouch have to be on the PATH. Whatever `voxtouch up` takes in addition to these
-arguments goes into `more`, as on its command line.
+The programs of voxtouch must be on the PATH. `more` has further arguments of `voxtouch up`, as on
+its command line.
 """
 
 import os

@@ -1,18 +1,18 @@
 """A ring on three hosts, over a network with delay, loss and cuts: device and logger on one,
-rendering and coupling on one each, in network namespaces of the test's own with `emulated_link` as
-the switch between them.
+rendering and coupling on one each, in private network namespaces with `emulated_link` as the
+switch.
 
 usage: network_test.py CASE|all BIN [TIMES]
-plain           the network as it is: all nodes meet within 2 s, and a good ring
-peers           the same where the switch carries no multicast, with --discovery-peer
-secured         a good ring without multicast, with --security
-delay_2, _10    milliseconds of each way: named where the coupling was not designed for them; with
-                --network-delay felt, or refused with a sentence
+plain           the plain network: all nodes connect within 2 s, and the run passes
+peers           the same with a switch without multicast, with --discovery-peer
+secured         the run passes without multicast, with --security
+delay_2, _10    milliseconds in each direction: reported if the coupling was not designed for them;
+                with --network-delay the contact is displayed, or refused with a sentence
 loss_1, _5, _10 percent of the frames, without multicast: stable, no step above the ramp
-cut_0.5         seconds without a frame: zero within 30 ms of the device's own samples, back within
+cut_0.5         seconds without a frame: zero within 30 ms of the device's samples, back within
                 0.5 s of healing
-cut_3, _5       beyond DDS's lease of 2 s: zero likewise, the session ends with a sentence, and a
-                device that is started anew is displayed
+cut_3, _5       beyond DDS's lease of 2 s: zero as above, the session ends with a sentence, and a
+                restarted device has force
 cut_peers       3 s without multicast
 Exit status 77, with a sentence: this machine allows no network namespaces.
 """

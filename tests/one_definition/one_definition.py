@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Fails where one name has two definitions in what is built: the linker takes one of them without a
-word.
+"""Fails if a name has two definitions in the built code: the linker silently takes one of them.
 
 usage: one_definition.py headers BUILD   quick, a test: all headers of core, devices, nodes and qos
                                          compiled as one unit, which finds a type or an inline
@@ -12,8 +11,8 @@ usage: one_definition.py headers BUILD   quick, a test: all headers of core, dev
                                          -ffat-lto-objects (deploy/sanitize odr): types by -Wodr
                                          over all objects, functions by nm: a name that is strong in
                                          one and weak in another, strong in two source files, or
-                                         weak from two source files. This also finds what only
-                                         source files define.
+                                         weak from two source files. This also covers names
+                                         defined in source files only.
 Exit status 1 and a sentence for each finding.
 """
 

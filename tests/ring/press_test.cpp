@@ -74,7 +74,8 @@ void presses(const std::string& contact, double most_m, double late_m, double fr
     ++measured;
   }
   std::printf(
-      "%s: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.3f N at 10 mm requested, %.3f N "
+      "%s: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.3f N at 10 mm requested, %.3f "
+      "N "
       "at "
       "%.4g m deep, %d places\n",
       contact.c_str(), certified, worst, worst_m, at_10_mm, last, deepest, measured);

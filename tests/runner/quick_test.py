@@ -4,10 +4,9 @@ before. `deploy/test --quick` calls it.
 
 usage: quick_test.py [--since REV] [--minutes M] [--list]
 
-Touched are the test programs that Ninja would build anew; first come those of the folders that a
-change lies in, then those that take least to compile. What does not fit into the time is named and
-left out: `deploy/test` runs everything. Tests of the ring, of timing and long ones are not units
-and not run. Exit status 1 if a test fails or nothing could be built.
+These are the test programs that Ninja would rebuild: first those of the changed folders, then those
+with the shortest compile time. Programs beyond the time limit are listed and skipped: `deploy/test`
+runs everything. Tests of the ring, of timing and long ones are not units and not run. Exit status 1 if a test fails or nothing could be built.
 """
 
 import argparse

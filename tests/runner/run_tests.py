@@ -5,10 +5,10 @@ usage: run_tests.py BUILD [arguments of ctest]
        run_tests.py BUILD --case FILTER     the cases of this name of every test program, by a
                                             filter of GoogleTest such as 'Guard.*'
 
-A test of the ring in real time needs its fraction of the processor; on a machine of unknown load
-one failure says little, two say much. So up to MOST tests that fail next to others run once more,
-one after the other, and the end of the output says which failed then too and which passed. Both
-outputs of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST
+A test of the ring in real time needs processor time; on a machine of unknown load one failure is
+not conclusive, two are. Up to MOST failed tests therefore run once more, one after the other, and
+the end of the output lists which failed again and which passed. Both outputs of each are stored in
+BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST
 failed.
 
 Tests find the programs of the packages in deploy/packages.txt and no others: PATH is

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Plays the league: the same poses for every contact library, judged by closed forms or exact
+"""Plays the league: the same poses for every contact library, compared with closed forms or exact
 triangles.
 
 usage: league.py --voxtouch PROGRAM --out FOLDER [--rows A,B1] [--only NAME,...] [--add NAME --csv
        FILE] [--again] [--against PAGE] [--page-only]
 
-FOLDER receives a folder per row with meshes, poses and what is right, result.json, league.md and
-the pictures. README.md reports how another program takes part without this code.
+FOLDER receives a folder per row with meshes, poses and expected results, result.json, league.md
+and the pictures. README.md describes how another program takes part without this code.
 """
 
 import argparse

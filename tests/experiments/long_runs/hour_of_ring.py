@@ -1,24 +1,22 @@
 #!/usr/bin/env python3
-"""An hour of ring time in lockstep: all processes of `voxtouch up`, watched from outside.
+"""An hour of ring time in lockstep: all processes of `voxtouch up`, observed externally.
 
-    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about ten
-                                                                    minutes
+    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: ten minutes
     tests/experiments/long_runs/hour_of_ring.py --hours 2           # the soak of a release
-    tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session of a
-                                                                    laboratory
-    tests/experiments/long_runs/hour_of_ring.py --duration 20       # what the test runs
+    tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session
+    tests/experiments/long_runs/hour_of_ring.py --duration 20       # short form, as in the test
 
-Looks at resident memory and CPU time of every process of the ring once a second, and at the lines
-that `up` prints. Ends with 1 if the ring did not end well, if samples are missing, if a process
-grew by more than --growth-kb after the first tenth, or if the tool touches another fraction of the
-time in the last tenth than in the first. Times are reported, not judged.
+Reads resident memory and CPU time of every process of the ring once a second, and the output of
+`up`. Exit status 1: the ring failed, samples are missing, a process grew by more than --growth-kb
+after the first tenth, or the fraction of time in contact differs between the first and the last
+tenth. Times are only reported.
 
-Resident memory grows by a few MB in steps, and then no more: each of Cyclone DDS's two receiving
-threads fills a buffer of 1 MB, asks for another, and frees the first, which the allocator keeps
-(seen by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). So each process may
-grow by two buffers a thread and what lies between them, 5 MB as measured; where little is received
-it fills page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read
-the table, which reports memory after each tenth.
+Resident memory grows by a few MB in steps, up to a limit: each of Cyclone DDS's two receiving
+threads fills a buffer of 1 MB, requests another, and frees the first, which the allocator keeps
+(observed by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). Each process
+may grow by two buffers per thread and the space between them, 5 MB as measured; with few samples
+it fills page by page. --growth-kb permits this, so it misses a slower leak: read the table, which
+reports memory after each tenth.
 """
 
 import argparse

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""The whole report on accuracy in one command: the paper's experiments, and what accuracy costs.
+"""The whole report on accuracy in one command: the paper's experiments, and the cost of accuracy.
 
 usage: make_report.py [--build BUILD] [--out DIR] [--quick]
 
 Runs paper_experiments (figures 2, 3, 8, 9, 11), the real ring in lockstep (figure 12), and
 `voxtouch accuracy` on the cup; draws the figures, and writes DIR/index.html, which any browser
 opens without a network. About a minute on two cores; --quick: half of that, with fewer poses and
-shorter runs. Exit status 1 if a step failed; the page is written all the same and says which. Needs
+shorter runs. Exit status 1 if a step failed; the page is written nevertheless and names it. Needs
 python3-matplotlib.
 """
 

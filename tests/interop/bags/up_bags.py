@@ -1,11 +1,11 @@
-"""Bags of `voxtouch up`: rosbags, mcap and our own reader open each of them, and each run is
-replayed: in lockstep, and in real time where nothing was lost, bit-identically.
+"""Bags of `voxtouch up`: rosbags, mcap and our reader open each of them. Each run is replayed
+bit-identically, in lockstep, and in real time if nothing was lost.
 
 usage: up_bags.py BIN DEPLOY [RINGS] [SECONDS]
-Plays RINGS rings (6), each of SECONDS (2) of the device's time, in turns of scene, storage and
-splitting, every sixth in lockstep, and kills the logger of every fifth. Prints a line a ring and
-what came of all. Exit status 1: a reader could not read a bag, read another number of messages than
-another one, or a replay differed where nothing is said to be missing.
+Runs RINGS rings (6), each for SECONDS (2) of the device's time, with alternating scene, storage and
+splitting, every sixth in lockstep, and kills the logger of every fifth. Prints a line per ring and
+a summary. Exit status 1: a reader failed, the readers' numbers of messages differ, or a replay
+differs without reporting missing data.
 """
 
 import collections

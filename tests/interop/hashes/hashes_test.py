@@ -1,8 +1,8 @@
-"""The RIHS01 hash of each of our types, computed once more from its .msg or .srv by PyPI's rosbags,
-which shares no code with us.
+"""The RIHS01 hash of each of our types, computed independently from its .msg or .srv by PyPI's
+rosbags.
 
-usage: hashes_test.py HEADERS; the folder with messages.hpp and services.hpp, where the hashes stand
-       that endpoints announce.
+usage: hashes_test.py HEADERS; the folder with messages.hpp and services.hpp, which contain the
+       announced hashes.
 """
 
 import pathlib

@@ -1,12 +1,11 @@
-"""What ROS 2 tools find of a ring that runs with its default settings, in network namespaces of the
-test's own.
+"""Discovery of a ring with default settings by ROS 2 tools, in private network namespaces.
 
 usage: ros_tools.py CASE VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS
 found: every set-up of rmw_cyclonedds and rmw_fastrtps finds every topic and gets the device's
-samples; another host finds and sends nothing. graph_iron, graph_humble: nodes, endpoints and type
-hashes, read as rmw_dds_common writes them. doctor: what `voxtouch doctor` says of cards and of a
-Humble tool, and the environment that it prints. peers: nodes on two hosts without multicast meet by
---discovery-peer, and with CYCLONEDDS_URI the rest of the settings holds. Exit status 77, with a
+samples; another host discovers nothing and cannot send. graph_iron, graph_humble: nodes, endpoints and type
+hashes, read as rmw_dds_common writes them. doctor: output of `voxtouch doctor` about cards and a Humble
+tool, and the environment that it prints. peers: nodes on two hosts without multicast connect by
+--discovery-peer, and with CYCLONEDDS_URI the other settings apply. Exit status 77, with a
 sentence: this machine allows no network namespaces.
 """
 

@@ -6,7 +6,7 @@ in millimetres, as most tools export it (a scene reads those with scale: 0.001).
 bytes: no random numbers, no dates.
 
   plane.obj         slab 0.24 x 0.24 x 0.02 m, top face z = 0, centred in x and y
-  tilted_plane.obj  the same slab, turned 20 degrees about x, then 25 degrees about y, in its
+  tilted_plane.obj  the same slab, rotated 20 degrees about x, then 25 degrees about y, in its
                     vertices
   block.obj         block 0.04 x 0.04 x 0.03 m about the origin
   cylinder.obj      radius 0.04 m, length 0.2 m, axis y through the origin, 96 sides
