@@ -3,9 +3,9 @@
 
 usage: check_readmes.py ROOT BIN       BIN: the build's folder of programs, with `voxtouch` in it
 
-Checks every .md file below ROOT except in build folders. In code and in backticks, a word that begins
-with a folder of the top level is a path; `voxtouch VERB --option` and `build/bin/X --option` are
-looked up in --help; `build/bin/X` may also be a target that is not built yet. Times of
+Checks every .md file below ROOT except in build folders. In code and in backticks, a word that
+begins with a folder of the top level is a path; `voxtouch VERB --option` and `build/bin/X --option`
+are looked up in --help; `build/bin/X` may also be a target that is not built yet. Times of
 `deploy/demo` and `deploy/test` in the top README are compared with deploy/results/times.md, if it
 exists. Prints one sentence for each fault; exit status 1 if there is one.
 """

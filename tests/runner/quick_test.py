@@ -6,7 +6,8 @@ usage: quick_test.py [--since REV] [--minutes M] [--list]
 
 These are the test programs that Ninja would rebuild: first those of the changed folders, then those
 with the shortest compile time. Programs beyond the time limit are listed and skipped: `deploy/test`
-runs everything. Tests of the ring, of timing and long ones are not units and not run. Exit status 1 if a test fails or nothing could be built.
+runs everything. Tests of the ring, of timing and long ones are not units and not run. Exit status 1
+if a test fails or nothing could be built.
 """
 
 import argparse

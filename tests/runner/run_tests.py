@@ -8,8 +8,7 @@ usage: run_tests.py BUILD [arguments of ctest]
 A test of the ring in real time needs processor time; on a machine of unknown load one failure is
 not conclusive, two are. Up to MOST failed tests therefore run once more, one after the other, and
 the end of the output lists which failed again and which passed. Both outputs of each are stored in
-BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST
-failed.
+BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST failed.
 
 Tests find the programs of the packages in deploy/packages.txt and no others: PATH is
 BUILD/listed_programs (listed_programs.py).

@@ -1,9 +1,9 @@
-"""hand_measure.py latency|drags [N]: latency and limits of a page's hand, run manually with Debian's
-Python.
+"""hand_measure.py latency|drags [N]: latency and limits of a page's hand, run manually with
+Debian's Python.
 
 latency: a pointer step of 6 pixels into a wall, N times (60): milliseconds from the event to the
-first picture with an increased force, median and 95 %. drags: N random drags (200) over a cup at any
-speed: samples in which the tool passed something, of the run's verdict. Needs VOXTOUCH_BIN,
+first picture with an increased force, median and 95 %. drags: N random drags (200) over a cup at
+any speed: samples in which the tool passed something, of the run's verdict. Needs VOXTOUCH_BIN,
 VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES.
 """
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """An hour of ring time in lockstep: all processes of `voxtouch up`, observed externally.
 
-    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: ten minutes
+    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: 10 min
     tests/experiments/long_runs/hour_of_ring.py --hours 2           # the soak of a release
     tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session
     tests/experiments/long_runs/hour_of_ring.py --duration 20       # short form, as in the test
@@ -14,8 +14,8 @@ tenth. Times are only reported.
 Resident memory grows by a few MB in steps, up to a limit: each of Cyclone DDS's two receiving
 threads fills a buffer of 1 MB, requests another, and frees the first, which the allocator keeps
 (observed by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). Each process
-may grow by two buffers per thread and the space between them, 5 MB as measured; with few samples
-it fills page by page. --growth-kb permits this, so it misses a slower leak: read the table, which
+may grow by two buffers per thread and the space between them, 5 MB as measured; with few samples it
+fills page by page. --growth-kb permits this, so it misses a slower leak: read the table, which
 reports memory after each tenth.
 """
 

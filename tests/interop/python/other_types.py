@@ -2,8 +2,8 @@
 table, prints the result as JSON.
 
 usage: other_types.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN ours|foreign
-ours: with the types of `voxtouch types`; it writes the last sample that it read. foreign: with types
-of the same names that contain arrays instead of our fields.
+ours: with the types of `voxtouch types`; it writes the last sample that it read. foreign: with
+types of the same names that contain arrays instead of our fields.
 """
 
 import dataclasses

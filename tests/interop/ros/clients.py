@@ -1,13 +1,13 @@
-"""Every available client, with its default settings, with one ring: standard topics, the
-loop's topics at 1 kHz, changes of an effect.
+"""Every available client, with its default settings, with one ring: standard topics, the loop's
+topics at 1 kHz, changes of an effect.
 
 usage: clients.py VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS ROS2_CLIENT
        [TABLE]
-Prints a table, and writes it to TABLE as Markdown. deploy/interop builds ROS2_CLIENT; without it the
-test reports that. Lost samples and times depend on the machine: on busy processors a client of
+Prints a table, and writes it to TABLE as Markdown. deploy/interop builds ROS2_CLIENT; without it
+the test reports that. Lost samples and times depend on the machine: on busy processors a client of
 ordinary priority stalls. Limits are therefore checked only if other programs used little processor
-time; otherwise the figures are printed with that fraction. Exit status 77, with a sentence: this machine allows no network
-namespaces.
+time; otherwise the figures are printed with that fraction. Exit status 77, with a sentence: this
+machine allows no network namespaces.
 """
 
 import os

@@ -2,11 +2,11 @@
 
 usage: ros_tools.py CASE VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS
 found: every set-up of rmw_cyclonedds and rmw_fastrtps finds every topic and gets the device's
-samples; another host discovers nothing and cannot send. graph_iron, graph_humble: nodes, endpoints and type
-hashes, read as rmw_dds_common writes them. doctor: output of `voxtouch doctor` about cards and a Humble
-tool, and the environment that it prints. peers: nodes on two hosts without multicast connect by
---discovery-peer, and with CYCLONEDDS_URI the other settings apply. Exit status 77, with a
-sentence: this machine allows no network namespaces.
+samples; another host discovers nothing and cannot send. graph_iron, graph_humble: nodes, endpoints
+and type hashes, read as rmw_dds_common writes them. doctor: output of `voxtouch doctor` about cards
+and a Humble tool, and the environment that it prints. peers: nodes on two hosts without multicast
+connect by --discovery-peer, and with CYCLONEDDS_URI the other settings apply. Exit status 77, with
+a sentence: this machine allows no network namespaces.
 """
 
 import json
