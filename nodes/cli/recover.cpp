@@ -43,7 +43,7 @@ class Recovery {
            !registry_.reports().empty();
   }
   std::vector<Latch> latches() const {
-    std::vector<Lock> all;
+    std::vector<Latch> all;
     for (const runtime::NodeReport& report : registry_.reports())
       if (const auto number = report.values.find(faults::FaultLatch::kNumber);
           number != report.values.end()) {
