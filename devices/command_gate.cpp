@@ -4,7 +4,7 @@ namespace voxtouch::devices {
 
 GateVerdict CommandGate::accept(std::uint64_t writer, std::uint64_t session, std::uint64_t sequence,
                                 std::uint64_t newest_sample) noexcept {
-  // The writer last of the three: one that only answers foreign sessions must not take the place.
+  // The writer is checked last, so a writer that only answers foreign sessions is not followed.
   if (session != session_)
     return GateVerdict::kForeignSession;
   if (writer_ && *writer_ != writer)

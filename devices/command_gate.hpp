@@ -1,6 +1,5 @@
 #pragma once
-/// Which commands a device listens to at all, by who sent them and when; their content is the
-/// guard's matter.
+/// Accepts or refuses commands by writer, session and sequence. ForceGuard checks their content.
 #include <cstdint>
 #include <optional>
 
@@ -8,18 +7,18 @@ namespace voxtouch::devices {
 
 enum class GateVerdict : std::uint8_t {
   kAccepted,
-  kForeignWriter,   ///< another writer spoke first and has not gone
+  kForeignWriter,   ///< another writer is followed and has not left
   kForeignSession,  ///< answers a sample of another device session
   kOldSequence,     ///< as old as the last accepted command, or older
   kFutureSequence,  ///< answers a sample that has not been given out yet; would lock out every
                     ///< command after it
 };
 
-/// One device session follows one writer, the first whose command is good, and takes each answer
+/// A device session follows one writer: the first whose command is accepted. Each answer is taken
 /// once and in order. Real-time safe.
 class CommandGate {
  public:
-  /// `session`: the device's own session id.
+  /// `session`: id of the device session.
   explicit CommandGate(std::uint64_t session) noexcept : session_(session) {}
 
   /// `writer`: whatever identifies the sender (a publication handle). `newest_sample`: the last
@@ -27,8 +26,8 @@ class CommandGate {
   GateVerdict accept(std::uint64_t writer, std::uint64_t session, std::uint64_t sequence,
                      std::uint64_t newest_sample) noexcept;
 
-  /// The writer has gone: the next good command of any writer takes its place. Sequence numbers go
-  /// on.
+  /// The writer has left: the next accepted command of any writer takes its place. Sequence numbers
+  /// continue.
   void release_writer() noexcept { writer_.reset(); }
   std::optional<std::uint64_t> writer() const noexcept { return writer_; }
   std::optional<std::uint64_t> last_sequence() const noexcept { return last_; }

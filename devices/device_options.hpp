@@ -38,9 +38,9 @@ inline Motion motion_of(const DeviceOptions& options) {
   return options.motion.value_or(rest);
 }
 
-/// Default position of a device's rest pose in D: the centre of x -0.09..0.03, y -0.09..0, z
-/// 0..0.13 m, the volume of the shipped scenes' motions, which a Phantom on a desk and an arm at
-/// its rest posture both reach.
+/// Default position of the rest pose in D: the centre of x -0.09..0.03, y -0.09..0, z 0..0.13 m.
+/// The motions of the shipped scenes use this volume, and both a Phantom on a desk and an arm at
+/// its rest posture reach it.
 inline Vec3 usual_rest_in_d() { return {-0.03, -0.045, 0.065}; }
 
 }  // namespace voxtouch::devices

@@ -1,5 +1,5 @@
 #pragma once
-/// What every haptic device, real or simulated, is to the rest of the project.
+/// Interface of every haptic device, real or simulated.
 #include <chrono>
 #include <cstdint>
 #include <expected>
@@ -17,11 +17,11 @@ struct ArmDescription;
 
 namespace voxtouch::devices {
 
-/// Why a call in the loop failed. A kind exists where the caller does something different about it.
+/// Why a call in the loop failed. Kinds differ if the caller handles them differently.
 enum class DeviceError : std::uint8_t {
   kTimeout,       ///< no sample within the time given; the device may still be there
-  kDisconnected,  ///< the device or its controller has gone
-  kNotFinite,     ///< a command held NaN or Inf; it was not sent
+  kDisconnected,  ///< device or controller unreachable
+  kNotFinite,     ///< the command contains NaN or infinity; not sent
   kLimit,         ///< a command was over a limit; it was not sent
   kProtocol,      ///< the device violated its protocol
   kRecoverable,   ///< the device dropped its force (warm motors, too fast); commands work again
@@ -80,8 +80,8 @@ class Driver {
   /// Sets zero force immediately and drops pending commands. May be called twice. The next accepted
   /// `write` gives force again: to stay at zero, keep the guard stopped.
   virtual void stop() noexcept = 0;
-  /// Whether `write` or `read` advances simulated time by one period without waiting, so that
-  /// lockstep can drive the device.
+  /// Whether `read` or `write` advances simulated time by one period without waiting, as lockstep
+  /// requires.
   virtual bool simulated() const noexcept = 0;
   /// Sets the target of the tip in D, for a device opened with DeviceOptions::is_led; no effect on
   /// others. Owning thread only; real-time safe.

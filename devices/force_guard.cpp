@@ -46,7 +46,7 @@ Wrench ForceGuard::pass(const std::optional<GuardInput>& command, std::int64_t n
   const bool faded_out = age(dt_ns, now_ns);
   if (command)
     accept(*command, now_ns);
-  // The way to zero was this period's slew; a new command sets out from there in the next.
+  // This period's slew was used to reach zero; a new command starts there in the next period.
   if (faded_out)
     return output_;
   lead(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
@@ -135,8 +135,8 @@ void ForceGuard::lead(double dt_s) noexcept {
     if (force_cut || torque_cut)
       ++counts_.clamped_slew;
   }
-  // Both ends of a slew lie in the ball of the limit, and so does what is between, up to rounding:
-  // this takes the rounding.
+  // Both ends of a slew are within the limits, and so is the segment between them, except for
+  // rounding.
   clamp_wrench(output_, config_.max_force_n, config_.max_torque_nm);
 }
 
@@ -194,7 +194,7 @@ void GuardConfig::validate() const {
   const auto in = [](double value, double low, double high) {
     return value >= low && value <= high;
   };
-  constexpr double kMaxPush = 1e9;  // of anything a device could push with
+  constexpr double kMaxPush = 1e9;  // above the force of any device
   require(in(period_s, 1e-6, 1.0), "period_s", period_s, "in [1e-6, 1] s");
   require(max_force_n > 0.0 && max_force_n <= kMaxPush, "max_force_n", max_force_n,
           "> 0 and finite");

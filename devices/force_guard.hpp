@@ -1,6 +1,6 @@
 #pragma once
-/// The last stop before any device: whatever comes in, what goes out is finite, within the limits,
-/// and fades when commands stop.
+/// The last check before any device: the output is finite, within the limits, and fades when
+/// commands stop.
 #include <cstdint>
 #include <optional>
 
@@ -9,19 +9,19 @@
 
 namespace voxtouch::devices {
 
-/// What the guard keeps to. "No slew limit" is infinity.
+/// Limits of the guard. Infinity: no slew limit.
 struct GuardConfig {
   double period_s = 1e-3;
   double max_force_n = 0.0;  ///< (0, finite)
   double max_torque_nm =
       0.0;  ///< [0, finite); 0: the device gives no torque, so torque is left out
   double max_force_rate_n_per_s =
-      0.0;  ///< derive_slew_limits; at least max_force_n / fade_s, so that a fade never breaks it
-  double max_torque_rate_nm_per_s = 0.0;  ///< likewise
-  double hold_periods = 3.0;              ///< a command is held this long at most, [1, 1000]
+      0.0;  ///< derive_slew_limits; at least max_force_n / fade_s, for fades
+  double max_torque_rate_nm_per_s = 0.0;  ///< for torque
+  double hold_periods = 3.0;              ///< longest time that a command is repeated, [1, 1000]
   double fade_s = 0.02;                   ///< then it is zero after this, (0, 1]
   double start_ramp_s = 0.5;            ///< at the start full force is reached after this, [0, 10]
-  double return_ramp_s = kReturnRampS;  ///< likewise after a fade, [0, 10]
+  double return_ramp_s = kReturnRampS;  ///< ramp after a fade, [0, 10]
 
   /// Throws std::runtime_error that names field, value and rule.
   void validate() const;
@@ -39,7 +39,7 @@ struct GuardInput {
 struct GuardCounts {
   std::uint64_t passed = 0;  ///< commands taken, clamped ones among them
   std::uint64_t refused_not_finite = 0;
-  std::uint64_t refused_stale = 0;   ///< were over before they came
+  std::uint64_t refused_stale = 0;   ///< expired on arrival
   std::uint64_t refused_writer = 0;  ///< this and the next two are the gate's
   std::uint64_t refused_session = 0;
   std::uint64_t refused_sequence = 0;
@@ -47,7 +47,7 @@ struct GuardCounts {
   std::uint64_t clamped_torque = 0;
   std::uint64_t clamped_slew = 0;  ///< periods; in a certified loop none
   std::uint64_t faded = 0;         ///< fades begun
-  std::uint64_t clock_faults = 0;  ///< periods whose time stood still or went back
+  std::uint64_t clock_faults = 0;  ///< periods in which the time did not advance
 
   std::uint64_t refused() const noexcept {
     return refused_not_finite + refused_stale + refused_writer + refused_session + refused_sequence;
@@ -55,25 +55,25 @@ struct GuardCounts {
   std::uint64_t clamped() const noexcept { return clamped_force + clamped_torque + clamped_slew; }
 };
 
-/// Pure: no clock, no thread; time comes in. Call `pass` once a period with the command that has
-/// come since, if any. `pass` and all the rest but the constructor are real-time safe.
+/// Has no clock and no thread; the caller gives the time. Call `pass` once per period, with the
+/// newest command if one was received. All functions except the constructor are real-time safe.
 ///
-/// The output is fraction * command, led to by the slew limit. The fraction rises from 0 to 1 over
-/// the ramp while commands come, so that a start inside a contact does not kick; it falls to 0 over
-/// the fade once the last command is older than `hold_periods` or than its valid-until, and a
-/// command that comes during the fade takes it up from where it is.
+/// The output follows fraction * command within the slew limit. The fraction rises from 0 to 1 over
+/// the ramp while commands arrive, so a start in contact causes no step. It falls to 0 over the
+/// fade if the last command is older than `hold_periods` or its valid-until. A command received
+/// during the fade continues from the current fraction.
 class ForceGuard {
  public:
   /// Throws as GuardConfig::validate does.
   explicit ForceGuard(const GuardConfig& config);
 
-  /// What the device is to push with. `now_ns` is the device's clock. A time that stands still or
-  /// goes back counts as one nominal period, so that a broken clock cannot hold a force for ever; a
-  /// gap opens the slew limit by no more than the hold time. A refused command is as no command:
-  /// the one before it is held, then faded.
+  /// Returns the wrench for the device. `now_ns`: device clock. A time that does not advance counts
+  /// as one nominal period, so a faulty clock cannot hold a force. A gap opens the slew limit by
+  /// the hold time at most. A refused command counts as none: the previous one is repeated, then
+  /// fades.
   Wrench pass(const std::optional<GuardInput>& command, std::int64_t now_ns) noexcept;
 
-  /// Adds what the gate refused to the counts.
+  /// Adds a refusal of the gate to the counts.
   void count(GateVerdict verdict) noexcept;
 
   /// Zero, at once and until `restart`; commands are ignored.

@@ -90,8 +90,8 @@ const Entry& find(std::string_view name) {
   return *found;
 }
 
-/// A faulty file or a controller that says nonsense must not become what force is limited and
-/// designed by.
+/// Force limits and the design rely on these numbers, so values of a faulty file or controller are
+/// refused.
 void require_possible(std::string_view name, const DeviceDescription& description) {
   if (const std::string wrong = validate(description); !wrong.empty())
     throw DeviceOpenError(fmt::format("device '{}' cannot be used: {}", name, wrong));

@@ -16,24 +16,23 @@ namespace voxtouch::devices {
 /// "phantom", "lwr", "fr3": the hardware.
 const std::vector<std::string>& device_names();
 
-/// Opens a device. Throws DeviceOpenError: an unknown name (the sentence lists the known ones), an
-/// option that the device has not got or a value that it cannot take, a motion or hand that cannot
-/// be simulated, or hardware that is not there; it says what to do.
+/// Opens a device. Throws DeviceOpenError with the remedy: an unknown name, an unknown option or
+/// value, a motion or hand that cannot be simulated, or missing hardware.
 std::unique_ptr<Driver> open_device(std::string_view name, const DeviceOptions& options = {});
 
-/// The device's numbers, as far as they are known without opening it: hardware may say others once
-/// it is open. Throws as open_device does for names and settings.
+/// The device's properties, as known without opening it; hardware may report others when opened.
+/// Throws as open_device does for names and settings.
 DeviceDescription describe_device(std::string_view name, const DeviceOptions& options = {});
 
-/// A name that stands for a device in a file.
+/// Prefix of a device that a file describes.
 inline constexpr std::string_view kDescribedPrefix = "sim:";
 
-/// A simulated hand holds it, and follows options.motion; else it is a person's.
+/// A simulated hand grips it and follows options.motion; otherwise a real operator does.
 bool has_simulated_hand(std::string_view name);
 
 /// DeviceOptions::is_led may be set: the device is arithmetic alone.
 bool can_be_led(std::string_view name);
-/// Throws DeviceOpenError, a sentence, where it may not.
+/// Throws DeviceOpenError if its hand cannot be led.
 void require_led(std::string_view name);
 
 /// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown

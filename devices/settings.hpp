@@ -1,6 +1,5 @@
 #pragma once
-/// Settings of a device, read strictly: what is not known, doubled, or no value of its kind is
-/// refused with a sentence.
+/// Settings of a device, read strictly: unknown and duplicate keys and invalid values are refused.
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
@@ -13,13 +12,13 @@
 
 namespace voxtouch::devices {
 
-/// "KEY=VALUE" in two. Throws DeviceOpenError where there is no '=' or nothing before it.
+/// Splits "KEY=VALUE". Throws DeviceOpenError without a '=' or a key.
 DeviceSettings parse_settings(const std::vector<std::string>& texts);
 
 /// All functions throw DeviceOpenError that names device, key, value and rule.
 class SettingReader {
  public:
-  /// `known`: every key that this device takes. Those in `many` may come more than once.
+  /// `known`: every key of this device. Those in `many` may occur repeatedly.
   SettingReader(std::string_view device, const DeviceSettings& settings,
                 std::initializer_list<std::string_view> known,
                 std::initializer_list<std::string_view> many = {});
@@ -30,9 +29,8 @@ class SettingReader {
   std::optional<double> number(std::string_view key, double low, double high) const;
   std::optional<std::uint32_t> whole(std::string_view key, std::uint32_t low,
                                      std::uint32_t high) const;
-  std::optional<Vec3> vector(std::string_view key) const;  ///< "X,Y,Z", finite
-  std::vector<std::string> all(
-      std::string_view key) const;  ///< of a key that may come more than once
+  std::optional<Vec3> vector(std::string_view key) const;    ///< "X,Y,Z", finite
+  std::vector<std::string> all(std::string_view key) const;  ///< of a key that may occur repeatedly
   [[noreturn]] void refuse(std::string_view key, std::string_view value,
                            std::string_view rule) const;
 

@@ -4,10 +4,10 @@
 usage: generate_idl.py OUT_DIR PACKAGE=DIR ...      (DIR holds msg and srv; the first package is the
                                                     project's own)
 
-For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, which is how
-ROS 2 names it on DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and
-static_asserts on its layout; OUT_DIR/voxtouch_msgs/python_types.hpp carries the same types as
-Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. Of a service it writes
+For `pkg/Name` it writes OUT_DIR/pkg/msg/Name_.idl with the type pkg::msg::dds_::Name_, ROS 2's
+name on DDS. OUT_DIR/voxtouch_msgs/messages.hpp gives each type a short C++ name and
+static_asserts on its layout; OUT_DIR/voxtouch_msgs/python_types.hpp has the same types as
+Python text, OUT_DIR/voxtouch_msgs/definitions.hpp as .msg text. For a service it writes
 OUT_DIR/pkg/srv/Name_.idl with request and response, and OUT_DIR/voxtouch_msgs/services.hpp.
 """
 
@@ -105,9 +105,8 @@ def idl_text(package, name, fields, constants):
 
 
 def service_idl_text(package, name, request, response):
-    """Request and response behind the header that rmw_cyclonedds puts into both: whose client's,
-    and its number there.
-    """
+    """Request and response after the header that rmw_cyclonedds adds to both: the client's id
+    and its request number."""
     header = [("uint64", None, None, 0, "client_guid"), ("int64", None, None, 0, "request_number")]
     body = []
     for half, fields in (("Request", request), ("Response", response)):
@@ -149,7 +148,7 @@ def struct_lines(name, fields):
 
 
 def packed_size(messages, package, name):
-    """Bytes of a fixed-size type without padding; None where the type is not fixed-size."""
+    """Bytes of a fixed-size type without padding; None for other types."""
     total = 0
     for kind, owner, array, size, _ in messages[package, name][0]:
         if kind == "string" or array in ("sequence", "bounded"):
@@ -268,9 +267,8 @@ def services_text(messages, services, own):
 
 
 def all_types_text(messages, own):
-    """A C++ header with the descriptor of every type by its name, for what takes any topic of the
-    table.
-    """
+    """A C++ header with the descriptor of every type by its name, for code that handles any
+    topic of the table."""
     shorts = [name if package == own else f"{package}_{name}" for package, name in messages]
     return "\n".join(
         [
@@ -336,7 +334,7 @@ def definitions_text(messages, texts):
 
 
 def write(path, text):
-    """A file that says so already stays as it is: what is made of it need not be compiled again."""
+    """Leaves a file with equal content unchanged, so that its dependents are not compiled again."""
     path.parent.mkdir(parents=True, exist_ok=True)
     if not path.exists() or path.read_text() != text:
         path.write_text(text)

@@ -27,7 +27,7 @@ SCALARS = {
     "string": '""',
     "float32": "0.0",
     "float64": "0.0",
-}  # what a field is that is not given; else 0
+}  # default of a missing field; otherwise 0
 
 
 def field_line(package, kind, owner, array, size, field):
@@ -66,9 +66,8 @@ def class_text(package, name, fields, constants):
 
 
 def module_text(package, own):
-    """One package's module; `own` maps its names to (fields, constants). Classes follow those that
-    they use.
-    """
+    """One package's module; `own` maps its names to (fields, constants). Classes follow the ones
+    that they use."""
     others = sorted(
         {owner for fields, _ in own.values() for _, owner, *_ in fields if owner} - {package}
     )

@@ -1,6 +1,5 @@
-"""RIHS01 hashes of message and service types, as REP-2016 says: SHA-256 over the JSON of the type's
-description with all types that it uses.
-"""
+"""RIHS01 hashes of message and service types, after REP-2016: SHA-256 over the JSON of the
+type's description with all types that it uses."""
 
 import hashlib
 import json
@@ -27,7 +26,7 @@ ARRAYS = {
     "fixed": 48,
     "bounded": 96,
     "sequence": 144,
-}  # what is added to the id of an element
+}  # added to the id of an element
 EMPTY = [
     ("uint8", None, None, 0, "structure_needs_at_least_one_member")
 ]  # a struct of DDS has a member
@@ -65,7 +64,7 @@ def used(messages, package, name):
 
 
 def type_hash(messages, package, name, services=()):
-    """`services`: which of the types stand in their package's srv."""
+    """`services`: the types in their package's srv folder."""
     parts = sorted(
         (described(messages, *one, services) for one in used(messages, package, name)),
         key=lambda part: part["type_name"],

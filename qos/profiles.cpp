@@ -6,8 +6,8 @@ namespace voxtouch::qos {
 
 Qos make_qos(const Profile& p, Endpoint endpoint, double period_s) {
   Qos qos(dds_create_qos());
-  // Of a full history; in lockstep nodes ask again, see Writer::write_until. Topics for display
-  // never block a writer: it is left out.
+  // Time for which a full history blocks a writer; in lockstep nodes retry (Writer::write_until).
+  // Topics for display never block a writer.
   const bool is_for_others =
       p.id == ProfileId::kState || p.id == ProfileId::kService || p.id == ProfileId::kLog;
   const dds_duration_t blocking = is_for_others ? 0 : DDS_MSECS(100);

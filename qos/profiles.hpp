@@ -1,6 +1,6 @@
 #pragma once
-/// Named QoS profiles: every DDS endpoint of the project uses one of these, so that a single test
-/// can hold every writer against every reader.
+/// Named QoS profiles. Every DDS endpoint uses one of these, so that one test can check all pairs
+/// of writers and readers.
 #include <cstdint>
 #include <memory>
 #include <string_view>
@@ -28,7 +28,7 @@ struct Profile {
   ProfileId id;
   std::string_view name;
   bool reliable;
-  bool transient_local;  ///< the reader must ask for it too, or gets nothing
+  bool transient_local;  ///< a reader must request it too, otherwise it receives no earlier samples
   bool keep_all;         ///< bounded by `depth` as resource limit; else keep last `depth`
   std::int32_t depth;
   double deadline_periods;  ///< 0: none. One period fires falsely; three do not
@@ -52,9 +52,9 @@ inline constexpr Profile kProfiles[] = {
     {ProfileId::kService, "service", true, false, false, 64,
      0.0},  // requests and replies; a stalled client blocks no writer
     {ProfileId::kLog, "log", true, true, false, 64,
-     0.0},  // /rosout: who comes later gets the last lines too
+     0.0},  // /rosout: late joiners receive the last lines too
     {ProfileId::kRecord, "record", true, true, false, 256,
-     0.0},  // what was done, all of it: also for a recorder that comes later or stood still
+     0.0},  // complete history, also for a recorder that joins late or was suspended
 };
 
 constexpr const Profile& profile(ProfileId id) {
@@ -71,7 +71,7 @@ using Qos = std::unique_ptr<dds_qos_t, QosDelete>;
 
 enum class Endpoint : std::uint8_t { kWriter, kReader };
 
-/// The DDS QoS of one endpoint; `period_s` is the topic's period (0 where it has none).
+/// The DDS QoS of one endpoint; `period_s` is the topic's period (0: none).
 Qos make_qos(const Profile& profile, Endpoint endpoint, double period_s);
 
 }  // namespace voxtouch::qos

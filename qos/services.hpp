@@ -1,5 +1,5 @@
 #pragma once
-/// The one table of services: name, type, who serves, and why.
+/// Table of services: name, type, server, purpose.
 #include <string>
 #include <string_view>
 
@@ -17,24 +17,23 @@ struct Service {
 };
 
 inline constexpr Service kChangeEffect{"change_effect", "voxtouch_msgs/srv/ChangeEffect",
-                                       kRendering,
-                                       "An EffectChange whose answer comes back to whoever asked."};
+                                       kRendering, "An EffectChange with a reply to its sender."};
 inline constexpr Service kListParameters{"list_parameters", "rcl_interfaces/srv/ListParameters",
                                          kEveryNode,
                                          "use_sim_time and settings of the node; of the rendering "
                                          "also gains, switches and values of effects."};
 inline constexpr Service kGetParameters{"get_parameters", "rcl_interfaces/srv/GetParameters",
-                                        kEveryNode, "What they are set to."};
+                                        kEveryNode, "Their values."};
 inline constexpr Service kGetParameterTypes{
     "get_parameter_types", "rcl_interfaces/srv/GetParameterTypes", kEveryNode, "Their types."};
 inline constexpr Service kDescribeParameters{"describe_parameters",
                                              "rcl_interfaces/srv/DescribeParameters", kEveryNode,
                                              "Their meaning, unit and range."};
 inline constexpr Service kSetParameters{"set_parameters", "rcl_interfaces/srv/SetParameters",
-                                        kEveryNode, "Changes, each judged by itself."};
+                                        kEveryNode, "Changes, each validated separately."};
 inline constexpr Service kSetParametersAtomically{
     "set_parameters_atomically", "rcl_interfaces/srv/SetParametersAtomically", kEveryNode,
-    "Changes that are all made in one sample, or none."};
+    "Changes that apply together in one sample, or not at all."};
 
 inline constexpr Service kServices[] = {
     kChangeEffect,       kListParameters, kGetParameters,          kGetParameterTypes,

@@ -1,5 +1,5 @@
 #pragma once
-/// The one table of topics: name, type, profile, rate, who writes and who reads, and why.
+/// Table of topics: name, type, profile, rate, writers, readers, purpose.
 #include <algorithm>
 #include <string>
 #include <string_view>
@@ -14,7 +14,7 @@ using Nodes = std::uint8_t;
 inline constexpr Nodes kNone = 0, kDevice = 1, kRendering = 2, kCoupling = 4, kValidator = 8,
                        kLogger = 16, kEveryNode = 31;
 
-/// Names of the nodes in a set, as they stand in statuses and options.
+/// Names of the nodes in a set, as in statuses and options.
 inline std::vector<std::string> names_of(Nodes nodes) {
   constexpr std::string_view kNames[] = {"device", "rendering", "coupling", "validator", "logger"};
   std::vector<std::string> names;
@@ -27,20 +27,20 @@ inline std::vector<std::string> names_of(Nodes nodes) {
 /// One row. `path` is relative to the rig's namespace, unless `global`.
 struct Topic {
   std::string_view path;
-  std::string_view type;       ///< "pkg/msg/Name"
-  ProfileId profile;           ///< in real time; see `profile_in`
-  double rate_hz;              ///< 0: on a change only
-  Nodes writers = kNone;       ///< kNone: who is no node of the ring, such as `voxtouch change`
-  Nodes readers = kNone;       ///< of the ring; the logger is one of those that it records unasked
+  std::string_view type;  ///< "pkg/msg/Name"
+  ProfileId profile;      ///< in real time; see `profile_in`
+  double rate_hz;         ///< 0: on a change only
+  Nodes writers =
+      kNone;  ///< kNone: programs that are not nodes of the ring, such as `voxtouch change`
+  Nodes readers = kNone;  ///< of the ring; the logger is one of those that it records by default
   std::string_view why = {};   ///< it is written, for the scene's plan
   bool global = false;         ///< outside the rig's namespace: /tf, /diagnostics
   bool lockstep_only = false;  ///< there is no writer in real time
-  bool with_external = false;  ///< its rendering's end is there only where the scene has the effect
-                               ///< `external`, in real time
+  bool with_external =
+      false;  ///< the rendering reads it only if the scene has the effect `external`, in real time
   bool of_launcher = false;    ///< `voxtouch up` writes it
-  bool of_arms =
-      false;  ///< there is a writer only where the device is an arm whose joints are known
-  bool with_led_hand = false;  ///< its device's end is there only where a page leads the hand
+  bool of_arms = false;        ///< written only if the device is an arm with known joints
+  bool with_led_hand = false;  ///< the device reads it only if a page leads the hand
 };
 
 inline constexpr Topic kDeviceState{
@@ -310,9 +310,8 @@ inline std::string dds_name(const Topic& topic, std::string_view rig) {
   return name.append(topic.path);
 }
 
-/// The row of the outside wrench under the topic that a scene names, absolute as ROS has it
-/// ("/sim/wrench"); its own under the rig where it names none. Looks into `ros_name` as long as it
-/// lives.
+/// The row of the external wrench for the absolute topic that a scene names ("/sim/wrench"), or for
+/// that of the rig if empty. Refers to `ros_name`, which must outlive it.
 inline Topic external_topic(std::string_view ros_name) {
   Topic row = kExternalWrench;
   if (!ros_name.empty())

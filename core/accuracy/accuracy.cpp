@@ -24,16 +24,15 @@ namespace {
 
 constexpr int kRounds = 5;  ///< that times are taken in
 constexpr double kLookAheadEdges = 2.0, kLookInEdges = 1.5,
-                 kStepEdges = 1.0 / 32.0;  ///< where a force may begin
+                 kStepEdges = 1.0 / 32.0;  ///< step of the search for the onset
 constexpr int kHalvings = 12;
 constexpr double kPressEdges =
     0.25;  ///< a frame, for the spread over depth: below half a voxel nothing counts as fast
 
-/// Deeper than what is asked about, interpolated distances look at nodes within a voxel's diagonal.
+/// Below the requested depth, interpolated distances read nodes within a voxel's diagonal.
 constexpr double kNodesBelowVoxels = 2.0;
 
-/// The gap at which the force begins on the way in; minus the last depth looked at where it never
-/// does.
+/// The gap at which the force begins on the path in; minus the last tested depth if there is none.
 double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, double edge) {
   const auto pushes = [&](double depth) {
     return !renderer.probe(place.at(depth)).wrench.force.isZero(0.0);
@@ -114,8 +113,7 @@ class Measurement {
   }
 
  private:
-  /// Made where a row asks for it: a scene without an inside has none, and then it is the row that
-  /// says so.
+  /// Created on demand: for a scene without an inside the row then reports the reason.
   TrueForces& truth() {
     if (!truth_)
       truth_ = std::make_unique<TrueForces>(scene_);
@@ -131,7 +129,7 @@ class Measurement {
     return std::min<std::size_t>(options_.spread_contacts, places_.size());
   }
 
-  /// In the order in which they come first.
+  /// In the order of their first occurrence.
   std::vector<double> voxel_sizes() const {
     std::vector<double> out;
     for (const AccuracySetting& s : settings_)
@@ -140,8 +138,8 @@ class Measurement {
     return out;
   }
 
-  /// Depths that the rows of a voxel size are judged at, and how many of the places. The first is
-  /// `first_edges` voxels.
+  /// Depths at which the rows of a voxel size are evaluated, with the number of places. The first
+  /// is `first_edges` voxels.
   std::vector<std::pair<double, std::size_t>> truths_of(double voxel_m, double first_edges) const {
     std::vector<std::pair<double, std::size_t>> out = {{first_edges * voxel_m, options_.contacts}};
     if (options_.spread_contacts > 0)
@@ -188,7 +186,7 @@ class Measurement {
       row.build_s = now() - begin;
       row.shell_points = built->plan().shell_points, row.bytes = built->plan().bytes;
       origins_.emplace(setting.voxel_m, built->voxmap().grid().origin);
-      // Not before: what is too fine to be built is too fine to be integrated.
+      // After the build: a voxel size that is too fine to build is also too fine to integrate.
       if (setting.virtual_tool)
         know_tool_truth(setting.voxel_m);
       else
@@ -209,8 +207,8 @@ class Measurement {
     return row;
   }
 
-  /// `depth_m`: none of the tool's points goes deeper, so that no more of the distances is needed;
-  /// none: all are built.
+  /// `depth_m`: largest depth of the tool's points, which limits the distances to build; none: all
+  /// are built.
   std::unique_ptr<rendering::BuiltScene> build(const AccuracySetting& setting,
                                                const std::optional<Vec3>& origin,
                                                std::optional<double> depth_m = std::nullopt) {
@@ -255,8 +253,8 @@ class Measurement {
     }
   }
 
-  /// Whether the way in is free from where an onset is looked for: a narrow place may have another
-  /// wall behind the tool.
+  /// Whether the path in is free from the start of the onset search: in a narrow place another wall
+  /// may be behind the tool.
   const std::vector<bool>& clear_before(double edge) {
     std::vector<bool>& clear = clear_[edge];
     const double ahead = kLookAheadEdges * edge;
@@ -356,7 +354,8 @@ class Measurement {
     row.median_us_95 = median_interval(std::move(times_us));
   }
 
-  /// Frames of one place are alike, so the median's interval is that of the places' medians.
+  /// Frames of one place are correlated, so the interval of the median is that of the places'
+  /// medians.
   void keep_slides(const std::vector<std::vector<SlideFrame>>& slides, AccuracyRow& row) const {
     const double clock_s = options_.cpu_time_s ? clock_cost_s() : 0.0;
     double queries = 0.0;
@@ -375,7 +374,7 @@ class Measurement {
     row.median_us_95 = median_interval(std::move(of_places));
   }
 
-  /// What asking for the time costs [s].
+  /// Cost of a clock call [s].
   double clock_cost_s() const {
     double clock_s = 1.0;
     for (int n = 0; n < 100; ++n) {
@@ -481,7 +480,7 @@ class Measurement {
   std::unique_ptr<TrueTools> true_tools_;
   std::unique_ptr<reference::ReferenceScene> reference_;
   std::vector<ContactPlace> places_;
-  std::map<double, bool> known_;                     ///< voxel sizes whose truth is
+  std::map<double, bool> known_;                     ///< voxel sizes with a known reference
   std::map<double, std::vector<bool>> clear_;        ///< by voxel size, of each place
   std::map<double, Vec3> origins_;                   ///< of the grid, by voxel size
   std::map<double, pointshell::Pointshell> shells_;  ///< by the voxel size that they were made with

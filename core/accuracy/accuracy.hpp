@@ -1,6 +1,5 @@
 #pragma once
-/// What accuracy costs in time: every setting of the contact measured against the reference, on the
-/// same contacts.
+/// Accuracy and cost of contact settings, measured against the reference on the same contacts.
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -27,39 +26,37 @@ struct AccuracySetting {
   bool operator==(const AccuracySetting&) const = default;
 };
 
-/// What a virtual tool is compared with (true_tools.hpp).
+/// Reference of a virtual tool (true_tools.hpp).
 enum class ToolTruth : std::uint8_t {
   kNone,       ///< no virtual tool
   kBall,       ///< the exact ball
   kGodObject,  ///< a god-object on the meshes' triangles
 };
 
-/// Two ends; NaN where they are not known.
+/// Both ends; NaN if unknown.
 struct Interval {
   double low = std::numeric_limits<double>::quiet_NaN(),
          high = std::numeric_limits<double>::quiet_NaN();
 };
 
-/// A missed contact, one where the reference pushes and the setting does not, counts in every
-/// error: its direction is 180 deg off, its force is none of the true one, its lever arm is
-/// infinite.
+/// A missed contact has a force in the reference and none in the setting. It counts in every error:
+/// direction 180 deg, force ratio 0, lever arm infinite.
 struct ErrorFigures {
-  std::uint32_t contacts =
-      0;  ///< poses that were judged: both this setting and the reference push there
-  std::uint32_t missed = 0;  ///< poses where the reference pushes and this setting does not
+  std::uint32_t contacts = 0;  ///< evaluated poses: setting and reference both have a force
+  std::uint32_t missed = 0;    ///< poses with a force in the reference only
   double direction_mean_deg =
-      0.0;  ///< angle between this force and the reference's: what settings are ranked by
+      0.0;  ///< angle between this force and the reference's; settings are ranked by it
   double force_ratio = 0.0;      ///< mean of |F| / |F_reference|: 1 without bias
   double magnitude_noise = 0.0;  ///< standard deviation over mean of the same
 
-  /// Of all places where a contact is due, those without one; 0 where none was due.
+  /// Ratio of missed contacts to expected ones; 0 if none is expected.
   double missed_ratio() const noexcept {
     return contacts + missed > 0 ? static_cast<double>(missed) / (contacts + missed) : 0.0;
   }
 };
 
-/// The same at one depth, the tool pressed in slowly from outside, as a hand does it: with what the
-/// stage holds.
+/// The errors at one depth. The tool is pressed in slowly from outside, as by a hand, so depths
+/// latched by the stage are included.
 struct DepthFigures : ErrorFigures {
   double edges = 0.0;  ///< depth in e of the setting
 };
@@ -67,33 +64,33 @@ struct DepthFigures : ErrorFigures {
 /// Least and largest over random places of the voxel grid.
 struct PhaseFigures {
   std::uint32_t phases = 0;  ///< places of the grid that were built; 0: none, and nothing is known
-  std::uint32_t contacts = 0;  ///< poses judged at each
+  std::uint32_t contacts = 0;  ///< evaluated poses at each
   Interval direction_mean_deg, missed_ratio, force_ratio;
 };
 
-/// What one setting gives and costs.
+/// Results of one setting.
 struct AccuracyRow : ErrorFigures {
   AccuracySetting setting;
   ToolTruth tool_truth = ToolTruth::kNone;
   std::uint32_t without_truth =
-      0;  ///< places where the reference of the virtual tool found no rest
+      0;  ///< places at which the reference of the virtual tool found no equilibrium
   std::uint64_t shell_points = 0;
-  std::uint64_t bytes = 0;  ///< voxmap, pointshell, field: all that the contact model keeps
+  std::uint64_t bytes = 0;  ///< memory of voxmap, pointshell and field
   double direction_median_deg = 0.0;
   double direction_p95_deg = 0.0;
   double torque_error_m = 0.0;  ///< median of |torque error| / |F|, about the tool's origin: a
-                                ///< lever arm [m]; infinite where half is missed
-  /// Median of the gap where the force begins, along the way in, over the places with room behind
-  /// the tool; > 0: too early [m].
+                                ///< lever arm [m]; infinite if half are missed
+  /// Median gap at which the force begins on the path in, over the places with space behind the
+  /// tool; > 0: too early [m].
   double onset_error_m = 0.0;
   Interval direction_median_95, torque_error_95, onset_error_95,
       median_us_95;                  ///< 95 % intervals of the medians (median_interval)
   std::vector<DepthFigures> depths;  ///< as AccuracyOptions::spread_depth_edges, or none
   PhaseFigures phases;
   double onset_worst_m = 0.0;  ///< the onset farthest from 0 [m]
-  /// CPU time of a frame in contact (query, model, stage) over the poses that were judged, each at
-  /// its best of several rounds, so that it is the pose's and not the machine's. Of a virtual tool:
-  /// over all frames of a hand that slides (ToolPress::slide).
+  /// CPU time of a frame in contact (query, model, stage) over the evaluated poses. Each is the
+  /// best of several rounds, which excludes interruptions. For a virtual tool: over all frames of a
+  /// sliding hand (ToolPress::slide).
   double median_us = 0.0, p95_us = 0.0, worst_us = 0.0;
   double queries_per_frame =
       1.0;               ///< mean over the frames that are timed; a penalty model makes one
@@ -119,15 +116,15 @@ struct AccuracyOptions {
   mesh::TriangleReader read = mesh::read_triangles;  ///< see BuildChoices
 };
 
-/// Places: random points of the static surface, area for area, which the tool meets along the
-/// surface's normal there, turned at random; the touch is found by moving it on by its distance
-/// until nothing is left. From there it goes in by the requested depth. So walls, edges and corners
-/// come as often as the mesh has them. What there is to report: ReferenceWrench, at a resolution
-/// of the depth itself.
+/// Places: random points of the static surface, uniform by area. The tool meets each along the
+/// surface's normal there, with a random rotation about it. The touch is found by repeated moves by
+/// the remaining distance. From there the tool moves in by the requested depth. Walls, edges and
+/// corners thus occur in the mesh's proportions. Reference: ReferenceWrench, at a resolution equal
+/// to the depth.
 ///
-/// Rows in the order of `settings`. Reads the scene's meshes itself. Throws MeshError and
-/// std::runtime_error, each a sentence, where the scene as such cannot be measured; a single
-/// setting that cannot be built is a row that says why.
+/// Rows in the order of `settings`. Reads the scene's meshes. Throws MeshError and
+/// std::runtime_error if the scene cannot be measured. A setting that cannot be built is a row with
+/// the reason.
 std::vector<AccuracyRow> measure_accuracy(const scene::Scene& scene,
                                           const std::vector<AccuracySetting>& settings,
                                           const AccuracyOptions& options,

@@ -27,7 +27,7 @@ double excess(const AccuracyRow& row, const AccuracyGoal& goal) {
   return largest;
 }
 
-/// The judged row for which `key` (a tuple, less is better) is least; the first of equals.
+/// The evaluated row with the smallest `key` (a tuple); the first of equals.
 template <class Key>
 std::size_t least(const std::vector<AccuracyRow>& rows, Key&& key) {
   std::optional<std::size_t> best;
@@ -59,7 +59,7 @@ void choose_for_time(const std::vector<AccuracyRow>& rows, double within_us, Acc
   out.met = rows[*out.row].median_us <= within_us;
 }
 
-/// The refused row of a virtual tool, where no other one of it was judged.
+/// The refused row of a virtual tool, if no other row of it was evaluated.
 std::optional<std::size_t> tool_not_judged(const std::vector<AccuracyRow>& rows) {
   std::optional<std::size_t> refused;
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -13,8 +13,8 @@ namespace voxtouch::accuracy {
 /// reference has facets larger.
 inline constexpr double kMinDirectionDeg = 1e-3;
 
-/// Limits on errors, all of which must hold (the cheapest such setting is chosen), or on the time
-/// (the most accurate setting within it is). Without any the knee of the Pareto front is chosen.
+/// Limits on errors (the cheapest setting within all of them is chosen), or on the time (the most
+/// accurate setting within it is chosen). Without limits the knee of the Pareto front is chosen.
 struct AccuracyGoal {
   std::optional<double> direction_deg =
       {};                            ///< mean direction error, a missed contact counted as 180 deg
@@ -37,13 +37,12 @@ struct AccuracyAdvice {
   std::vector<std::size_t>
       front;  ///< Pareto front of time and mean direction error, by ascending time
   std::optional<std::size_t> knee;
-  std::optional<std::size_t> refused_tool;  ///< the virtual tool that the scene renders and that
-                                            ///< was not judged: then no row is chosen
+  std::optional<std::size_t>
+      refused_tool;  ///< the scene's virtual tool, if it was not evaluated: then no row is chosen
 };
 
 /// Whether a row can be compared with others: built, in contact at least once, time and direction
-/// error finite. (A setting without any contact has zeros for errors, which would look like
-/// perfection.)
+/// error finite. A setting without any contact has zero errors.
 bool is_judged(const AccuracyRow& row) noexcept;
 
 /// Deterministic: among equals the faster, then the smaller, then the first row. `renders_tool`:

@@ -93,7 +93,7 @@ std::optional<ContactPlace> approach(const reference::ReferenceScene& reference,
   place.touch.position = aim.point + kClear * tool.reach * aim.normal - turn * tool.centre;
   double gap = reference.apart_m(place.touch), gone = 0.0;
   if (!(gap > 0.0) || !(reference.gap(place.touch).gap_m > 0.0))
-    return std::nullopt;  // something else is in the way
+    return std::nullopt;  // another surface is in the path
   for (int n = 0; n < kMaxSteps && gone <= 2.0 * kClear * tool.reach; ++n) {
     if (gap <= kTouchRatio * tool.reach)
       return place;
@@ -112,8 +112,7 @@ std::optional<ContactPlace> approach(const reference::ReferenceScene& reference,
 std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_t count,
                                          std::uint64_t seed,
                                          const std::function<void(double fraction)>& progress) {
-  scene::Scene by_triangles =
-      scene;  // the contact models see triangles, not the primitives that stand for them
+  scene::Scene by_triangles = scene;  // contact models use the triangles, not the primitives
   by_triangles.dynamic_mesh.primitives.clear();
   for (scene::MeshSpec& mesh : by_triangles.static_meshes)
     mesh.primitives.clear();

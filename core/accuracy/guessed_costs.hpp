@@ -7,8 +7,8 @@
 
 namespace voxtouch::accuracy {
 
-/// Seconds of CPU time on two processors of 2025; right within a few times. What is measured
-/// corrects them (MeasuredProgress).
+/// Seconds of CPU time on two processors of 2025, right within a small factor. MeasuredProgress
+/// corrects them.
 struct GuessedCosts {
   double triangles = 0.0, area_m2 = 0.0;  ///< of the static surface
 

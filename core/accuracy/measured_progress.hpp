@@ -9,15 +9,15 @@
 
 namespace voxtouch::accuracy {
 
-/// Steps of one kind take about as long as each other says.
+/// Kinds of steps; steps of one kind take similar times.
 enum class Step : std::uint8_t { kPlaces, kBuild, kTruth, kToolTruth, kJudge, kPhase, kCount };
 
-/// Each step is planned with the seconds that it is guessed to take. What a kind of step has taken
-/// so far over what was guessed corrects its other steps: a guess that is off by ten costs no more
-/// than one step of that kind. Without a clock the guesses stand.
+/// Each step is planned with its estimated time. The ratio of measured to estimated time of a kind
+/// corrects its other steps, so an estimate that is wrong by a factor of ten costs at most one
+/// step. Without a clock the estimates are used.
 class MeasuredProgress {
  public:
-  /// `left_s`: what is left of the clock's time, as reckoned.
+  /// `left_s`: estimated time left on the clock.
   using Report = std::function<void(const std::string& what, double fraction, double left_s)>;
 
   /// `now_s`: a clock, or none.
@@ -56,7 +56,7 @@ class MeasuredProgress {
 
  private:
   struct Kind {
-    double planned_s = 0.0;                ///< guesses of the steps to come
+    double planned_s = 0.0;                ///< estimates of the remaining steps
     double guessed_s = 0.0, took_s = 0.0;  ///< of those done
   };
   static constexpr double kReportedRatio =

@@ -1,13 +1,12 @@
 #pragma once
-/// Which of many settings are worth choosing at all.
+/// Selects the settings that no other setting dominates.
 #include <cstddef>
 #include <optional>
 #include <vector>
 
 namespace voxtouch::accuracy {
 
-/// What a setting costs and how wrong it is; less is better in both. One that is not finite takes
-/// no part.
+/// Cost and error of a setting; less is better in both. A non-finite one is ignored.
 struct CostError {
   double cost = 0.0, error = 0.0;
 };
@@ -17,11 +16,11 @@ struct CostError {
 /// none beats another: all of them are on it.
 std::vector<std::size_t> pareto_front(const std::vector<CostError>& points);
 
-/// The point of `front` (of pareto_front) where the gain turns: farthest below the chord between
-/// the front's ends, both figures logarithmic and scaled to the ends (Satopaa et al. 2011, "Finding
-/// a Kneedle in a Haystack", eq. of the difference curve). None where the front has no point below
-/// its chord, fewer than three points, or one whose cost is 0. Errors below `least_error` (> 0)
-/// count as that, since zero has no logarithm.
+/// The knee of `front` (of pareto_front): the point farthest below the chord between the front's
+/// ends, both figures logarithmic and scaled to the ends (Satopaa et al. 2011, "Finding a Kneedle
+/// in a Haystack", eq. of the difference curve). Empty if the front has no point below its chord,
+/// fewer than three points, or a cost of 0. Errors below `least_error` (> 0) count as that, since
+/// zero has no logarithm.
 std::optional<std::size_t> knee(const std::vector<CostError>& points,
                                 const std::vector<std::size_t>& front, double least_error);
 

@@ -30,7 +30,7 @@ Wrench ToolPress::into(const ContactPlace& place, double depth_m) {
 std::vector<SlideFrame> ToolPress::slide(const ContactPlace& place, double depth_m,
                                          const std::function<double()>& cpu_time_s) {
   constexpr int kFrames = 40, kRounds = 3;
-  constexpr double kAlong = 0.9;  ///< of a direction that lies too near the way in
+  constexpr double kAlong = 0.9;  ///< limit for a direction close to the path in
   Vec3 aside = place.touch.orientation * Vec3::UnitX();  // as random as the tool's attitude
   if (std::abs(aside.dot(place.into)) > kAlong)
     aside = place.touch.orientation * Vec3::UnitY();

@@ -15,9 +15,9 @@ class TrueForces {
  public:
   explicit TrueForces(const scene::Scene& scene) : reference_(scene, scene.voxel_size_m) {}
 
-  /// At the first `count` of `places`, `depth_m` in; zero where the contact is too faint to judge:
-  /// it would show rounding, not of a model. The same places in every call. `progress` receives the
-  /// fraction of what was not known yet.
+  /// Forces at the first `count` of `places`, `depth_m` in; zero if the contact is so small that
+  /// rounding dominates. The same places in every call. `progress` receives the fraction of new
+  /// ones.
   std::vector<Wrench> at(const std::vector<ContactPlace>& places, std::size_t count, double depth_m,
                          const std::function<void(double fraction)>& progress = {});
   /// How many of these have not been worked out yet.

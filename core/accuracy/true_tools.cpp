@@ -54,7 +54,7 @@ std::optional<Wrench> TrueTools::at(const ContactPlace& place, double depth_m) {
         reference::drawn_ball(reference_, radius_m_, place.touch.position, hand.position);
     return Wrench{centre - hand.position, Vec3::Zero()};
   }
-  // The way to the touch is free. The first start that is apart from the scene is taken.
+  // The path to the touch is free. The first start that is apart from the scene is used.
   for (const double back : {0.02, 0.002, 0.0002}) {
     const auto rest = god_object_->led(place.at(-back * god_object_->tool_reach_m()), hand);
     if (rest && rest->settled && rest->apart_m > 0.0)

@@ -26,15 +26,15 @@ class TrueTools {
 
   ToolTruth kind() const noexcept { return god_object_ ? ToolTruth::kGodObject : ToolTruth::kBall; }
 
-  /// At the first `count` of `places`, the hand `depth_m` in; zero where the reference found no
-  /// rest outside. The same places in every call. `progress` receives the fraction of what was not
-  /// known yet.
+  /// Wrenches at the first `count` of `places`, the hand `depth_m` in; zero if the reference found
+  /// no equilibrium outside. The same places in every call. `progress` receives the fraction of new
+  /// ones.
   std::vector<Wrench> at(const std::vector<ContactPlace>& places, std::size_t count, double depth_m,
                          const std::function<void(double fraction)>& progress = {});
   /// How many of these have not been worked out yet.
   std::size_t unknown(const std::vector<ContactPlace>& places, std::size_t count,
                       double depth_m) const;
-  /// Places among those worked out at this depth where the reference found no rest outside.
+  /// Evaluated places at this depth at which the reference found no equilibrium outside.
   std::uint32_t unsettled(double depth_m) const;
 
  private:
@@ -43,11 +43,11 @@ class TrueTools {
   const reference::ReferenceScene& reference_;
   double radius_m_ = 0.0;  ///< of the ball
   std::unique_ptr<reference::GodObject> god_object_;
-  /// By depth: of the first places; none where no rest was found.
+  /// By depth, for the first places; none without an equilibrium.
   std::map<double, std::vector<std::optional<Wrench>>> known_;
 };
 
-/// What the truth of a virtual tool is for this scene; reads no mesh.
+/// The reference of a virtual tool for this scene; reads no mesh.
 ToolTruth tool_truth(const scene::Scene& scene) noexcept;
 
 }  // namespace voxtouch::accuracy

@@ -86,8 +86,7 @@ bool ContactRenderer::tool_centre_in_solid() const noexcept {
          map.at(voxmap::Grid::voxel_of(u)) != voxmap::VoxelKind::kFree;
 }
 
-/// Whether any voxel of the scene may lie where some point of the tool has been since it moved by
-/// `moved_m` to its present pose.
+/// Whether any voxel of the scene may be within `moved_m` of some point of the tool.
 bool ContactRenderer::near_within(double moved_m) const noexcept {
   const voxmap::Voxmap& map = query_.voxmap();
   const double edge = map.grid().edge;

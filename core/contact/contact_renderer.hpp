@@ -34,13 +34,13 @@ class ContactRenderer {
   /// cannot occur if the centre lies outside the tool, as for a bowl.
   StageResult render(const Pose& pose_WT) noexcept;
 
-  /// `render` in steps, for objects that form one solid. Each finds its hits, all share their
-  /// normals and memories, and each renders. Real-time safe.
+  /// `render` in steps, for objects that form one solid: find hits, combine normals and memories,
+  /// render. Real-time safe.
   void find(const Pose& pose_WT) noexcept { query_.find(pose_WT, hits_); }
   StageResult render_found() noexcept;
   /// Replaces mean normal and coherence by those of the hits of all members.
   static void share_normals(std::span<ContactRenderer* const> members) noexcept;
-  /// Shares the memories. The members lie on one grid and have disjoint voxels.
+  /// Combines the memories. The members have one grid and disjoint voxels.
   static void share_memory(std::span<ContactRenderer* const> members) noexcept;
 
   /// Forgets all previous frames, after a restart of the device or a jump of the tool.

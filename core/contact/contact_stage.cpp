@@ -15,13 +15,13 @@ struct ContactStage::Frame {
   double moved_m = 0.0;  ///< bound on the path of every point since the last pose
   /// Of the surface law; its fraction is 1 if only the mean normal is used.
   PushDirection direction;
-  std::uint32_t shared_points = 0;  ///< number of points with force along g in this frame
+  std::uint32_t common_points = 0;  ///< number of points with force along g in this frame
   StiffnessSum stiffness;           ///< of the points that the model has not summed
-  CommonDirectionSum shared;        ///< of those with force along g
+  CommonDirectionSum common;        ///< of those with force along g
 };
 
 ContactStage::ContactStage(const StageConfig& config) : config_(config) {
-  if (!works())
+  if (!has_memory())
     return;
   last_surface_.reserve(config.points);
   for (std::vector<LatchedHit>* const list : {&latched_, &returning_, &inside_})
@@ -32,8 +32,8 @@ void ContactStage::reset() noexcept {
   last_surface_.clear();
   latched_.clear();
   has_last_pose_ = false;
-  shared_.setZero();
-  shared_points_ = 0;
+  common_.setZero();
+  common_points_ = 0;
 }
 
 void ContactStage::merge_memory(const ContactStage& other) noexcept {
@@ -43,17 +43,17 @@ void ContactStage::merge_memory(const ContactStage& other) noexcept {
   merge_ascending(other.latched_, latched_, [](const LatchedHit& a, const LatchedHit& b) noexcept {
     return a.point < b.point;
   });
-  if (shared_.isZero(0.0))
-    shared_ = other.shared_;
-  shared_points_ = std::max(shared_points_, other.shared_points_);
+  if (common_.isZero(0.0))
+    common_ = other.common_;
+  common_points_ = std::max(common_points_, other.common_points_);
 }
 
 void ContactStage::copy_memory(const ContactStage& other) noexcept {
   last_surface_ = other.last_surface_;
   last_direction_ = other.last_direction_;
   latched_ = other.latched_;
-  shared_ = other.shared_;
-  shared_points_ = other.shared_points_;
+  common_ = other.common_;
+  common_points_ = other.common_points_;
 }
 
 StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
@@ -66,22 +66,22 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
   Frame frame;
   frame.moved_m = moved_m;
   result.fast = frame.moved_m > limits::kFastEdges * config_.edge_m;
-  if (!works()) {
+  if (!has_memory()) {
     // Nothing to blend or latch: the depths of `field` reach into interior voxels, and a memoryless
     // model has no force there.
   } else if (hits.surface.empty() && hits.interior.empty()) {
-    shared_.setZero();
+    common_.setZero();
     last_surface_.clear();
     latched_.clear();
   } else {
-    update_shared_direction(hits);
+    update_common_direction(hits);
     frame.direction = {plain.mean_normal, mean_weight(config_.model, plain.coherence)};
     surface_points(hits, frame, result);
     latched_points(hits, frame, result);
     if (frame.stiffness.any())
       frame.stiffness.add_to(config_.stiffness, result.contact.stiffness);
-    if (frame.shared.any())
-      result.contact.stiffness += frame.shared.matrix(config_.stiffness, shared_now_);
+    if (frame.common.any())
+      result.contact.stiffness += frame.common.matrix(config_.stiffness, common_now_);
     latched_.resize(returning_.size() + inside_.size());
     std::merge(returning_.begin(), returning_.end(), inside_.begin(), inside_.end(),
                latched_.begin(),
@@ -89,7 +89,7 @@ StageResult ContactStage::apply(const HitList& hits, const ContactResult& plain,
     last_surface_ = hits.surface;
     last_direction_ = frame.direction;
   }
-  shared_points_ = frame.shared_points;
+  common_points_ = frame.common_points;
   last_pose_ = hits.pose_WT;
   has_last_pose_ = true;
   return result;
@@ -102,7 +102,7 @@ double ContactStage::motion_bound(const Pose& pose) const noexcept {
   return (pose.position - last_pose_.position).norm() + 2.0 * half_sine * config_.reach_m;
 }
 
-void ContactStage::update_shared_direction(const HitList& hits) noexcept {
+void ContactStage::update_common_direction(const HitList& hits) noexcept {
   // Includes the points in interior voxels: the rim alone has few points, and its mean reverses
   // beyond the tool's equator.
   Vec3 mean = hits.surface.normal_sum() + hits.interior.normal_sum();
@@ -115,18 +115,18 @@ void ContactStage::update_shared_direction(const HitList& hits) noexcept {
   if (fraction > 0.0)
     mean /= length;
   // While points depend on g, it may be rotated but not reversed.
-  if (shared_points_ > 0)
-    fraction *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(shared_));
+  if (common_points_ > 0)
+    fraction *= smoothstep(limits::kAgreeFrom, limits::kAgreeTo, mean.dot(common_));
   if (fraction >= 1.0)
-    shared_ = mean;
-  shared_now_ = shared_;
-  // In between, only the direction of this frame is mixed: `shared_` itself must not drift while
+    common_ = mean;
+  common_now_ = common_;
+  // In between, only the direction of this frame is mixed: `common_` itself must not drift while
   // the tool rests. The two are less than 90 degrees apart here, so their mix cannot vanish.
-  if (fraction > 0.0 && fraction < 1.0 && shared_points_ > 0)
-    shared_now_ = (fraction * mean + (1.0 - fraction) * shared_).normalized();
+  if (fraction > 0.0 && fraction < 1.0 && common_points_ > 0)
+    common_now_ = (fraction * mean + (1.0 - fraction) * common_).normalized();
 }
 
-double ContactStage::plain_depth(const Hit& hit, const PushDirection& direction) const noexcept {
+double ContactStage::surface_depth(const Hit& hit, const PushDirection& direction) const noexcept {
   const double fraction = direction.mean_weight;
   Vec3 along = fraction >= 1.0 ? direction.mean : hit.normal;
   if (fraction > 0.0 && fraction < 1.0) {
@@ -136,26 +136,27 @@ double ContactStage::plain_depth(const Hit& hit, const PushDirection& direction)
   return std::max(0.0, along.dot(hit.to_centre));
 }
 
-Vec3 ContactStage::latched_direction(Push push, const Hit& hit) const noexcept {
-  return push == Push::kShared ? shared_now_ : hit.normal;
+Vec3 ContactStage::latched_direction(Direction direction, const Hit& hit) const noexcept {
+  return direction == Direction::kCommon ? common_now_ : hit.normal;
 }
 
-/// Selects the force direction of a point that has just gone through.
-ContactStage::Push ContactStage::choose_direction(const HitList& hits,
-                                                  const Hit& hit) const noexcept {
-  if (shared_.isZero(0.0))
-    return Push::kOwn;
+/// Selects the force direction of a point that has just passed through.
+ContactStage::Direction ContactStage::choose_direction(const HitList& hits,
+                                                       const Hit& hit) const noexcept {
+  if (common_.isZero(0.0))
+    return Direction::kOwnNormal;
   const Vec3 arm_before = last_pose_.orientation * (hits.pose_WT.orientation.conjugate() * hit.arm);
   const Vec3 displacement = (hits.pose_WT.position - last_pose_.position) + (hit.arm - arm_before);
-  const bool shared_pushes_back = shared_.dot(displacement) < 0.0;
-  const bool own_pushes_back = hit.normal.dot(displacement) < 0.0;
+  const bool common_opposes = common_.dot(displacement) < 0.0;
+  const bool own_opposes = hit.normal.dot(displacement) < 0.0;
   if (config_.model == ContactModelKind::kOriginal)
-    return own_pushes_back || !shared_pushes_back ? Push::kOwn : Push::kShared;
-  return hit.normal.dot(shared_) >= 0.0 || shared_pushes_back ? Push::kShared : Push::kOwn;
+    return own_opposes || !common_opposes ? Direction::kOwnNormal : Direction::kCommon;
+  return hit.normal.dot(common_) >= 0.0 || common_opposes ? Direction::kCommon
+                                                          : Direction::kOwnNormal;
 }
 
-void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction,
-                        ContactResult& result) const noexcept {
+void ContactStage::add_force(const HitList& hits, const Hit& hit, double depth,
+                             const Vec3& direction, ContactResult& result) const noexcept {
   const Vec3 force = (config_.stiffness * (hit.weight * depth)) * direction;
   result.wrench.force += force;
   result.wrench.torque += hit.arm.cross(force);
@@ -165,11 +166,11 @@ void ContactStage::push(const HitList& hits, const Hit& hit, double depth, const
   }
 }
 
-void ContactStage::count_latched(Push push, const Hit& hit, Frame& frame,
+void ContactStage::add_stiffness(Direction direction, const Hit& hit, Frame& frame,
                                  ContactResult& result) const noexcept {
   result.stiffness_bound_n_per_m += config_.stiffness * hit.weight;
-  if (push == Push::kShared) {
-    frame.shared.add(hit.arm, hit.weight);
+  if (direction == Direction::kCommon) {
+    frame.common.add(hit.arm, hit.weight);
   } else {
     frame.stiffness.add(hit.arm, hit.normal, hit.weight);
   }
@@ -194,24 +195,24 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame,
 
 void ContactStage::returning_point(const HitList& hits, const Hit& hit, const LatchedHit& before,
                                    Frame& frame, StageResult& result) noexcept {
-  const double depth = plain_depth(hit, frame.direction);
+  const double depth = surface_depth(hit, frame.direction);
   const double left = before.depth_m - limits::kFadePerMetre * frame.moved_m;
   if (!(left > depth))
     return;
-  push(hits, hit, left - depth, latched_direction(before.push, hit), result.contact);
+  add_force(hits, hit, left - depth, latched_direction(before.direction, hit), result.contact);
   if (!(depth > 0.0))
-    count_latched(before.push, hit, frame, result.contact);
-  frame.shared_points += before.push == Push::kShared;
+    add_stiffness(before.direction, hit, frame, result.contact);
+  frame.common_points += before.direction == Direction::kCommon;
   result.latched = true;
-  returning_.push_back({hit.point, before.push, left});
+  returning_.push_back({hit.point, before.direction, left});
 }
 
-/// Latched force of a point that has just gone through.
-ContactStage::LatchedHit ContactStage::gone_through(const HitList& hits,
-                                                    const Hit& hit) const noexcept {
+/// Latched force of a point that has just passed through.
+ContactStage::LatchedHit ContactStage::latch(const HitList& hits, const Hit& hit) const noexcept {
   if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size())
-    return {hit.point, choose_direction(hits, hit), plain_depth(last_surface_[n], last_direction_)};
-  return {hit.point, Push::kOwn, limits::kUnseenDepthEdges * config_.edge_m};
+    return {hit.point, choose_direction(hits, hit),
+            surface_depth(last_surface_[n], last_direction_)};
+  return {hit.point, Direction::kOwnNormal, limits::kUnseenDepthEdges * config_.edge_m};
 }
 
 /// Handles the points in interior voxels, and those of the last frame that have returned to the
@@ -238,10 +239,11 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
         const std::uint32_t point = hits.interior.point(begin + n);
         up_to(point);
         const bool known = next < latched_.size() && latched_[next].point == point;
-        LatchedHit held = known ? latched_[next++] : gone_through(hits, hits.interior[begin + n]);
-        held.depth_m = std::max(held.depth_m, limits::kLatchedDepthFloorEdges * config_.edge_m);
-        inside_.push_back(held);
-        frame.shared_points += held.push == Push::kShared;
+        LatchedHit latched = known ? latched_[next++] : latch(hits, hits.interior[begin + n]);
+        latched.depth_m =
+            std::max(latched.depth_m, limits::kLatchedDepthFloorEdges * config_.edge_m);
+        inside_.push_back(latched);
+        frame.common_points += latched.direction == Direction::kCommon;
       }
       push_latched(block, begin, pushes, lanes);
       kernel.add(block, pushes, lanes);
@@ -258,15 +260,15 @@ void ContactStage::push_latched(const HitBlock& block, std::size_t first, Pushes
                                 PushLanes& lanes) const noexcept {
   pushes.add_all(block);
   for (std::size_t n = 0; n < block.filled(); ++n) {
-    const LatchedHit& held = inside_[first + (n < block.count ? n : 0)];
-    const bool shared = held.push == Push::kShared;
+    const LatchedHit& latched = inside_[first + (n < block.count ? n : 0)];
+    const bool common = latched.direction == Direction::kCommon;
     for (int axis = 0; axis < 3; ++axis)
-      pushes.j[axis][n] = shared ? shared_now_[axis] : block.normal[axis][n];
-    pushes.push[n] = block.weight[n] * held.depth_m;
+      pushes.j[axis][n] = common ? common_now_[axis] : block.normal[axis][n];
+    pushes.push[n] = block.weight[n] * latched.depth_m;
     pushes.weight[n] = block.weight[n];
     const std::size_t lane = n % kLanes;
-    if (held.depth_m > lanes.deepest[lane])
-      lanes.deepest[lane] = held.depth_m,
+    if (latched.depth_m > lanes.deepest[lane])
+      lanes.deepest[lane] = latched.depth_m,
       lanes.deepest_hit[lane] = static_cast<double>(first + n - lane);
   }
 }

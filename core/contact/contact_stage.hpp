@@ -13,7 +13,7 @@ namespace voxtouch::contact {
 struct StageResult {
   ContactResult contact;  ///< The model's result, with blended directions and the forces of latched
                           ///< points added.
-  /// Points have gone through (or just returned): latched depths give force.
+  /// Points have passed through (or just returned): latched depths give force.
   bool latched = false;
   bool fast = false;  ///< some point may have moved more than half a voxel since the last pose
   /// ContactRenderer: fast near the scene, so a wall may have been passed undetected.
@@ -39,13 +39,16 @@ constexpr bool remembers(ContactModelKind model) noexcept {
   return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
 }
 
-/// Blends directions (`adapted` only), latches the depths of points that have gone through, and
-/// sets the fast flag; formulas in laws.md.
-/// If no depth is latched and no direction is blended, the cost per point is a copy of its number.
-/// `field` and memoryless models pass through with the fast flag only. `field` has neither a
-/// fallback to blend nor a layer to go through.
-/// The constructor allocates all memory; `apply` and `reset` are real-time safe. One thread at a
-/// time.
+/// Adds memory to a contact model. The model gives no force to a point inside the solid, below the
+/// surface layer of voxels. The stage therefore latches the depth that a point had when it passed
+/// through the layer, until it returns. Its force acts along g, the last coherent mean normal of
+/// all points, or along the point's own normal.
+///
+/// Blends directions (`adapted` only), latches the depths of points that have passed through, and
+/// sets the fast flag; formulas in laws.md. If no depth is latched and no direction is blended, the
+/// cost per point is a copy of its number. `field` and memoryless models set the fast flag only:
+/// `field` has neither a fallback to blend nor a layer to pass through. The constructor allocates
+/// all memory; `apply` and `reset` are real-time safe. One thread at a time.
 class ContactStage {
  public:
   /// Allocates all memory for a shell of `config.points` points.
@@ -66,9 +69,9 @@ class ContactStage {
     return has_last_pose_ ? motion_bound(pose) : 0.0;
   }
 
-  /// For the members of one solid, with disjoint voxels of one grid, so that a point that moves
-  /// from one to the next stays latched. Each adds the memories of the others to the first one's
-  /// and copies that. Call it at most once per frame; `apply` follows. Real-time safe.
+  /// For the members of one solid, with disjoint voxels of one grid: a point that moves from one to
+  /// the next stays latched. Adds the memory of `other` to this one. Once per frame, before
+  /// `apply`: merge all into the first member, then copy that to the others. Real-time safe.
   void merge_memory(const ContactStage& other) noexcept;
   void copy_memory(const ContactStage& other) noexcept;
 
@@ -76,44 +79,48 @@ class ContactStage {
   void reset() noexcept;
 
  private:
-  enum class Push : std::uint8_t { kShared, kOwn };  ///< latched, along g; along the own normal
+  enum class Direction : std::uint8_t {
+    kCommon,
+    kOwnNormal
+  };  ///< of a latched force: along g; along the point's normal
   /// A point with a latched depth.
   struct LatchedHit {
     std::uint32_t point = 0;
-    Push push = Push::kOwn;
+    Direction direction = Direction::kOwnNormal;
     double depth_m = 0.0;
   };
   struct Frame;
 
-  bool works() const noexcept { return remembers(config_.model) && !config_.memoryless; }
+  bool has_memory() const noexcept { return remembers(config_.model) && !config_.memoryless; }
   double motion_bound(const Pose& pose) const noexcept;
-  void update_shared_direction(const HitList& hits) noexcept;
-  double plain_depth(const Hit& hit, const PushDirection& direction) const noexcept;
-  Vec3 latched_direction(Push push, const Hit& hit) const noexcept;
-  Push choose_direction(const HitList& hits, const Hit& hit) const noexcept;
+  void update_common_direction(const HitList& hits) noexcept;
+  double surface_depth(const Hit& hit, const PushDirection& direction) const noexcept;
+  Vec3 latched_direction(Direction direction, const Hit& hit) const noexcept;
+  Direction choose_direction(const HitList& hits, const Hit& hit) const noexcept;
   void surface_points(const HitList& hits, Frame& frame, StageResult& result) const noexcept;
   void returning_point(const HitList& hits, const Hit& hit, const LatchedHit& before, Frame& frame,
                        StageResult& result) noexcept;
   void latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
-  LatchedHit gone_through(const HitList& hits, const Hit& hit) const noexcept;
+  LatchedHit latch(const HitList& hits, const Hit& hit) const noexcept;
   void push_latched(const HitBlock& block, std::size_t first, Pushes& pushes,
                     PushLanes& lanes) const noexcept;
-  void push(const HitList& hits, const Hit& hit, double depth, const Vec3& direction,
-            ContactResult& result) const noexcept;
-  void count_latched(Push push, const Hit& hit, Frame& frame, ContactResult& result) const noexcept;
+  void add_force(const HitList& hits, const Hit& hit, double depth, const Vec3& direction,
+                 ContactResult& result) const noexcept;
+  void add_stiffness(Direction direction, const Hit& hit, Frame& frame,
+                     ContactResult& result) const noexcept;
 
   StageConfig config_;
   // State of the last frame: the points in the surface layer with their force direction (depths are
-  // computed only if they go through), and the latched points, ascending.
+  // computed only if they pass through), and the latched points, ascending.
   Hits last_surface_;
   PushDirection last_direction_;
   std::vector<LatchedHit> latched_;
   std::vector<LatchedHit> returning_, inside_;  ///< of the present frame
   Pose last_pose_;
   bool has_last_pose_ = false;
-  Vec3 shared_ = Vec3::Zero();       ///< last valid direction; zero: none so far
-  Vec3 shared_now_ = Vec3::Zero();   ///< g of this frame
-  std::uint32_t shared_points_ = 0;  ///< number of points with force along g in the last frame
+  Vec3 common_ = Vec3::Zero();       ///< last coherent mean normal; zero: none so far
+  Vec3 common_now_ = Vec3::Zero();   ///< g of this frame
+  std::uint32_t common_points_ = 0;  ///< number of points with force along g in the last frame
 };
 
 }  // namespace voxtouch::contact

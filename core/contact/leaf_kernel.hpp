@@ -63,7 +63,8 @@ struct NormalLanes {
 /// each point.
 using HalfWord = std::uint32_t __attribute__((may_alias));
 inline constexpr std::int32_t kHalfWords = sizeof(voxmap::Voxmap::Brick) / sizeof(HalfWord);
-/// Pages likewise: the codes of four cells along x at a time; (y, z) of a block is at y + 4 z.
+/// Pages are read in the same way: the codes of four cells along x at a time; (y, z) of a block is
+/// at y + 4 z.
 using CodeWord = std::uint32_t __attribute__((may_alias));
 inline constexpr std::int32_t kCodeWords = sizeof(voxmap::Voxmap::Page) / sizeof(CodeWord);
 static_assert(kCodeWords == 16 && voxmap::Voxmap::kSharedCode == 64 &&

@@ -27,7 +27,7 @@ inline constexpr double kUnseenDepthEdges = 1.0;
 /// no energy.
 inline constexpr double kFadePerMetre = 1.0;
 
-/// The shared latched direction follows the present mean fully if their cosine is at least
+/// The common latched direction follows the present mean fully if their cosine is at least
 /// `kAgreeTo`, and not at all below `kAgreeFrom`. Beyond a sphere's equator the normals of the rim
 /// point into the wall.
 inline constexpr double kAgreeFrom = 0.0;

@@ -49,7 +49,7 @@ struct Pushes {
 
 /// Sums of forces.
 struct PushLanes {
-  alignas(64) double push[6][kLanes] = {};        ///< of push J: the wrench for unit stiffness
+  alignas(64) double push[6][kLanes] = {};        ///< of force J: the wrench for unit stiffness
   alignas(64) double weight[kLanes] = {};         ///< of the weights
   alignas(64) double stiffness[21][kLanes] = {};  ///< of weight J' J: the upper triangle by rows
   alignas(64) double deepest[kLanes] = {};        ///< the largest depth of a lane
@@ -59,7 +59,7 @@ struct PushLanes {
 
 /// The same along one common direction: each hit adds the moments of its arm.
 struct MeanLanes {
-  alignas(64) double push[4][kLanes] = {};      ///< of push and push times arm
+  alignas(64) double push[4][kLanes] = {};      ///< of force, and of force times arm
   alignas(64) double moments[10][kLanes] = {};  ///< of weights as CommonDirectionSum::kSums
   alignas(64) double deepest[kLanes] = {}, deepest_hit[kLanes] = {};  ///< as PushLanes
 };

@@ -1,5 +1,5 @@
 #pragma once
-/// What the coupling is given of a frame of the scene.
+/// Input of the coupling from a frame of the scene.
 #include "core/contact/contact_model.hpp"
 #include "core/coupling/coupling.hpp"
 #include "core/rendering/scene_renderer.hpp"

@@ -11,7 +11,7 @@ namespace {
 /// A range must not begin at zero.
 constexpr double kAnyRatio = 1e-6;
 
-/// The scene's own caps in W; infinity where there is none.
+/// The scene's caps in W; infinity without a cap.
 struct Caps {
   double n_per_m, nm_per_rad;
 };
@@ -28,9 +28,8 @@ coupling::design::ContactRange range_D(const coupling::design::ContactRange& ran
   return {std::min(range_W.one_point, cap) * scale, std::min(range_W.all_points, cap) * scale};
 }
 
-/// Of a virtual tool's spring: no stiffer than the device can show. What is capped is the spring
-/// and nothing else, so the designer may take any fraction of it (`one_point`), and effects come on
-/// top.
+/// Bounds of a virtual tool's spring, limited to what the device can display. Caps apply to the
+/// spring only, so the designer may use any fraction of it (`one_point`); effects are added.
 rendering::StiffnessBounds of_spring(const scene::Scene& scene,
                                      const coupling::design::DeviceModel& device,
                                      const rendering::StiffnessBounds& bounds) noexcept {
@@ -42,7 +41,7 @@ rendering::StiffnessBounds of_spring(const scene::Scene& scene,
           {kAnyRatio * one_point_rotation, one_point_rotation + (r.all_points - r.one_point)}};
 }
 
-/// All that is stiffness or damping, times `scales`.
+/// Multiplies all stiffnesses and dampings by `scales`.
 coupling::CouplingSpec scaled(coupling::CouplingSpec spec, const HandScales& scales) noexcept {
   spec.stiffness_n_per_m *= scales.translation;
   spec.damping_ns_per_m *= scales.translation;
@@ -82,8 +81,8 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene,
   goals.cutoff_hz = options.cutoff_hz;
   goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, options.cutoff_hz);
   goals.gain_margin = options.gain_margin;
-  goals.floors = coupling::design::floors_of(options.damping_floor);
-  goals.rotation_floors = coupling::design::floors_of(options.rotation_damping_floor);
+  goals.floors = coupling::design::floors_of(options.min_damping_ratio);
+  goals.rotation_floors = coupling::design::floors_of(options.rotation_min_damping_ratio);
   if (!spring)
     goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
   goals.allow_injected_damping = options.inject_damping;

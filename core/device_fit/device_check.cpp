@@ -14,13 +14,13 @@ namespace voxtouch::device_fit {
 
 namespace {
 
-/// A sample, its transport, and half of the period that its force is held for.
+/// Delay of a sample, its transport, and half of the period for which its force is held.
 double force_delay_s(const coupling::design::LoopTiming& timing) {
   return timing.delay_s + 1.5 * timing.period_s;
 }
 
-/// A coupling set by hand is the user's own choice: it runs without a certificate, but not where
-/// even what any contact shows is more than the device can.
+/// A manual coupling is the user's choice and runs without a certificate. It is refused if a single
+/// contact exceeds what the device can display.
 std::string too_stiff_by_hand(const scene::Scene& scene,
                               const coupling::design::DeviceModel& device, double least_n_per_m,
                               const SceneRequirements& demand) {
@@ -55,13 +55,13 @@ std::string damps_too_much(const DampingDemand& demand, double scale, double lat
       demand.largest * limit / at_hand, words.unit);
 }
 
-/// Words of a sentence about force or torque, and what one of W is at the hand.
+/// Words of a sentence about force or torque, and the factor from W to the hand.
 struct EffortWords {
   const char *effort, *unit, *key;
   double scale;
 };
 
-/// Written so that NaN does not pass.
+/// NaN does not pass.
 std::string asks_too_much(const ExternalDemand& external, double at_hand, double given,
                           const EffortWords& words) {
   if (at_hand <= given)
@@ -143,7 +143,7 @@ DeviceCheck check_device(const scene::Scene& scene, const coupling::design::Devi
         "The device's largest stiffness is {} N/m; it must be above 0.", max_stiffness));
   const double displayed =
       stiffness_at_hand_n_per_m(scene.coupling, scene.device, stiffness_bound_n_per_m);
-  // Written so that NaN does not pass.
+  // NaN does not pass.
   if (max_stiffness > 0.0 && !(displayed <= max_stiffness))
     out.errors.push_back(fmt::format(
         "Contact stiffness {:.4g} N/m is {:.4g} N/m at the hand, device limit {:.4g} N/m. Divide "

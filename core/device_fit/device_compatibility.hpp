@@ -25,7 +25,7 @@ class DeviceCompatibility {
 
   /// Spring of a virtual tool in W with the running coupling [N/m]; 0 without a device.
   double spring_n_per_m() const noexcept { return spring_n_per_m_; }
-  /// Spring in series with a penalty contact, likewise; rigid without a device.
+  /// Spring in series with a penalty contact; rigid without a device.
   const rendering::Compliance& series_spring() const noexcept { return series_; }
 
   /// The reason if `scene` with these effects must not replace the running one; else empty. Checks

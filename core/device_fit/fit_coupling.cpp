@@ -27,12 +27,12 @@ std::string refusal_of(const coupling::design::Design& design, const scene::Scen
 
 constexpr double kFreeForEffects = 0.5;  ///< of a cap, at most
 
-/// What is left of a cap for the spring in addition to effects of that stiffness.
+/// The part of a cap that effects of that stiffness leave to the spring.
 double without_effects(double cap, double effects) noexcept {
   return std::max(cap - effects, (1.0 - kFreeForEffects) * cap);
 }
-/// What the spring before forces of position gives way by, so that they take no more than the half
-/// that is left free for them.
+/// Compliance of the spring in series with position-dependent forces, which limits them to half of
+/// the cap.
 double before_effects(double cap, double effects) noexcept {
   return effects > kFreeForEffects * cap ? rendering::compliance_for(kFreeForEffects * cap, effects)
                                          : 0.0;
@@ -116,7 +116,7 @@ rendering::Compliance series_spring(const FittedCoupling& fitted, const scene::S
   const double without_torque = std::numeric_limits<double>::infinity();
   if (rendering::is_spring(bounds))
     return {0.0, device.gives_torque ? 0.0 : without_torque, field};
-  // A matrix of both kinds of motion is at most twice what its diagonal blocks are.
+  // A matrix with translation and rotation is at most twice its diagonal blocks.
   const double both = device.gives_torque ? 2.0 : 1.0;
   const auto of_axis = [&](double cap, const coupling::design::ContactRange& contact,
                            const coupling::design::ContactRange& all) {

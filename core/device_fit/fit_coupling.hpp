@@ -51,8 +51,8 @@ double spring_n_per_m(const FittedCoupling& fitted, const scene::Scene& scene,
 /// contact without effects; up to half of the caps is reserved for effects. With a body, its grip
 /// counts as the contact. Translation is rigid with a virtual tool, without caps, and if contact
 /// and effects together are within the caps. Rotation is rigid on a device without torque. Effects
-/// of position (guides, magnets, fields) that are stiffer than the reserved half have a spring of
-/// their own, so that no cap scales them or the contact.
+/// of position (guides, magnets, fields) that are stiffer than the reserved half have a separate
+/// spring, so that no cap scales them or the contact.
 rendering::Compliance series_spring(const FittedCoupling& fitted, const scene::Scene& scene,
                                     const coupling::design::DeviceModel& device,
                                     const rendering::StiffnessBounds& alone,

@@ -31,7 +31,7 @@ double rotation_of_spring(const FittedCoupling& fitted, const scene::Scene& scen
   return 0.0;
 }
 
-/// At the hand, where the scene asks for more than is certified; else 0.
+/// At the hand, if the scene requests more than is certified; otherwise 0.
 double grip_of(const scene::Scene& scene, const rendering::StiffnessBounds& bounds,
                double certified_n_per_m) {
   if (!effects::needs_of(scene.effects).body)

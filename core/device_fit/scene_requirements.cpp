@@ -38,7 +38,7 @@ void add_damping(std::span<const effects::EffectReach> effects, SceneRequirement
   for (const effects::EffectReach& effect : effects) {
     const effects::EffectSpec& spec = effect.spec();
     if (spec.kind->needs(spec.values).body)
-      continue;  // damps against the body, which gives way
+      continue;  // its damping acts on a movable body
     const effects::EffectBound bound = effect.bound();
     add(demand.damping, bound.damping_ns_per_m, spec);
     add(demand.rotation, bound.damping_nms_per_rad, spec);

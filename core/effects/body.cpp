@@ -72,7 +72,7 @@ double grab_distance_m(const EffectValues& values) noexcept { return values.numb
 
 extern const EffectKind kBody = {
     .name = "body",
-    .says =
+    .summary =
         "The tool has weight and inertia. It is carried on a spring, falls when released, and "
         "rests on contacts.",
     .equations =

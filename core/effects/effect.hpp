@@ -69,8 +69,8 @@ struct EffectForce {
   /// Upper bound of the spectral norm of its translational part.
   double stiffness_bound_n_per_m = 0.0;
   double potential_j = 0.0;  ///< conservative kinds only
-  /// Since the last sample, for kinds with an energy budget of their own; negative: taken. Includes
-  /// gain and region.
+  /// Energy generated since the last sample, for kinds with an energy budget; negative: absorbed.
+  /// Includes gain and region.
   double energy_generated_j = 0.0;
 };
 

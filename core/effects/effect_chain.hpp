@@ -32,7 +32,7 @@ class EffectChain {
   /// The same with a virtual tool. Effects that depend on the contact receive `surface`, the tool
   /// at the contact; all others receive `frame`, the tool at the hand. Kinds with a `friction`
   /// function give nothing, since the virtual tool applies the friction. `softened` (optional): the
-  /// frame of conservative, contact-independent kinds behind a spring of their own. Real-time safe.
+  /// frame of conservative, contact-independent kinds, which act behind a spring. Real-time safe.
   EffectForce apply(const EffectFrame& frame, const EffectFrame* surface,
                     const EffectFrame* softened = nullptr) noexcept;
   /// Forces of conservative, contact-independent kinds in `frame` with the present gains and

@@ -149,7 +149,7 @@ struct EffectNeeds {
 
 struct EffectKind {
   std::string_view name;       ///< key in the scene's list of effects
-  std::string_view says;       ///< one sentence for messages: the displayed effect
+  std::string_view summary;    ///< one sentence for messages
   std::string_view equations;  ///< force law, source and stability condition, as text
   EnergyBehaviour energy = EnergyBehaviour::kConservative;
   bool alone = false;       ///< a scene has at most one: two would contradict each other (gravity)

@@ -146,7 +146,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kExternal = {
     .name = "external",
-    .says =
+    .summary =
         "Displays a wrench from a program outside the ring. Force, slew rate and energy are "
         "bounded, and it fades when it is late.",
     .equations =

@@ -159,7 +159,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kFriction = {
     .name = "friction",
-    .says = "Dry friction: surfaces hold the tool until it slides, and resist sliding.",
+    .summary = "Dry friction: surfaces hold the tool until it slides, and resist sliding.",
     .equations =
         "F = -k z at the contact point, z the bristle deflection across the contact force N n: dz "
         "is the displacement relative to the object while |z| <= mu N / k; beyond, it slips at |z| "

@@ -54,7 +54,7 @@ std::string check(const EffectValues& values) {
 
 extern const EffectKind kGuideLine = {
     .name = "guide_line",
-    .says =
+    .summary =
         "Pulls the tool's origin to a line with a limited force. It slides along the line freely.",
     .equations =
         "U = phi(distance to the line or segment), F = -grad U, phi as of guide_point. The "

@@ -42,7 +42,7 @@ class GuidePlane final : public Effect {
 
 extern const EffectKind kGuidePlane = {
     .name = "guide_plane",
-    .says = "Pulls the tool's origin to a plane, or keeps it on one side, with a limited force.",
+    .summary = "Pulls the tool's origin to a plane, or keeps it on one side, with a limited force.",
     .equations =
         "U = phi(|h|), h the height over the plane; with sides: one U = phi(max(0, -h)) (forbidden "
         "region); F = -grad "

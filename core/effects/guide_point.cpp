@@ -21,7 +21,7 @@ class GuidePoint final : public Effect {
 
 extern const EffectKind kGuidePoint = {
     .name = "guide_point",
-    .says = "Pulls the tool's origin to a point with a limited force.",
+    .summary = "Pulls the tool's origin to a point with a limited force.",
     .equations =
         "U = phi(|x - p|), F = -grad U: a spring k that goes over smoothly to the force limit F "
         "(virtual fixture, "

@@ -56,7 +56,8 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kMagnet = {
     .name = "magnet",
-    .says = "Pulls the tool's origin to a point within a radius. Pulled hard enough, it comes off.",
+    .summary =
+        "Pulls the tool's origin to a point within a radius. Pulled hard enough, it comes off.",
     .equations =
         "U = -U0 (1 - r^2/R^2)^3 within R, else 0 (twice differentiable at the rim); F = -grad U = "
         "-6 U0 / R^2 (1 - r^2/R^2)^2 r, at most F = force_n at r = R / sqrt(5), so U0 = 25 sqrt(5) "

@@ -137,7 +137,7 @@ std::string check(const EffectValues& values) {
 
 extern const EffectKind kProximity = {
     .name = "proximity",
-    .says =
+    .summary =
         "Pushes the tool away from static objects before contact. The force grows as the distance "
         "falls.",
     .equations =

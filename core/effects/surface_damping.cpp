@@ -86,7 +86,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kSurfaceDamping = {
     .name = "surface_damping",
-    .says = "Viscous resistance to sliding along a surface and, if set, to leaving it.",
+    .summary = "Viscous resistance to sliding along a surface and, if set, to leaving it.",
     .equations =
         "F = -s(N) (b v_t + b_n v_n) at the contact point (Stokes), v its velocity relative to the "
         "object, s the smoothstep of the contact force N from 0 to full_force_n. Without contact F "

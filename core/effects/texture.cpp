@@ -113,7 +113,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kTexture = {
     .name = "texture",
-    .says = "Relief of ridges or bumps that pushes the tool along the surface.",
+    .summary = "Relief of ridges or bumps that pushes the tool along the surface.",
     .equations =
         "F = -A s(N) grad h across the normal at the contact centre, h in W with |grad h| <= 1, s "
         "the smoothstep of the contact force N from 0 to full_force_n (lateral force: Minsky 1995; "

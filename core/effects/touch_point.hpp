@@ -50,7 +50,8 @@ inline constexpr EffectParameter kReachParameter = row::number(
     "reach_m", 0.0, 1.0, 0.1, "Largest lever of a contact about the tool's origin [m].");
 
 /// Weight of each object if several touch. Effects that grow with the contact force up to `full_n`
-/// [N], by a smoothstep, share it, so that together they act as at most one. Real-time safe.
+/// [N], by a smoothstep, are divided by it, so that together they act as at most one. Real-time
+/// safe.
 inline double weight_of_each(const EffectFrame& frame, double full_n) noexcept {
   double sum = 0.0;
   for (const ObjectContact& touch : frame.contacts)

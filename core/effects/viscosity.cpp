@@ -38,7 +38,7 @@ EffectBound bound(const EffectValues& values) {
 
 extern const EffectKind kViscosity = {
     .name = "viscosity",
-    .says = "Viscous drag on the tool, the same everywhere.",
+    .summary = "Viscous drag on the tool, the same everywhere.",
     .equations =
         "F = -b v up to 2 m/s, torque = -b_r w (Stokes). Dissipative. With delay t_d and a filter "
         "of lag L, a mass m is stable for b < (pi/2) m / (L + t_d); scenes above half of that are "

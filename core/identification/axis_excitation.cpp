@@ -109,7 +109,7 @@ double AxisExcitation::dispatch(double time_s, double position_m) noexcept {
       entry_.part = Part::kHold;
       base_force_n_ = hold(spring_.rest_m());
       if (since >= kHoldS) {
-        // What the spring carries is carried on without it, from where the axis is now.
+        // The force of the spring continues without it, from the present position.
         model_.bias_n = -base_force_n_;
         next(Step::kBreakAwayForward, time_s);
       }
@@ -166,9 +166,8 @@ double AxisExcitation::break_away(double time_s, double position_m, int directio
       std::expm1(kRampRate * std::min(since, kRampS)) / std::expm1(kRampRate * kRampS);
   const double force = std::clamp(base_force_n_ + direction * limits_.allowed_force_n * growth,
                                   -limits_.allowed_force_n, limits_.allowed_force_n);
-  // The force keeps growing while the mass starts, so that the path is as (t - t_b)^3: from the
-  // times of
-  // two paths in the ratio 1.5^3 follows the time t_b at which friction broke.
+  // The force keeps growing while the mass starts, so the path is as (t - t_b)^3. The time t_b at
+  // which friction broke follows from the times of two paths with the ratio 1.5^3.
   const double enough = std::max(kMovedM, kMovedSteps * encoder_step_m());
   const double path = direction * (position_m - start_position_m_);
   if (ramp.first_s == 0.0 && path >= enough) {
@@ -336,7 +335,7 @@ double AxisExcitation::stroke(double time_s, double position_m) noexcept {
   }
   const double since = time_s - s.start_s;
   const ReferencePoint now = s.plan.at(since, time_s, s.path_m, s.tone_scale);
-  // What the encoder shows lags the force by the delay; compare with the reference of that time.
+  // The measured position lags the force by the delay; compares with the reference of that time.
   const double late_by = model_.delay_s + 0.5 * limits_.period_s;
   const ReferencePoint late = s.plan.at(since - late_by, time_s - late_by, s.path_m, s.tone_scale);
   s.late_m += late.velocity * limits_.period_s;

@@ -35,7 +35,7 @@ struct PulseResult {
   double force_n = 0.0, length_s = 0.0, path_m = 0.0;
 };
 
-/// All that a fit reads. The record does not change while the axis waits.
+/// Input of a fit. The record does not change while the axis waits.
 struct FitInput {
   const AxisRecord* record = nullptr;
   Step step = Step::kFinished;
@@ -45,8 +45,8 @@ struct FitInput {
   double encoder_step_m = 0.0, break_away_n = 0.0;
 };
 
-/// The encoder step of a running axis. The tip of an arm has no common step: its joints add small
-/// increments to the usual ones, so the smallest increment says nothing. Real-time safe.
+/// The encoder step of a moving axis. The tip of an arm has no common step: its joints add small
+/// increments to the usual ones, so the smallest increment is meaningless. Real-time safe.
 class EncoderIncrements {
  public:
   void add(double increment_m) noexcept {
@@ -77,15 +77,15 @@ class AxisExcitation {
   /// Reserves the record. Allocates.
   void start(const AxisLimits& limits);
 
-  /// Goes on with the spring that held the axis, and with the forces of the other axes.
+  /// Continues with the spring that held the axis, and with the forces of the other axes.
   void take_over(const HoldingSpring& spring, double force_n) noexcept {
     spring_ = spring;
     model_.bias_n = -force_n;
   }
 
-  /// The force in reply to a sample [N]. After an outcome it is 0 for ever.
+  /// The force in reply to a sample [N]; always 0 after an outcome.
   double step(double time_s, double position_m) noexcept;
-  /// What a guard made of the force, if it differs.
+  /// The force after a guard, if it differs.
   void applied(double force_n, const CrossAxis& cross_axis = {}) noexcept {
     if (!waiting())
       record_.set_last(force_n, cross_axis);
@@ -96,7 +96,7 @@ class AxisExcitation {
     return step_ == Step::kFitPulses || step_ == Step::kFitProbe ||
            step_ == Step::kFitSecondProbe || step_ == Step::kFitAll;
   }
-  /// Goes on with what the fit found. Real-time safe.
+  /// Continues with the result of the fit. Real-time safe.
   void resume(const AxisModel& model) noexcept;
   /// Ends at zero force.
   void stop(Outcome outcome) noexcept;

@@ -30,7 +30,7 @@ AxisModel careful(AxisModel m) {
   return m;
 }
 
-/// The mass for which the last pulse covers what it did, without viscous friction:
+/// The mass for which the last pulse covers its measured path, without viscous friction:
 ///
 ///     X = P d^2 / (2 m) (1 + P / (2 Fc + P))
 double mass_by_path(const PulseResult& p, double coulomb_n) {
@@ -129,7 +129,7 @@ ClockFigures clock_figures(const AxisRecord& record, double nominal) {
     const int missing = static_cast<int>(std::lround(dt / nominal)) - 1;
     if (missing > 0) {
       lost += static_cast<std::size_t>(missing);
-      out.lost_in_a_row = std::max(out.lost_in_a_row, missing);
+      out.consecutive_losses = std::max(out.consecutive_losses, missing);
     } else {
       periods.push_back(dt);
     }

@@ -10,7 +10,7 @@ namespace voxtouch::identification {
 /// Parts of a run; windows of the fit are cut from strokes and pulses.
 enum class Part : std::uint8_t { kHold, kBreakAway, kPulse, kProbeStroke, kStroke, kDenseTones };
 
-/// What acts on the axis in addition to its own force: forces and positions of the other two axes.
+/// Forces and positions of the other two axes, which act on this axis.
 struct CrossAxis {
   std::array<double, 2> force_n{}, position_m{};
 };
@@ -18,7 +18,7 @@ struct CrossAxis {
 struct RecordEntry {
   double time_s = 0.0;
   double position_m = 0.0;
-  double force_n = 0.0;       ///< what was sent in reply to this sample
+  double force_n = 0.0;       ///< the force sent in reply to this sample
   std::int16_t segment = 0;   ///< grows with each stroke, pulse and ramp
   std::int8_t direction = 0;  ///< of the reference
   Part part = Part::kHold;
@@ -36,7 +36,7 @@ class AxisRecord {
     if (entries_.size() < entries_.capacity())
       entries_.push_back(entry);
   }
-  /// What was sent in reply to the last sample, as the guard let it through.
+  /// The force sent in reply to the last sample, after the guard.
   void set_last(double force_n, const CrossAxis& cross_axis) noexcept {
     if (entries_.empty())
       return;

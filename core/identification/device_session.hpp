@@ -12,7 +12,7 @@ struct SessionOptions {
   std::array<bool, 3> axes{true, true, true};
 };
 
-/// What a fit found: a model to go on with, or the figures of a finished axis.
+/// Result of a fit: a model to continue with, or the figures of a finished axis.
 struct FitResult {
   AxisModel model;
   AxisFigures figures;
@@ -21,9 +21,9 @@ struct FitResult {
 /// Pulses and probe strokes give a model, the whole record gives figures. Allocates.
 FitResult fit(const FitInput& input);
 
-/// The loop calls `step` with each sample and `applied` with what the guard let through. When
-/// `waiting()`,
-/// `fit` may run in another thread while `step` goes on holding; the loop then calls `resume`.
+/// The loop calls `step` with each sample and `applied` with the force after the guard. When
+/// `waiting()`, `fit` may run in another thread while `step` keeps the axis in place; the loop then
+/// calls `resume`.
 class DeviceSession {
  public:
   /// Allocates.

@@ -71,12 +71,12 @@ struct AxisFigures {
   }
 };
 
-/// What the stamps and positions of all samples show.
+/// Figures from the stamps and positions of all samples.
 struct ClockFigures {
-  double period_s = 0.0;  ///< mean of the periods without a lost sample
-  double jitter = 0.0;    ///< largest relative deviation from that mean (99.9 % of periods)
-  double loss = 0.0;      ///< ratio of samples lost
-  int lost_in_a_row = 0;  ///< largest number of samples lost one after the other
+  double period_s = 0.0;       ///< mean of the periods without a lost sample
+  double jitter = 0.0;         ///< largest relative deviation from that mean (99.9 % of periods)
+  double loss = 0.0;           ///< ratio of samples lost
+  int consecutive_losses = 0;  ///< largest number of samples lost one after the other
 };
 
 }  // namespace voxtouch::identification

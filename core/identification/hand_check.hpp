@@ -1,6 +1,5 @@
 #pragma once
-/// Before any force: a person moves each axis, so that encoder, direction and clear space are
-/// known.
+/// Before any force: the operator moves each axis, which shows encoder, direction and clear space.
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -9,9 +8,8 @@
 
 namespace voxtouch::identification {
 
-/// The device gives no force. The person moves one axis after the other, first in its positive
-/// direction,
-/// then back through the start. Real-time safe.
+/// The device gives no force. The operator moves one axis after the other, first in its positive
+/// direction, then back through the start. Real-time safe.
 class HandCheck {
  public:
   enum class State : std::uint8_t { kForward, kBackward, kWrongDirection, kPassed };

@@ -19,7 +19,7 @@ void HoldingSpring::follow(const AxisModel& m, double period_s, double step,
                            double force_n) noexcept {
   const double filter_s = 1.0 / (2.0 * std::numbers::pi * kFilterHz);
   const double lag = m.delay_s + 1.8 * period_s + filter_s;
-  // Force of the encoder's noise and of 2 mm stay small compared with what is allowed.
+  // The forces of the encoder's noise and of 2 mm stay small compared with the limit.
   const double per_step = 0.1 * force_n / std::max(1e-9, step);
   damping_ = std::min(0.3 * m.mass_kg / lag, per_step * filter_s);
   // With much friction and little mass the spring must overcome the error of the friction.
@@ -59,7 +59,7 @@ void HoldingSpring::catch_fall(double time_s, double step) noexcept {
     return;
   if (std::abs(velocity_) < kCatchSpeed || time_s - caught_s_ < kCatchS)
     return;
-  caught_s_ = interval_start_ = time_s;  // what grows now is the fall
+  caught_s_ = interval_start_ = time_s;  // from here on the fall grows
   low_ = high_ = position_;
   last_range_ = -1.0;
   gain_ = std::min(kMostGain, 2.0 * gain_);

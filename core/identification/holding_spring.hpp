@@ -22,7 +22,7 @@ class HoldingSpring {
   double force(double position_m, double velocity_m_per_s) const noexcept;
   double velocity() const noexcept { return velocity_; }
   double stiffness() const noexcept { return gain_ * stiffness_; }
-  /// Where it was started.
+  /// Position at its start.
   double rest_m() const noexcept { return rest_; }
 
  private:

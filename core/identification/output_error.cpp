@@ -158,7 +158,7 @@ class Problem {
   }
 
  private:
-  /// Takes what the local columns explain out of `block` and `measured`.
+  /// Removes the part of `block` and `measured` that the local columns explain.
   static void remove(Matrix& local, Eigen::Ref<Matrix> block, Eigen::Ref<Vector> measured) {
     for (Eigen::Index c = 0; c < local.cols(); ++c) {
       for (int pass = 0; pass < 2; ++pass)
@@ -378,9 +378,9 @@ AxisFigures figures_of(const Problem& problem, const Minimum& minimum, const Fit
   const double t = student_975(static_cast<double>(problem.windows()) - 1.0);
   const auto half = [&](int row) { return t * std::sqrt(std::max(0.0, physical(row, row))); };
   const double period = options.longest_period_s;
-  // What the model leaves out, in quadrature: lost commands that were not found, presliding, a lag
-  // that is not of first order. Set so that the intervals hold the truth in 95 % of simulated
-  // devices. A lost command acts for one period.
+  // Effects outside the model, in quadrature: lost commands that were not found, presliding, a lag
+  // of higher order. Set so that the intervals contain the truth in 95 % of simulated devices. A
+  // lost command acts for one period.
   const double per_loss = std::sqrt(period / 1e-3);
   const double friction = std::abs(f.coulomb_n.value);
   f.mass_kg.half_width = hypot_of(half(0), 0.0065 * m * per_loss);

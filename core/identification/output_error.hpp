@@ -27,7 +27,7 @@ struct FitOptions {
   bool with_curves = false;         ///< fills Fit::curves
 };
 
-/// A window as it was measured, and what the model leaves of it.
+/// A measured window and its residual.
 struct Curve {
   int direction = 0;
   double start_s = 0.0;  ///< of the record
@@ -40,7 +40,7 @@ struct Fit {
   AxisFigures figures;
   std::size_t windows = 0;
   double samples = 0.0;
-  std::vector<Curve> curves;  ///< of the fit whose figures these are
+  std::vector<Curve> curves;  ///< of the fit with these figures
 };
 
 /// Allocates; takes milliseconds to tenths of a second. Not for the loop.

@@ -10,7 +10,7 @@
 
 namespace voxtouch::identification {
 
-/// Bounds of one axis, from where it starts.
+/// Bounds of one axis, relative to its start.
 struct AxisLimits {
   double period_s = 1e-3;
   double allowed_force_n = 0.0;  ///< for example 20 % of the device's force

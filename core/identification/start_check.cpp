@@ -30,7 +30,7 @@ constexpr double kDelayStepS = 2e-5;
 constexpr std::size_t kDelaySteps = 1000;
 constexpr double kSigmas = 3.0;
 constexpr double kLeastStrength = 40.0, kMostSum = 40.0, kMostSpringRatio = 0.5;
-constexpr double kAgreeingFactor = 1.5;  // between what the file says and what still agrees
+constexpr double kAgreeingFactor = 1.5;  // ratio up to which measured and filed values agree
 constexpr double kPenHandKg = 0.2, kArmHandKg = 2.0;  // that may be at the tool
 constexpr std::size_t kMostTurns = 8;
 constexpr double kTurnSteps = 4.0, kTurnM = 5e-5;
@@ -91,7 +91,7 @@ class ToneFit {
   Eigen::LDLT<Matrix> solver_;
 };
 
-/// Times at which the motion turns by more than `least_m`.
+/// Times at which the motion reverses by more than `least_m`.
 std::vector<double> turns_of(const std::vector<double>& times_s, const Vector& position,
                              double least_m) {
   std::vector<double> out;
@@ -386,7 +386,7 @@ StartFindings StartCheck::findings() const {
       r.force[k / 3] = f[k];
       r.omega[k / 3] = tone_omega(k);
     }
-    // Never below what encoder steps leave in the mean of all samples.
+    // Never below the resolution of encoder steps in the mean of all samples.
     const double steps = expected_.position_resolution_m *
                          std::sqrt(2.0 / (12.0 * static_cast<double>(samples_.size())));
     r.noise_m = std::max(std::sqrt(noise), steps);

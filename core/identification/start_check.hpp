@@ -1,14 +1,14 @@
 #pragma once
-/// Whether a device still behaves as its file says: one second of tones that a hand does not feel.
+/// Checks whether a device still behaves as in its file: one second of tones too weak to notice.
 ///
-/// Each axis gets four tones of its own between 17 and 61 Hz, of 0.06 m/s^2 of the file's least
-/// mass each. The motion of hand and contact is slower. With the force F and the position X at the
-/// tones, the axis and the hand that grips it are
+/// Each axis gets four different tones between 17 and 61 Hz. The amplitude of each is 0.06 m/s^2
+/// times the least mass of the file. The motion of hand and contact is slower. With the force F and
+/// the position X at the tones, the axis and the hand that grips it follow
 ///
 ///     X (k - m w^2 + j w b) = F exp(-j w (tau + T / 2)),
 ///
-/// linear in k, m and b at each delay tau. What the encoder's steps and friction hide is reported
-/// as not measured.
+/// linear in k, m and b for each delay tau. Values hidden by encoder steps and friction are
+/// reported as not measured.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -24,7 +24,7 @@ enum class Finding : std::uint8_t { kNotMeasured, kAgrees, kDiffers };
 /// A figure of the axis that differs most from the file, or is known best.
 struct StartFigure {
   Finding finding = Finding::kNotMeasured;
-  double low = 0.0, high = 0.0;    ///< of what was measured, 99 %
+  double low = 0.0, high = 0.0;    ///< 99 % interval of the measured value
   double least = 0.0, most = 0.0;  ///< that agree with the file
 };
 
@@ -39,7 +39,7 @@ struct StartFindings {
 /// "delay 4.1 to 4.4 ms, the file allows at most 3.2 ms; ...": the figures that differ. Empty:
 /// none.
 std::string differences(const StartFindings& findings);
-/// What the check found of each figure, in a line: "mass not measured, delay agrees, ...".
+/// The result for each figure, in one line: "mass not measured, delay agrees, ...".
 std::string to_text(const StartFindings& findings);
 int count_differences(const StartFindings& findings) noexcept;
 
@@ -52,7 +52,7 @@ class StartCheck {
   /// `expected`: of the file; its lag is a part of the delay. Allocates.
   void start(const DeviceDescription& expected);
 
-  /// What to add to the command that answers this sample [N]; zero after the end.
+  /// Force to add to the command that answers this sample [N]; zero after the end.
   Vec3 force(double time_s, const Vec3& position_m) noexcept;
   /// The force that the device took for that sample [N].
   void applied(const Vec3& force_n) noexcept;

@@ -51,8 +51,7 @@ std::array<double, 2> directions(const std::vector<RecordEntry>& e, std::size_t 
   return out;
 }
 
-/// The difference between a lagging force and its command, which decays: what it adds to the
-/// motion.
+/// The difference between a lagging force and its command, and its effect on the motion; it decays.
 class LaggedForce {
  public:
   struct Part {
@@ -204,8 +203,8 @@ std::size_t WindowResponse::find_lost_commands(const Nonlinear& at, double inver
 
 void WindowResponse::respond(const Nonlinear& at, Eigen::MatrixXd& columns, Eigen::MatrixXd& local,
                              Eigen::MatrixXd& cross_axis) const {
-  using Forces =
-      Eigen::Array<double, 1, kCrossAxis + 1>;  // the own force, then what acts in addition to it
+  using Forces = Eigen::Array<double, 1, kCrossAxis + 1>;  // the axis's force, then the forces of
+                                                           // the other axes
   const bool with_mode = columns.cols() > 2, with_cross_axis = cross_axis.cols() > 0;
   const auto count = static_cast<Eigen::Index>(times_.size());
   local.resize(count, with_mode ? 4 : 2);

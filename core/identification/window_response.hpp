@@ -24,12 +24,10 @@ class WindowResponse {
   WindowResponse(const AxisRecord& record, const Window& window, double most_delay_s,
                  double spacing_s);
 
-  /// Finds commands that the device never applied: it went on with the one before, which bends the
-  /// path by
-  /// a known amount. `residual`: measured less modelled; `local`: what initial values can explain,
-  /// with
-  /// orthonormal columns. `inverse_mass`: of the fit. The search starts
-  /// anew each time. Returns how many were found.
+  /// Finds commands that the device did not apply: it continued with the previous one, which bends
+  /// the path by a known amount. `residual`: measured minus modelled. `local`: effect of the
+  /// initial values, with orthonormal columns. `inverse_mass`: of the fit. Each search starts from
+  /// scratch. Returns the number found.
   std::size_t find_lost_commands(const Nonlinear& at, double inverse_mass,
                                  const Eigen::MatrixXd& local, Eigen::VectorXd residual,
                                  double encoder_step_m);
@@ -46,13 +44,13 @@ class WindowResponse {
   /// Replaces the two columns of friction and bias by forces that are known [N].
   void set_known_force(double force_n) noexcept { known_force_n_ = force_n; }
 
-  /// Forces in addition to the own one whose effect is linear: the own position (gravity changes
-  /// with it); forces, positions and directions of motion (joint friction) of the other axes.
+  /// Other forces with a linear effect: the position of the axis (gravity changes with it); forces,
+  /// positions and directions of motion (joint friction) of the other axes.
   static constexpr Eigen::Index kCrossAxis = 7;
 
-  /// Columns of a unit mass: response to the commands, to a constant force of 1 N, of a unit
-  /// mode to the commands (third column), and to what acts in addition (`cross_axis`, kCrossAxis
-  /// columns or none). `local`: what initial values add.
+  /// Columns of a unit mass: response to the commands, to a constant force of 1 N, of a unit mode
+  /// to the commands (third column), and to other forces (`cross_axis`, kCrossAxis columns or
+  /// none). `local`: effect of the initial values.
   void respond(const Nonlinear& at, Eigen::MatrixXd& columns, Eigen::MatrixXd& local,
                Eigen::MatrixXd& cross_axis) const;
   bool coupled() const noexcept { return coupled_; }
@@ -63,7 +61,7 @@ class WindowResponse {
     std::array<double, kCrossAxis> cross_axis;
   };
   std::vector<double> times_;      // from the first sample of the window
-  std::vector<Command> commands_;  // likewise; lost ones have the force of the one before
+  std::vector<Command> commands_;  // with lost ones replaced by the previous command
   std::vector<Command> sent_;
   Eigen::VectorXd measured_;
   int direction_;

@@ -70,7 +70,7 @@ std::vector<Window> stroke_windows(const AxisRecord& record, Part first, const W
 }
 
 std::vector<Window> pulse_windows(const AxisRecord& record, double step) {
-  // Each segment of a pulse is a push in one direction; the motion lags it, so windows run from one
+  // Each segment of a pulse has one direction of force. The motion lags it, so windows run from one
   // extremum of the position to the next.
   const Entries& e = record.entries();
   std::vector<Window> out;

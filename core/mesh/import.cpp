@@ -10,8 +10,8 @@
 namespace voxtouch::mesh {
 namespace {
 
-/// Largest step of single precision against the voxel edge. At a hundredth, rounding moves a shell
-/// point by less than what one of 100 steps through a voxel does.
+/// Largest step of single precision relative to the voxel edge. At a hundredth, rounding moves a
+/// shell point by less than one of 100 steps through a voxel.
 constexpr double kMaxSpacingPerVoxel = 0.01;
 /// The same against the longest side, as if that were a hundred voxels.
 constexpr double kMaxSpacingPerExtent = 0.01 * kMaxSpacingPerVoxel;
@@ -38,8 +38,8 @@ std::string skipped(std::uint64_t count, const char* what) {
                      count == 1 ? " is" : "s are");
 }
 
-/// Throws MeshError if single precision is too coarse for `options.voxel_size_m` where the file's
-/// coordinates lie.
+/// Throws MeshError if single precision is too coarse for `options.voxel_size_m` at the file's
+/// coordinates.
 void check_precision(const std::filesystem::path& path, const FileTriangles& read,
                      const ImportOptions& options) {
   const double e = options.voxel_size_m, spacing = read.spacing * options.scale;
@@ -53,8 +53,8 @@ void check_precision(const std::filesystem::path& path, const FileTriangles& rea
                  "or use larger voxels");
 }
 
-/// A warning where single precision, which vertices are held in, is coarse for a mesh `extent_m`
-/// long; else empty. With a voxel size that is a refusal.
+/// A warning if single precision, in which vertices are stored, is coarse for a mesh of length
+/// `extent_m`; otherwise empty. With a voxel size the mesh is refused instead.
 std::string precision_warning(const FileTriangles& read, double extent_m,
                               const ImportOptions& options) {
   const double spacing = read.spacing * options.scale;
@@ -66,7 +66,7 @@ std::string precision_warning(const FileTriangles& read, double extent_m,
       read.largest * options.scale, spacing, extent_m, kMaxSpacingPerExtent * extent_m);
 }
 
-/// A warning that names extent and voxel size where their ratio is odd, else empty. `extent_m`:
+/// A warning with extent and voxel size if their ratio is unusual, otherwise empty. `extent_m`:
 /// longest side.
 std::string unit_warning(const std::filesystem::path& path, double extent_m,
                          const ImportOptions& options) {
@@ -114,7 +114,7 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes,
     result.warnings.push_back(skipped(read.points, "point"));
   if (read.lines > 0)
     result.warnings.push_back(skipped(read.lines, "line"));
-  // Welded before scaling: the file's own numbers say what coincides.
+  // Welded before scaling, because only the file's numbers coincide exactly.
   const TriangleMesh welded = weld(read.mesh);
   const Eigen::AlignedBox3d box = bounds(welded);
   const double extent_m = options.scale * box.sizes().maxCoeff();

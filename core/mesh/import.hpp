@@ -2,27 +2,25 @@
 /// Meshes from files: OBJ, STL (text, binary), PLY (text, binary), glTF 2.0 (.gltf, .glb) and
 /// COLLADA (.dae), read by assimp.
 ///
-/// What comes through
-///   Triangle k of the result is triangle k of the file: faces in file order (for glTF and COLLADA
-///   node by node, depth first), polygons cut into triangles in place (polygon.hpp), nothing
-///   dropped, zero-area triangles kept. Groups, materials, normals, textures and animations are not
-///   read. What would change the shape and is not read (skins, morph weights, unknown required
-///   extensions, free-form surfaces) is refused. Oddities that leave the shape as it is (byte order
-///   marks, padding, keywords in capitals) are warnings. Vertices are the file's numbers rounded to
-///   single precision (assimp holds no more), then double throughout; vertices at one position
-///   become one (weld()).
-/// Units and axes
-///   OBJ, STL, PLY carry no unit: the numbers are taken as metres unless `scale` says otherwise.
-///   glTF is in metres. COLLADA declares its unit; assimp turns it into metres (with the
-///   single-precision factor, so 1 mm is 0.001 m to about 5e-8). No axes are exchanged: glTF's +Y
-///   up stays +Y, and COLLADA's <up_axis> is ignored (assimp would turn Z_UP and X_UP files to Y
-///   up; that is switched off), so that coordinates read as the modelling tool shows them. Turn the
-///   mesh with `pose`. A node that mirrors (negative determinant) keeps its triangles facing
-///   outward.
-/// Files are not trusted: what assimp would take for another shape is refused before it sees the
-/// bytes, and it reads nothing but the mesh file and, for .gltf, the buffers it names. A broken
-/// file may still crash it, hang it or fill memory: where that must not be, it reads in a process
-/// of its own (nodes/mesh_import).
+/// Triangle k of the result is triangle k of the file: faces in file order (for glTF and COLLADA
+/// node by node, depth first), polygons cut into triangles in place (polygon.hpp). Nothing is
+/// dropped; zero-area triangles are kept. Groups, materials, normals, textures and animations are
+/// ignored. Features that would change the shape and are not supported (skins, morph weights,
+/// unknown required extensions, free-form surfaces) are refused. Irregularities that do not change
+/// the shape (byte order marks, padding, keywords in capitals) are warnings. Vertices are rounded
+/// to single precision by assimp, then double; vertices at one position become one (weld()).
+///
+/// OBJ, STL and PLY have no unit: metres, unless `scale` is set. glTF is in metres. assimp converts
+/// COLLADA's unit to metres, with a single-precision factor, so 1 mm is 0.001 m to about 5e-8. No
+/// axes are exchanged: glTF's +Y up stays +Y, and COLLADA's <up_axis> is ignored (assimp's
+/// conversion of Z_UP and X_UP is switched off). Coordinates are thus those of the modelling tool;
+/// rotate the mesh with `pose`. A node that mirrors (negative determinant) keeps its triangles
+/// facing outward.
+///
+/// Files are not trusted. Content that assimp would read as another shape is refused before assimp
+/// gets the bytes. assimp reads only the mesh file and, for .gltf, the buffers that it names. A
+/// broken file may still crash it, hang it or fill memory; nodes/mesh_import therefore reads in a
+/// separate process.
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -44,30 +42,30 @@ struct ImportOptions {
   std::uintmax_t max_file_bytes = kLargestMeshFile;
 };
 
-/// What a file holds, as assimp and the checks before it found it.
+/// Content of a file, as found by assimp and the checks before it.
 struct FileTriangles {
   TriangleMesh mesh;  ///< nodes applied, in the file's unit (COLLADA: metres); not welded
   std::uint64_t points = 0, lines = 0;  ///< left out
   double spacing = 0.0;  ///< widest step of single precision at the coordinates, after nodes
   double largest = 0.0;  ///< the coordinate it belongs to
-  std::vector<std::string> warnings;  ///< what was skipped in addition to points and lines
+  std::vector<std::string> warnings;  ///< skipped content other than points and lines
 };
 
-/// From a file's bytes to triangles, at most as many as the options say. Throws MeshError; what it
-/// gives is finite, with every corner there.
+/// Reads triangles from a file's bytes, at most as many as the options permit. Throws MeshError.
+/// The result is finite, with valid indices.
 using TriangleReader = std::function<FileTriangles(const std::filesystem::path&, std::string bytes,
                                                    const ImportOptions&)>;
 /// The reader that does it here and now.
 FileTriangles read_triangles(const std::filesystem::path& path, std::string bytes,
                              const ImportOptions& options);
 
-/// Whether the file's format fixes or declares the unit of its numbers, so that they are read as
-/// metres. By the ending alone: true for glTF and COLLADA.
+/// Whether the file's format defines or declares the unit of its numbers, by the suffix: true for
+/// glTF and COLLADA.
 bool has_own_unit(const std::filesystem::path& path);
 
 struct ImportedMesh {
-  TriangleMesh mesh;  ///< scaled and posed [m], welded
-  MeshReport report;  ///< of `mesh`; its sentences() say what is wrong with the surface
+  TriangleMesh mesh;                  ///< scaled and posed [m], welded
+  MeshReport report;                  ///< of `mesh`; its sentences() list the faults of the surface
   std::vector<std::string> warnings;  ///< odd about the file: things left out, a doubtful unit
 };
 
@@ -75,7 +73,7 @@ struct ImportedMesh {
 /// bit-identical results.
 ImportedMesh import_mesh(const std::filesystem::path& path, const ImportOptions& options = {},
                          const TriangleReader& read = read_triangles);
-/// The same from the file's bytes, for those who have looked at them already.
+/// The same for a caller that has read the bytes.
 ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes,
                          const ImportOptions& options, const TriangleReader& read = read_triangles);
 

@@ -1,4 +1,4 @@
-/// What assimp makes of a checked file, as plain triangles.
+/// Converts assimp's result for a checked file to plain triangles.
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
@@ -21,8 +21,8 @@ namespace voxtouch::mesh {
 namespace import {
 namespace {
 
-/// What assimp may open: the mesh file's checked bytes, and for .gltf the regular files it names,
-/// whose names may be percent-encoded. Nothing else is geometry.
+/// Limits what assimp may open: the mesh file's checked bytes, and for .gltf the regular files that
+/// it names, possibly percent-encoded.
 class MeshFileOnly : public Assimp::DefaultIOSystem {
  public:
   explicit MeshFileOnly(const MeshFile& file) : file_(file) {}
@@ -38,8 +38,7 @@ class MeshFileOnly : public Assimp::DefaultIOSystem {
 
  private:
   bool is_mesh(const char* name) const { return file_.path.string() == name; }
-  /// The name itself where such a file is there, else with each %XX behind the mesh file's folder
-  /// as the character that it stands for.
+  /// The name itself if such a file exists; otherwise with each %XX after the folder decoded.
   std::string on_disk(const std::string& name) const {
     const std::size_t folder = file_.path.parent_path().string().size();
     if (may_open(name) || name.size() <= folder)
@@ -107,8 +106,8 @@ double single_spacing(double x) {
   return static_cast<double>(next) - static_cast<double>(single);
 }
 
-/// The steps of the numbers that assimp held: of the vertices, as long as the node makes them, and
-/// of the node's own place.
+/// Records the rounding steps of assimp's numbers: of the transformed vertices, and of the node's
+/// position.
 void note_spacing(const Placed& placed, FileTriangles& result) {
   double largest = 0.0;
   for (unsigned f = 0; f < placed.mesh->mNumFaces; ++f) {
@@ -230,7 +229,7 @@ FileTriangles read_checked(MeshFile file, const ImportOptions& options) {
   Assimp::Importer importer;
   importer.SetIOHandler(new MeshFileOnly(file));  // the importer owns it
   const aiScene& scene = parse(file, importer);
-  std::string().swap(file.bytes);  // assimp has read them, and what follows needs the room
+  std::string().swap(file.bytes);  // no longer needed; frees memory for the next steps
   std::vector<Placed> placed;
   place(scene, *scene.mRootNode, Eigen::Matrix4d::Identity(), placed);
 

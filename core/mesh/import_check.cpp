@@ -77,7 +77,7 @@ void refuse_other_content(const MeshFile& file) {
   }
 }
 
-/// Where a text ends: behind it may be zero bytes and the end mark of old systems.
+/// End of a text, before trailing zero bytes and the end mark of old systems.
 std::size_t end_of_text(std::string_view bytes) {
   return bytes.find_last_not_of(std::string_view("\0\x1a", 2)) + 1;
 }
@@ -108,9 +108,9 @@ void check_weight(const MeshFile& file, std::string_view line, std::size_t after
            "export polygons with three numbers a vertex");
 }
 
-/// Objects, groups, materials and smoothing would make assimp sort the faces; as comments they
-/// leave the file's order alone. Statements come in lower case, since assimp passes over those in
-/// capitals, and each line ends with a line feed, so that none of them is missed here.
+/// Objects, groups, materials and smoothing make assimp sort the faces; as comments they keep the
+/// file's order. Statements are converted to lower case, since assimp ignores those in capitals.
+/// Each line gets a line feed, so that no statement is missed here.
 void check_obj(MeshFile& file) {
   cut_padding(file);
   if (file.bytes.find('\0') != std::string::npos)
@@ -156,7 +156,7 @@ class StlText {
  public:
   explicit StlText(MeshFile& file) : file_(file), bytes_(file.bytes) {}
 
-  /// Every facet with its three vertices and its end: assimp passes over what is missing.
+  /// Checks every facet for its three vertices and its end: assimp ignores missing ones.
   void check() {
     cut_padding(file_);
     if (bytes_.find('\0') != std::string::npos)
@@ -199,7 +199,7 @@ class StlText {
     return text;
   }
 
-  /// The next word, in lower case from here on. 'end' and what ends are one word.
+  /// The next word, in lower case. 'end' and the following word are one.
   std::string next_keyword() {
     const std::string_view raw = next();
     const std::size_t begin = begin_of(raw);
@@ -306,7 +306,7 @@ void check_stl(MeshFile& file) {
   }
 }
 
-/// In front of the first byte of a text, where the first statement would be passed over with it.
+/// Removes it: otherwise assimp ignores the first statement.
 void cut_byte_order_mark(MeshFile& file) {
   if (!file.bytes.starts_with(kByteOrderMark))
     return;

@@ -1,7 +1,7 @@
 #pragma once
-/// What is made sure of before assimp sees a file: that what it says of its own size is true, where
-/// assimp 5.2 would make another shape of it without a word. Not that assimp survives it. Private
-/// to the import.
+/// Checks a file before assimp reads it: whether its sizes are true, in cases in which assimp 5.2
+/// would silently read another shape. It does not guarantee that assimp survives. Private to the
+/// import.
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -16,21 +16,21 @@ namespace voxtouch::mesh::import {
 struct MeshFile {
   std::filesystem::path path;
   std::string extension;  ///< lower case, without the dot
-  std::string bytes;      ///< what assimp will see
+  std::string bytes;      ///< input of assimp
   std::optional<std::uint64_t>
-      faces;  ///< faces (of 3 or more corners) that the file must yield, where it says so
+      faces;  ///< number of faces (of 3 or more corners) that the file must yield, if stated
   std::vector<std::string> warnings;
 };
 
-/// Throws MeshError: the file ends before what it announces; `found` says how much there is.
+/// Throws MeshError: the file is shorter than it declares; `found` states the actual amount.
 [[noreturn]] void refuse_truncated(const MeshFile& file, const std::string& found);
 
-/// The file's `bytes`, checked for its format. What plays no part in geometry may be left out of
-/// them.
+/// The file's `bytes`, checked for its format. Content that does not affect geometry may be
+/// removed.
 MeshFile open_mesh_file(const std::filesystem::path& path, std::string bytes);
 
-/// Each checks what assimp does not for its format, and throws MeshError with the remedy. glTF and
-/// COLLADA lose what plays no part in geometry.
+/// Each checks what assimp does not check for its format, and throws MeshError with the remedy.
+/// Content of glTF and COLLADA that does not affect geometry is removed.
 void check_ply(const MeshFile& file);
 void check_gltf(MeshFile& file);
 void check_collada(MeshFile& file);

@@ -1,7 +1,6 @@
-/// COLLADA: numbers where assimp would take something else for one, as many of them as are said to
-/// be there, and every part that is named is there. It sees geometry and the nodes that place it.
-/// What it would pass over although it changes the shape is refused; polygons with holes become
-/// polygons that a bridge joins to each hole.
+/// COLLADA: checks that numbers are valid, counts are true, and references exist. assimp gets
+/// geometry and the nodes that place it. Content that assimp ignores although it changes the shape
+/// is refused. Polygons with holes become polygons with a bridge to each hole.
 #include <algorithm>
 #include <map>
 #include <pugixml.hpp>
@@ -29,7 +28,7 @@ std::uint64_t count_numbers(const MeshFile& file, const pugi::xml_node& array) {
                              std::to_string(words));
 }
 
-/// assimp reads a minus as zero, and cuts off what is too long.
+/// assimp reads a minus as zero, and truncates numbers that are too long.
 void check_indices(const MeshFile& file, std::string_view text) {
   std::string_view word;
   for (std::size_t p = 0; !(word = next_word(text, p)).empty();) {
@@ -49,7 +48,7 @@ void check_accessor(const MeshFile& file, const pugi::xml_node& accessor, std::u
                      "an accessor exceeds the " + std::to_string(array) + " numbers of its array");
 }
 
-/// What is behind the '#'.
+/// The text after the '#'.
 std::string named_by(const pugi::xml_attribute& link) {
   const std::string text = link.value();
   return text.substr(text.starts_with('#'));
@@ -64,7 +63,7 @@ std::string named_by(const pugi::xml_attribute& link) {
          "export plain meshes, with all modifiers applied");
 }
 
-/// What bends or shears a mesh, or is a surface of another kind. assimp takes a fan for one
+/// Refuses what bends or shears a mesh, or is a surface of another kind. assimp reads a fan as one
 /// polygon.
 void check_shape(const MeshFile& file, const pugi::xml_document& doc) {
   const std::pair<const char*, const char*> kinds[] = {
@@ -91,7 +90,7 @@ void check_unit(const MeshFile& file, const pugi::xml_document& doc) {
            "correct <unit meter=...> in it");
 }
 
-/// The words of a list, `stride` of them a corner; the first corner's come again at the end.
+/// The words of a list, `stride` of them per corner, with the first corner repeated at the end.
 std::string closed_path(std::string_view text, std::uint64_t stride) {
   std::string first, all;
   std::uint64_t words = 0;
@@ -145,7 +144,7 @@ void check_collada(MeshFile& file) {
       "/COLLADA/*[starts-with(name(), "
       "'library_') and name() != 'library_geometries' and name() != 'library_nodes' and name() != "
       "'library_visual_scenes']");
-  no_geometry.sort(true);  // what lies in another goes first
+  no_geometry.sort(true);  // nested ones first
   for (const pugi::xpath_node& found : no_geometry)
     found.parent().remove_child(found.node());
 

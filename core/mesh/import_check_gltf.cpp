@@ -1,6 +1,5 @@
-/// glTF: positions and indices have the form that assimp takes them for, and lie where they are
-/// said to; no node is there twice; and how many faces there are, for assimp leaves out those whose
-/// indices do not fit.
+/// glTF: checks that positions and indices have the form and range that assimp expects, and that no
+/// node occurs twice. Counts the faces, because assimp skips those with invalid indices.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -13,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// Of a .glb file. Throws where it is longer than the file or than the chunks together.
+/// The JSON chunk of a .glb file. Throws if its length exceeds the file or the chunks together.
 std::string_view json_chunk(const MeshFile& file) {
   const std::string_view bytes = file.bytes;
   if (bytes.size() < 20 || !bytes.starts_with("glTF"))
@@ -26,8 +25,8 @@ std::string_view json_chunk(const MeshFile& file) {
   return bytes.substr(20, json);
 }
 
-/// How many entries an accessor has, all of them in their buffer. That numbers are whole ones of 32
-/// bits is looked after by assimp.
+/// Number of entries of an accessor, all within their buffer. assimp checks that numbers are 32-bit
+/// integers.
 std::uint64_t entries(const Json& doc, const Json& index, bool positions) {
   constexpr std::uint64_t kNone = 0;
   const Json& accessor = doc.at("accessors").at(index.get<std::size_t>());
@@ -65,8 +64,8 @@ std::uint64_t faces(const Json& doc, const Json& primitive) {
   return mode < 4 ? 0 : mode == 4 ? corners / 3 : corners < 3 ? 0 : corners - 2;
 }
 
-/// Extensions that a file may require although they are not read: light, colour, texture, text.
-/// They leave the shape as it is.
+/// Extensions that a file may require although they are ignored: light, colour, texture, text. They
+/// do not change the shape.
 bool leaves_shape(std::string_view extension) {
   for (const std::string_view start : {"KHR_materials_", "KHR_texture_", "EXT_texture_",
                                        "KHR_lights_", "EXT_lights_", "KHR_xmp"}) {
@@ -81,14 +80,14 @@ bool leaves_shape(std::string_view extension) {
          "export plain meshes, with all modifiers applied");
 }
 
-/// Whether a weight is not 0, so that a morph target moves vertices.
+/// Whether a weight is not 0: a morph target then moves vertices.
 bool morphs(const Json& of) {
   const Json weights = of.value("weights", Json::array());
   return std::ranges::any_of(weights,
                              [](const Json& weight) { return weight.get<double>() != 0.0; });
 }
 
-/// What would place vertices elsewhere than the nodes' transforms do.
+/// Refuses what would place vertices elsewhere than the nodes' transforms.
 void check_shape(const MeshFile& file, const Json& doc) {
   for (const Json& extension : doc.value("extensionsRequired", Json::array())) {
     const auto name = extension.get<std::string>();
@@ -114,7 +113,7 @@ void check_shape(const MeshFile& file, const Json& doc) {
   }
 }
 
-/// The JSON in the place of the file's own.
+/// Replaces the file's JSON.
 void put_json(MeshFile& file, const Json& doc) {
   std::string text = doc.dump();
   if (file.extension == "glb") {
@@ -133,8 +132,8 @@ void put_json(MeshFile& file, const Json& doc) {
   file.bytes = std::move(text);
 }
 
-/// A file need not say which nodes are shown. Then those that hang from no other are, with all
-/// below them.
+/// A file need not list the displayed nodes. If so, these are the nodes without a parent, with
+/// their descendants.
 void add_scene(MeshFile& file, Json& doc, const std::set<Json>& children) {
   if (!doc.value("scenes", Json::array()).empty())
     return;

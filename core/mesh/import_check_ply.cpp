@@ -1,6 +1,6 @@
-/// PLY: the header's promises against the bytes behind it. assimp makes up faces where rows are
-/// missing, and moves the columns where it leaves out a property whose type it does not know. Of
-/// surfaces it reads polygons alone: strips lose most triangles.
+/// PLY: compares the header with the data. assimp invents faces for missing rows, and shifts the
+/// columns if it skips a property of an unknown type. It reads polygons only: strips lose most
+/// triangles.
 #include <algorithm>
 
 #include "core/mesh/import_check.hpp"
@@ -22,7 +22,7 @@ struct Element {
 struct Header {
   bool text = true, big_endian = false;
   std::vector<Element> elements;
-  std::size_t end = 0;  ///< where the data begins
+  std::size_t end = 0;  ///< offset of the data
 };
 
 [[noreturn]] void refuse_header(const MeshFile& file, const std::string& reason) {
@@ -77,8 +77,7 @@ Header read_header(const MeshFile& file) {
   refuse_truncated(file, "a PLY header without end_header");
 }
 
-/// The next number behind `at`, where it is a whole one without sign. False where the bytes end
-/// before it.
+/// The next number after `at`, if it is an unsigned integer. False if the bytes end before it.
 bool next_number(const MeshFile& file, const Header& header, std::size_t size, std::size_t& at,
                  std::optional<std::uint64_t>& value) {
   if (header.text) {
@@ -115,7 +114,7 @@ void check_ply(const MeshFile& file) {
     surfaces += e.name == "face";
     if (surfaces > 1)
       refuse_header(file, "the element 'face' twice, limit 1");
-    for (const char* axis : {" x ", " y ", " z "}) {  // assimp takes what is missing for zero
+    for (const char* axis : {" x ", " y ", " z "}) {  // assimp reads missing ones as zero
       if (e.name == "vertex" && e.names.find(axis) == std::string::npos)
         refuse_header(file, "a vertex without its x, y or z");
     }

@@ -10,8 +10,7 @@ namespace voxtouch::mesh {
 MassProperties mass_properties(const TriangleMesh& mesh) {
   if (mesh.vertices.empty())
     throw std::invalid_argument("the mesh is empty, so it has no mass");
-  Vec3 middle =
-      Vec3::Zero();  // arithmetic near the mesh, so that one far from the origin loses no digits
+  Vec3 middle = Vec3::Zero();  // computes near the mesh, to keep digits far from the origin
   for (const Vec3& v : mesh.vertices)
     middle += v / static_cast<double>(mesh.vertices.size());
   double volume = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-/// Where the weight of a solid body lies, from its surface.
+/// Mass properties of a solid body, from its surface.
 #include "core/mesh/triangle_mesh.hpp"
 #include "core/types/geometry.hpp"
 
@@ -13,8 +13,8 @@ struct MassProperties {
 };
 
 /// Integrals over the tetrahedra between the origin and each triangle (Mirtich 1996). Throws
-/// std::invalid_argument where the surface bounds no volume: open, flat, or turned inside out
-/// against itself.
+/// std::invalid_argument if the surface bounds no volume: open, flat, or with contradictory
+/// orientations.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
 }  // namespace voxtouch::mesh

@@ -7,15 +7,15 @@
 
 namespace voxtouch::mesh {
 
-/// A mesh that cannot be had. The sentence names the file, the reason and what to do.
+/// A mesh that cannot be used. The sentence names the file, the reason and the remedy.
 struct MeshError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 inline constexpr std::uintmax_t kLargestMeshFile = std::uintmax_t{512} << 20;  ///< [bytes]
 
-/// The whole file. Throws MeshError where it is no regular file, is empty, cannot be read or has
-/// more than `most` bytes, which is found before any of it is read.
+/// The whole file. Throws MeshError if it is not a regular file, is empty, cannot be read or has
+/// more than `most` bytes, which is checked before reading.
 std::string read_mesh_bytes(const std::filesystem::path& path,
                             std::uintmax_t most = kLargestMeshFile);
 

@@ -29,7 +29,7 @@ std::vector<std::uint32_t> first_at_place(std::span<const Vec3> corners) {
   first.reserve(corners.size());
   for (const Vec3& x : corners) {
     const auto own = static_cast<std::uint32_t>(first.size());
-    // Adding 0.0 turns -0 into 0.
+    // Adding 0.0 changes -0 to 0.
     const std::array<double, 3> place{x.x() + 0.0, x.y() + 0.0, x.z() + 0.0};
     first.push_back(places.try_emplace(place, own).first->second);
   }
@@ -73,10 +73,10 @@ double cross(const Point& a, const Point& b, const Point& c) {
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
 
-/// A polygon in its plane: seen from the side to which it faces, so that its area is positive.
+/// A polygon projected to its plane, seen from its front side, so that its area is positive.
 struct FlatPolygon {
   std::vector<Point> points;  ///< one for each corner
-  std::array<int, 3> axes;    ///< of a point's two coordinates, and the one that is left out
+  std::array<int, 3> axes;    ///< the two projected axes, and the dropped one
   Vec3 normal;
   double offset;  ///< of the plane along `normal`
 
@@ -132,8 +132,8 @@ Vec3 area_vector(std::span<const Vec3> corners, const std::vector<Ring>& rings) 
   return sum;
 }
 
-/// Along the axis that is nearest to the normal, which leaves the other two coordinates as they
-/// are: corners on a line stay exactly on it. Corners off the plane go to their foot in it first.
+/// Projects along the axis nearest to the normal and keeps the other two coordinates: collinear
+/// corners stay exactly collinear. Corners off the plane are first projected onto it.
 FlatPolygon flatten(std::span<const Vec3> corners, const Vec3& normal, double largest) {
   FlatPolygon flat{.points = {}, .axes = {}, .normal = normal, .offset = 0.0};
   int skipped = 0;
@@ -154,7 +154,7 @@ FlatPolygon flatten(std::span<const Vec3> corners, const Vec3& normal, double la
   return flat;
 }
 
-/// Turns left at each corner, by more than rounding, and once round in all.
+/// Whether it turns left at each corner, by more than rounding, and once around in total.
 bool strictly_convex(const FlatPolygon& flat, const Ring& ring) {
   const std::size_t n = ring.size();
   std::size_t reversals = 0;
@@ -170,8 +170,8 @@ bool strictly_convex(const FlatPolygon& flat, const Ring& ring) {
   return reversals <= 2;
 }
 
-/// Takes off the corners where the boundary turns back along its own line. A triangle without area
-/// keeps the edges that other faces share.
+/// Removes corners at which the boundary reverses along its own line. A triangle without area keeps
+/// the edges that other faces use.
 void take_off_spikes(const FlatPolygon& flat, Ring& ring, Triangles& triangles) {
   for (std::size_t k = 0, unchanged = 0; ring.size() >= 3 && unchanged < ring.size();) {
     const std::size_t n = ring.size();
@@ -194,7 +194,7 @@ void take_off_spikes(const FlatPolygon& flat, Ring& ring, Triangles& triangles) 
 
 }  // namespace
 
-/// GEOS with its geometries as values. What it cannot do gives null.
+/// GEOS with its geometries as values. A failure gives null.
 struct PolygonCutter::Geos {
   struct Destroy {
     GEOSContextHandle_t context;
@@ -230,7 +230,7 @@ struct PolygonCutter::Geos {
     return own(GEOSGeom_createPolygon_r(context, ring(flat, shell).release(), inner.data(), count));
   }
 
-  /// Where the geometry breaks the rules of polygons; nothing where it keeps them.
+  /// The violated rule of polygons; empty if there is none.
   std::optional<PolygonFault> fault(const FlatPolygon& flat, const GEOSGeometry* geometry) const {
     PolygonFault fault;
     GEOSGeometry* place = nullptr;
@@ -246,8 +246,8 @@ struct PolygonCutter::Geos {
     return fault;
   }
 
-  /// The triangles of one valid polygon, their corners found again by their coordinates. False
-  /// where GEOS gave another number of them, another corner or another area.
+  /// Adds the triangles of one valid polygon; corners are identified by their coordinates. False if
+  /// GEOS returned another number of triangles, another corner or another area.
   bool add_triangles(const FlatPolygon& flat, const GEOSGeometry* polygon,
                      const std::vector<const Ring*>& rings, Triangles& all) const {
     std::map<std::pair<double, double>, std::uint32_t> corner_at;

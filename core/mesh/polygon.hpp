@@ -14,15 +14,15 @@ namespace voxtouch::mesh {
 
 /// Why a polygon cannot be cut.
 struct PolygonFault {
-  std::optional<Vec3> crossing;  ///< where its boundary crosses itself, if that place is known
+  std::optional<Vec3> crossing;  ///< point at which its boundary crosses itself, if known
 };
 
 /// Cuts polygons into triangles between their corners.
 ///
 /// Convex polygons become a fan from their first corner. Others are cut in their plane of best fit
 /// by GEOS (constrained Delaunay triangulation). A boundary that returns to an earlier corner is
-/// taken apart there: a path that is walked forth and back is no boundary, so a polygon may enclose
-/// holes that a bridge joins to it.
+/// split there. A path that is traversed in both directions is not a boundary, so a polygon may
+/// enclose holes connected by a bridge.
 class PolygonCutter {
  public:
   using Triangle = std::array<std::uint32_t, 3>;  ///< positions in the list of corners

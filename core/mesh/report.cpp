@@ -102,7 +102,7 @@ double winding_number(const TriangleMesh& mesh, const Part& part, const Vec3& x)
   return sum / (2.0 * std::numbers::pi);
 }
 
-/// Whether corners of `inner`, spread over it, all lie where the parts round it have their solid.
+/// Whether sampled corners of `inner` are all inside the solid of the surrounding parts.
 bool lies_in_solid(const TriangleMesh& mesh, const Part& inner,
                    const std::vector<const Part*>& round) {
   constexpr std::size_t kCorners = 8;
@@ -117,7 +117,7 @@ bool lies_in_solid(const TriangleMesh& mesh, const Part& inner,
   return true;
 }
 
-/// `parts`: all of a closed mesh; `volume`: of each, above 0 where it faces outward.
+/// `parts`: all of a closed mesh. `volume`: of each, above 0 if it faces outward.
 void find_nested(const TriangleMesh& mesh, const std::vector<Part>& parts,
                  const std::vector<double>& volume, MeshReport& report) {
   std::vector<std::size_t> order(parts.size());
@@ -165,8 +165,8 @@ void judge_orientation(const TriangleMesh& mesh, const std::vector<Side>& sides,
   }
   report.signed_volume_m3 = volume;
   report.inverted = report.closed && volume < 0.0;
-  // Where more than two triangles meet at an edge a part may have a border there, and its volume
-  // says nothing.
+  // If more than two triangles meet at an edge, a part may have a border there, and its volume is
+  // meaningless.
   if (!report.closed || report.inverted || report.non_manifold_edges.count > 0)
     return;
   for (std::size_t p = 0; p < o.parts; ++p) {

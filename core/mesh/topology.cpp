@@ -8,8 +8,8 @@
 namespace voxtouch::mesh {
 namespace {
 
-/// Corners count as collinear where twice the area is below what rounding alone can make of it: of
-/// the coordinates (largest |coordinate| times eps, once per difference) and of the products.
+/// Corners count as collinear if twice the area is below the possible rounding error: of the
+/// coordinates (largest |coordinate| times eps, once per difference) and of the products.
 bool zero_area(const Vec3& a, const Vec3& b, const Vec3& c) {
   constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
   const Vec3 u = b - a, v = c - a;
@@ -34,8 +34,7 @@ Corners corners_of(const std::array<std::uint32_t, 3>& t, std::uint32_t triangle
   return c;
 }
 
-/// Sorts by a vertex number, which `vertex_of` gives and is below `vertices`, and what has one in
-/// common by `less`.
+/// Sorts by a vertex number below `vertices`, which `vertex_of` returns, then by `less`.
 template <class T, class VertexOf, class Less>
 void sort_by_vertex(std::vector<T>& values, std::size_t vertices, VertexOf vertex_of, Less less) {
   std::vector<std::size_t> start(vertices + 1, 0);
@@ -117,12 +116,11 @@ namespace {
 
 struct Neighbour {
   std::uint32_t triangle;
-  bool flipped;  ///< both triangles walk the edge the same way, so one of them is the wrong way
-                 ///< round
+  bool flipped;  ///< both triangles use the edge in the same direction, so one of them is flipped
 };
 constexpr Neighbour kNoNeighbour{~std::uint32_t{0}, false};
 
-/// Over the edges that two triangles share and no third.
+/// Over the edges of exactly two triangles.
 std::vector<std::array<Neighbour, 3>> neighbours_of(const std::vector<Side>& sides,
                                                     std::size_t triangles) {
   std::vector<std::array<Neighbour, 3>> neighbours(triangles,
@@ -176,8 +174,7 @@ Orientation orientation_of(const std::vector<Side>& sides, const std::vector<std
         }
       }
     }
-    if (2 * against >
-        walk.size()) {  // most are against the seed: then the seed is the one that is wrong
+    if (2 * against > walk.size()) {  // most disagree with the seed: then the seed is flipped
       for (const std::uint32_t t : walk)
         flipped[t] ^= 1;
     }

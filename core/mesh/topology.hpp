@@ -1,6 +1,5 @@
 #pragma once
-/// What kind each triangle of a mesh is, and which triangles meet at its edges: the ground that
-/// report.hpp stands on.
+/// The kind of each triangle of a mesh, and the neighbours at its edges; used by report.hpp.
 #include <cstdint>
 #include <vector>
 
@@ -11,8 +10,8 @@ namespace voxtouch::mesh {
 enum class TriangleKind : std::uint8_t {
   kSound,      ///< has an area, finite corners, and is the first with its three corners
   kZeroArea,   ///< two corners coincide, or the three lie on one line within the rounding of double
-  kDuplicate,  ///< same corners as an earlier sound triangle, same orientation
-  kOppositeDuplicate,  ///< same corners as an earlier sound triangle, other orientation
+  kDuplicate,  ///< same corners as a previous valid triangle, same orientation
+  kOppositeDuplicate,  ///< same corners as a previous valid triangle, opposite orientation
   kNotFinite           ///< a corner is NaN or Inf
 };
 
@@ -28,7 +27,7 @@ struct Side {
 };
 
 /// The sides of the triangles in `which`, sorted by (low, high, triangle): the sides of one edge
-/// lie side by side. Sides whose two ends are one vertex are left out.
+/// are adjacent. Sides with equal ends are skipped.
 std::vector<Side> sorted_sides(const TriangleMesh& mesh, const std::vector<std::uint32_t>& stands,
                                const std::vector<std::uint32_t>& which);
 
@@ -47,8 +46,8 @@ void for_edges(const std::vector<Side>& sides, Visit visit) {
   }
 }
 
-/// Parts of a surface and which way round each triangle is, walked over the edges where exactly two
-/// triangles meet.
+/// Parts of a surface and the orientation of each triangle, found by walking over the edges of
+/// exactly two triangles.
 struct Orientation {
   std::vector<std::uint32_t>
       part;  ///< of each entry of `which`; parts count from their lowest triangle

@@ -23,7 +23,7 @@ std::uint64_t hash_of(const Cell& c) noexcept {
   return h;
 }
 
-/// The lowest-numbered vertex at exactly the same place, for vertices that are asked for in order.
+/// The lowest-numbered vertex at exactly the same position, for vertices queried in order.
 class EqualVertices {
  public:
   explicit EqualVertices(const std::vector<Vec3>& vertices)
@@ -42,7 +42,7 @@ class EqualVertices {
   }
 
  private:
-  static Cell bits(const Vec3& x) noexcept {  // adding 0.0 turns -0 into 0
+  static Cell bits(const Vec3& x) noexcept {  // adding 0.0 changes -0 to 0
     return {std::bit_cast<std::int64_t>(x.x() + 0.0), std::bit_cast<std::int64_t>(x.y() + 0.0),
             std::bit_cast<std::int64_t>(x.z() + 0.0)};
   }
@@ -50,8 +50,8 @@ class EqualVertices {
   std::vector<std::uint32_t> table_;
 };
 
-/// Standing vertices by cell. A cell is much wider than the tolerance, so that nearly every look-up
-/// opens one cell only.
+/// Representative vertices by cell. A cell is much larger than the tolerance, so nearly every query
+/// reads one cell only.
 class StandingVertices {
  public:
   StandingVertices(const std::vector<Vec3>& vertices, double tolerance)
@@ -95,7 +95,7 @@ class StandingVertices {
           visit(Cell{i, j, k});
   }
 
-  /// That of the cell, or the free one where it belongs.
+  /// The slot of the cell, or the free one for it.
   std::size_t slot_of(const Cell& cell) const {
     const std::uint64_t hash = hash_of(cell);
     const std::size_t mask = table_.size() - 1;
@@ -130,7 +130,7 @@ class StandingVertices {
   std::size_t cells_ = 0;
 };
 
-/// 0 for a mesh whose used vertices all lie in the origin.
+/// 0 for a mesh with all used vertices at the origin.
 double largest_coordinate(const TriangleMesh& mesh) {
   const Eigen::AlignedBox3d box = bounds(mesh);
   return box.isEmpty() ? 0.0
@@ -178,8 +178,8 @@ std::vector<std::uint32_t> standing_vertices(const TriangleMesh& mesh, double to
     const bool ordinary =
         mesh.vertices[v].cwiseAbs().maxCoeff() <= limit && mesh.vertices[v].allFinite();
     const std::uint32_t first = ordinary ? equal.find_or_add(v) : v;
-    // What stands for the first at a place stands for all of them: those that came in between have
-    // higher numbers.
+    // The representative of the first vertex at a position represents all of them: vertices in
+    // between have higher numbers.
     if (first != v)
       stands[v] = stands[first];
     else

@@ -1,6 +1,5 @@
 #pragma once
-/// Which vertices are the same point, where a mesh lies, and how it is moved. Loading only:
-/// allocates.
+/// Merges equal vertices, computes extents, and transforms meshes. Loading only: allocates.
 #include <cstdint>
 #include <vector>
 
@@ -8,15 +7,15 @@
 
 namespace voxtouch::mesh {
 
-/// Two to four single-precision steps at the largest coordinate: as far as the two sides of a seam
-/// come apart when a file's vertices were moved before they were rounded to float. Relative to the
-/// largest |coordinate| of the used vertices.
+/// Two to four single-precision steps at the largest coordinate: the distance of both sides of a
+/// seam if vertices were moved before rounding to float. Relative to the largest |coordinate| of
+/// the used vertices.
 inline constexpr double kWeldTolerance = 1.0 / (1 << 22);
 
-/// For each vertex the index of the vertex that stands for it: the lowest-numbered standing vertex
-/// within `tolerance` (a fraction of the largest |coordinate| of the used vertices), else itself.
-/// Equal positions always share one (0 equals -0); a vertex that is not finite stands for itself.
-/// Vertices are visited in order, so nothing depends on hashing.
+/// For each vertex the index of its representative: the lowest-numbered representative within
+/// `tolerance` (a fraction of the largest |coordinate| of the used vertices), otherwise itself.
+/// Equal positions always have the same one (0 equals -0). A non-finite vertex represents itself.
+/// Vertices are processed in order, so the result does not depend on hashing.
 std::vector<std::uint32_t> standing_vertices(const TriangleMesh& mesh,
                                              double tolerance = kWeldTolerance);
 
@@ -25,8 +24,8 @@ std::vector<std::uint32_t> standing_vertices(const TriangleMesh& mesh,
 /// if a triangle names a vertex that is not there.
 TriangleMesh weld(const TriangleMesh& mesh, double tolerance = kWeldTolerance);
 
-/// x -> pose * (scale * x), in double, for every vertex. `scale` > 0 (else triangles would turn
-/// inside out), `pose` unit.
+/// x -> pose * (scale * x), in double, for every vertex. `scale` > 0 (otherwise triangles would be
+/// inverted), `pose` unit.
 TriangleMesh transform(const TriangleMesh& mesh, double scale, const Pose& pose);
 
 /// Axis-aligned box of the vertices that triangles use [m]; `isEmpty()` if there are none. Vertices

@@ -2,21 +2,20 @@
 /// The dynamic object's pointshell: exact (paper, section 2.1, "Exact PointShell Creation") and
 /// naive.
 ///
-/// One point a surface voxel V: the point of (union of the triangles that meet the closed V) within
-/// V that is nearest to V's centre. All cases of the paper come to this: each triangle is cut to V
-/// and its polygon's nearest point taken.
+/// Each surface voxel V has one point. It is the point of the surface within V that is nearest to
+/// V's centre. This covers all cases of the paper: each triangle is cut to V, and the nearest point
+/// of the polygon is taken.
 ///
 /// Normal (points INTO the object): minus the mean of the triangles' unit normals weighted by the
-/// area of (triangle within V); unweighted where all only touch V. Where that mean cancels
-/// (coherence <= 0.1) or points out of the face that holds the point, it is that face's own.
-/// Zero-area triangles count for points and not for normals; of duplicates (same corners, either
-/// way round) the first counts. A closed part points into its solid whatever way round its
-/// triangles run (outward.hpp); an open part has no outside, and its normals follow the triangles
-/// as they run in the file.
+/// area of (triangle within V); unweighted if all only touch V. If that mean cancels (coherence <=
+/// 0.1) or points out of the face with the point, the normal of that face is used. Zero-area
+/// triangles count for points but not for normals. Of duplicates (same corners in any order) the
+/// first counts. Normals of a closed part point into its solid for any orientation of its triangles
+/// (outward.hpp). An open part has no outside, and its normals follow the orientation in the file.
 ///
-/// Weight: the area of (surface within V), where a piece that lies in a face of V counts half,
-/// since the voxel across that face holds it too. So the weights sum to the area of the mesh also
-/// where it lies on the grid.
+/// Weight: the area of (surface within V). A piece in a face of V counts half, since it also
+/// belongs to the voxel across that face. The weights thus sum to the area of the mesh, also for
+/// faces on the grid.
 #include <cstdint>
 #include <vector>
 
@@ -31,15 +30,14 @@ inline constexpr double kNormalsCancel =
 
 enum class NormalRule : std::uint8_t { kMean = 0, kFaceForCancelling = 1, kFaceForOutward = 2 };
 
-/// All that is known of one point; the rows of `<mesh>_surface.csv`.
+/// Properties of one point: a row of `<mesh>_surface.csv`.
 struct ShellPoint {
   voxmap::VoxelIndex voxel;
   std::uint32_t triangle = 0;   ///< lowest-numbered triangle that holds the point
   Vec3 point = Vec3::Zero();    ///< [m], frame of the mesh
   Vec3 normal = Vec3::UnitZ();  ///< unit, inward, by the rule above
-  /// unit, inward: unweighted mean over all triangles that meet the closed voxel; zero where these
-  /// cancel (a mean as long as kNormalsCancel of a unit vector, or shorter): what is left there is
-  /// rounding
+  /// unit, inward: unweighted mean over all triangles that meet the closed voxel; zero if these
+  /// cancel (a mean of length kNormalsCancel or less), because only rounding is left
   Vec3 plain_normal = Vec3::UnitZ();
   bool plain_cancels = false;
   double distance_m = 0.0;  ///< from the voxel's centre
@@ -56,7 +54,7 @@ std::vector<ShellPoint> shell_points(const mesh::TriangleMesh& mesh, const voxma
                                      const ParallelFor& parallel_for,
                                      std::uint64_t memory_limit_bytes = voxmap::kVoxelMemoryLimit);
 
-/// The largest distance between the points of two surface voxels that share a face [m]. `points`
+/// The largest distance between the points of two surface voxels with a common face [m]. `points`
 /// sorted by voxel.
 double largest_gap_m(const std::vector<ShellPoint>& points);
 

@@ -26,7 +26,7 @@ void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {
     if (at_from <= 0.0 && kept.size < 9)
       kept.corner[kept.size++] = from;
     if (((at_from < 0.0 && at_to > 0.0) || (at_from > 0.0 && at_to < 0.0)) && kept.size < 9) {
-      // From the nearer end, so that a long edge costs no accuracy and both triangles of an edge
+      // From the nearer end, so that a long edge loses no accuracy and both triangles of an edge
       // agree.
       Vec3 x = std::abs(at_from) < std::abs(at_to)
                    ? Vec3(from + (at_from / (at_from - at_to)) * (to - from))
@@ -38,7 +38,7 @@ void cut(VoxelPolygon& polygon, int axis, double side, double limit) noexcept {
   polygon = kept;
 }
 
-/// What one rounding of the triangle's coordinates is.
+/// Rounding error of the triangle's coordinates.
 double rounding_of(const Vec3& a, const Vec3& b, const Vec3& c) noexcept {
   return 0x1p-53 *
          std::max({1.0, a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
@@ -73,8 +73,8 @@ double area(const VoxelPolygon& polygon) noexcept {
 
 Vec3 nearest_to_centre(const std::array<Vec3, 3>& triangle, const Vec3& normal,
                        const VoxelPolygon& polygon) noexcept {
-  // The triangle and the cube are asked, not the polygon: its short sides have no direction worth
-  // asking.
+  // Uses the triangle and the cube, not the polygon: the direction of its short sides is
+  // inaccurate.
   const Vec3 nearest = normal * normal.dot(triangle[0]);
   bool inside = nearest.cwiseAbs().maxCoeff() <= 0.5 && !normal.isZero(0.0);
   for (std::size_t n = 0; n < 3 && inside; ++n) {

@@ -10,7 +10,7 @@
 namespace voxtouch::pointshell {
 
 /// `<mesh>_surface.csv`: i,j,k,open,px..pz,nx..nz,mx..mz,tri,dist,coh,tie,fallback; row number =
-/// point id. fallback: NormalRule, plus 4 where the plain normals m cancel, and m is zero.
+/// point id. fallback: NormalRule, plus 4 if the plain normals m cancel and m is zero.
 void write_surface_csv(std::ostream& out, const std::vector<ShellPoint>& points);
 
 /// `<mesh>_interior.csv`: i,j,k_first,k_last, runs along k, sorted.

@@ -8,9 +8,9 @@
 
 namespace voxtouch::pointshell {
 
-/// Structure of arrays in Morton order of the voxel that each point came from, so that neighbours
-/// in space are neighbours in memory. All in frame T. `id` is the point's rank among the surface
-/// voxels sorted by (i, j, k): the order of files and reports.
+/// Structure of arrays in Morton order of the points' voxels, so that neighbours in space are
+/// neighbours in memory. All in frame T. `id` is the point's rank among the surface voxels sorted
+/// by (i, j, k): the order of files and reports.
 struct Pointshell {
   std::vector<double> x, y, z;     ///< position [m]
   std::vector<double> nx, ny, nz;  ///< unit normal, pointing INTO the dynamic object

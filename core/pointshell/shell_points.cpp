@@ -30,12 +30,12 @@ struct Piece {
   double distance = 0.0;
 };
 
-/// What every voxel of the mesh needs to know.
+/// Data of the mesh for every voxel.
 struct ShellBuilder {
   const voxmap::GridMesh& mesh;
   const voxmap::Grid& grid;
   std::vector<voxmap::TriangleState> state;
-  std::vector<Vec3> normal;  ///< unit, outward; zero where the triangle has no area
+  std::vector<Vec3> normal;  ///< unit, outward; zero for a triangle without area
 
   /// `pieces` is scratch memory.
   ShellPoint point_of(const voxmap::VoxelIndex& voxel, const Pair* first, const Pair* last,
@@ -172,7 +172,7 @@ std::vector<Pair> pairs_of(const voxmap::GridMesh& mesh, const voxmap::Slabs& sl
   return pairs;
 }
 
-/// The shell's own budget: points and pairs instead of table and bricks.
+/// The shell's memory budget: points and pairs instead of table and bricks.
 voxmap::VoxelEstimate shell_estimate(const mesh::TriangleMesh& mesh, const voxmap::Grid& grid) {
   voxmap::VoxelEstimate estimate = voxmap::estimate_voxels(mesh, grid);
   estimate.table_cells = 0.0;
@@ -183,8 +183,8 @@ voxmap::VoxelEstimate shell_estimate(const mesh::TriangleMesh& mesh, const voxma
   return estimate;
 }
 
-/// Of each triangle, unit; zero where it has no area. A mesh that is inside out would push the tool
-/// into what it touches.
+/// Unit normal of each triangle; zero without area. The orientation of an inverted mesh is
+/// corrected: it would pull the tool into the surface.
 std::vector<Vec3> outward_normals(const voxmap::GridMesh& mesh,
                                   const std::vector<std::uint32_t>& welded,
                                   const std::vector<voxmap::TriangleState>& state,
@@ -202,7 +202,7 @@ std::vector<Vec3> outward_normals(const voxmap::GridMesh& mesh,
   return normal;
 }
 
-/// One after the other; a part's memory goes as soon as it has been copied.
+/// One after the other: the memory of a part is freed once it has been copied.
 std::vector<ShellPoint> joined(std::vector<std::vector<ShellPoint>> parts) {
   std::size_t total = 0;
   for (const auto& part : parts)

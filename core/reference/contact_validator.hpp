@@ -72,7 +72,7 @@ struct ReportedTool;
 /// real-time safe (messages).
 class ContactValidator {
  public:
-  /// Throws what ValidatorSettings::validate throws.
+  /// Throws as ValidatorSettings::validate.
   explicit ContactValidator(const ValidatorSettings& settings);
 
   /// Evaluates one sample of a penalty contact: whether the report is consistent with the gap

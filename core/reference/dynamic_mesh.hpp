@@ -10,7 +10,7 @@ namespace voxtouch::reference {
 
 class DynamicMesh {
  public:
-  /// Reads the mesh. Throws what PosedMesh throws.
+  /// Reads the mesh. Throws as PosedMesh.
   explicit DynamicMesh(const scene::MeshSpec& spec);
 
   /// Gap against the union of `statics`, at least one, with the tool at `pose_WT`.

@@ -5,10 +5,10 @@
 
 namespace voxtouch::reference {
 
-/// Final centre of a ball of `radius_m` that moves from `centre`, where it must be outside
-/// (touching is allowed), towards `hand`. It moves in short steps and is pushed out of the nearest
-/// face after each, until it stops approaching (Zilles and Salisbury 1995). Moving objects are not
-/// supported. Allocates.
+/// Final centre of a ball of `radius_m` that moves from `centre`, which must be outside (touching
+/// is allowed), towards `hand`. It moves in short steps; after each, it is moved out of the nearest
+/// face, until it stops approaching (Zilles and Salisbury 1995). Moving objects are not supported.
+/// Allocates.
 Vec3 drawn_ball(const ReferenceScene& reference, double radius_m, const Vec3& centre,
                 const Vec3& hand);
 

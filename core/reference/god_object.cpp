@@ -73,8 +73,8 @@ struct GodObject::Solver {
     return step.head<3>().norm() + near.tool_reach_m() / lever_m * step.tail<3>().norm();
   }
 
-  /// What the step must satisfy so that the parts that met at `meeting` do not: to first order, at
-  /// the end they are a margin apart.
+  /// The condition on the step that keeps the parts of `meeting` a margin apart at its end, to
+  /// first order.
   Inequality inequality(const Meeting& meeting, const Vec6& step) const {
     const Vec3 normal = meeting.at.direction();
     const Vec3 arm = meeting.at.mine - pose.position - meeting.time * step.head<3>();
@@ -136,7 +136,7 @@ struct GodObject::Solver {
         return projected;
       const Inequality limit = inequality(*meeting, projected.step);
       if (limit.normal.dot(projected.step) >= limit.bound - 1e-9 * margin_m)
-        return {};  // already satisfied: the rotation bends the way too much
+        return {};  // already satisfied: the rotation bends the path too much
       limits.push_back(limit);
     }
     return {};
@@ -163,9 +163,9 @@ struct GodObject::Solver {
     return 0.0;
   }
 
-  /// Gaps may shrink to a part of the margin, which later steps restore at the price of energy.
-  /// Where both alternate, no gap may shrink any more, and then steps become shorter. \returns
-  /// whether the last step was shorter than `rest_m`.
+  /// Gaps may shrink to a fraction of the margin, which later steps restore at the cost of energy.
+  /// If both alternate, gaps may not shrink, and then steps become shorter. \returns whether the
+  /// last step was shorter than `rest_m`.
   bool steps_to(const Pose& hand, int most, double rest_m) {
     step_m = longest_m = scaled(kLongestStep);
     strict = false;

@@ -9,11 +9,11 @@
 
 namespace voxtouch::reference {
 
-/// The tool at its end, or where it was given up. All in W.
+/// The tool at its end, or at the last step if none was found. All in W.
 struct GodObjectRest {
   Pose tool;
   Vec3 shift = Vec3::Zero();     ///< from the tool to the hand [m]
-  Vec3 rotation = Vec3::Zero();  ///< likewise, rotation vector [rad]
+  Vec3 rotation = Vec3::Zero();  ///< rotation vector [rad], from the tool to the hand
   double lever_m = 0.0;
   int steps = 0;
   bool settled = false;  ///< no step brings it nearer to the hand
@@ -27,13 +27,13 @@ struct GodObjectRest {
 /// minimum of |d|^2 / 2 over the poses at which the meshes do not intersect (Zilles and Salisbury
 /// 1995, for six degrees of freedom; Ortega et al. 2007). Quasi-static, without friction.
 ///
-/// A step is the d that is left after projection on inequalities. Each comes from the first meeting
-/// of two parts of the meshes on the way that the step would take; the projection is repeated until
-/// nothing meets. Parts are convex, so for a translation the plane between them at their meeting
-/// keeps them apart. A rotation bends the way; then the step is cut and repeated.
+/// A step is the remainder of d after projection on inequalities. Each comes from the first meeting
+/// of two parts of the meshes along the step; the projection is repeated until nothing meets. Parts
+/// are convex, so for a translation the plane between them at their meeting keeps them apart. A
+/// rotation bends the path; then the step is cut and repeated.
 ///
-/// Shares no code with the virtual tool. Milliseconds to seconds a call, by the number of triangles
-/// near the contact. Allocates.
+/// Shares no code with the virtual tool. Milliseconds to seconds per call, depending on the number
+/// of triangles near the contact. Allocates.
 class GodObject {
  public:
   /// `tool` in T and closed, `scene` in W: the union of all objects at rest, open or closed.

@@ -34,8 +34,9 @@ class MeshDistance {
   /// second method is used.
   NearestPoint nearest(const Vec3& x) const;
 
-  /// Second method, which shares only the tree with the first: FCL's mesh against a mesh of one
-  /// triangle, small enough to represent a point. Its error is at most `second_method_error_m()`.
+  /// Second method, which has only the tree in common with the first: FCL's mesh against a mesh of
+  /// one triangle, small enough to represent a point. Its error is at most
+  /// `second_method_error_m()`.
   double second_method(const Vec3& x) const;
   /// The error bound of `second_method` [m].
   double second_method_error_m() const noexcept;

@@ -40,7 +40,7 @@ class StraightMotion {
   }
 
   std::optional<Meeting> between(double begin, const Nearness& at_begin, double end) const {
-    constexpr double kFineRatio = 0.125;  ///< of the distance that is looked for
+    constexpr double kFineRatio = 0.125;  ///< relative to the requested distance
     if (separated(at_begin, end))
       return std::nullopt;
     const Nearness at_end = near_at(end);

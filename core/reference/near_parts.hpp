@@ -11,14 +11,14 @@
 
 namespace voxtouch::reference {
 
-/// Where two parts come close on the way from one pose to another.
+/// Where two parts come close between one pose and another.
 struct Meeting {
   double time = 0.0;  ///< 0 at the first pose, 1 at the other
   Nearness at;        ///< then, in the scene's frame
 };
 
-/// All pairs of parts are looked at; none is left out for its shape. No triangle has a side, so
-/// open scenes, seams and overlapping solids need no rule.
+/// Tests all pairs of parts, of any shape. Triangles have no side, so open scenes, seams and
+/// overlapping solids need no rule.
 class NearParts {
  public:
   /// `range_m`: at least three times the longest motion between two calls of `move_to`. Allocates.
@@ -28,8 +28,9 @@ class NearParts {
   void move_to(const Pose& pose);
   /// Smallest distance of the surfaces [m], at most the range.
   double distance_m();
-  /// Where, on the way to `next`, two parts first come closer than `closest_m`; the surfaces are
-  /// farther apart now. Each point moves straight, so that a part cannot pass another unseen.
+  /// The first place at which two parts come closer than `closest_m` on the path to `next`; the
+  /// surfaces are farther apart at the start. Each point moves straight, so no part passes another
+  /// undetected.
   std::optional<Meeting> first_meeting(const Pose& next, double closest_m);
 
   /// Largest displacement of a point of the tool between two poses, or more [m].
@@ -37,7 +38,7 @@ class NearParts {
   double tool_reach_m() const { return reach_m_; }
 
  private:
-  /// Points of a part: the first repeated where it has fewer than three.
+  /// Points of a part; with fewer than three, the first is repeated.
   struct Corners {
     std::array<std::uint32_t, 3> points;
     std::uint8_t count;

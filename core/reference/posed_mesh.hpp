@@ -12,7 +12,8 @@
 
 namespace voxtouch::reference {
 
-/// Computes in the mesh's own frame, so that an object far from the world's origin loses no digits.
+/// Computes in the frame of the mesh, so that an object far from the world's origin loses no
+/// digits.
 class PosedMesh {
  public:
   /// Throws as `read_reference_mesh` does.
@@ -31,10 +32,10 @@ class PosedMesh {
   Answer signed_distance(const Vec3& x) const;
   /// Signed distance by the triangles alone.
   SignedPoint mesh_signed_distance(const Vec3& x) const;
-  /// Unsigned: by primitives outside of them, otherwise by the triangles; for points whose side is
-  /// given.
+  /// Unsigned: by the primitives outside of them, otherwise by the triangles; for points with a
+  /// known side.
   Vec3 nearest(const Vec3& x) const;
-  /// Whether `x` (W) lies inside the mesh; false for one that is not closed.
+  /// Whether `x` (W) is inside the mesh; false for an open mesh.
   bool inside(const Vec3& x) const noexcept;
 
   /// Lower bound of its signed distance to a body within `reach_m` of `x` (W) [m], by its bounding

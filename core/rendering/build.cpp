@@ -35,7 +35,7 @@ void add_contact_law(const PartsRequest& request, const pointshell::Pointshell& 
       add(contact.rotation, counts.contact.rotation);
 }
 
-/// One spring, independent of what it touches.
+/// One spring, independent of the touched object.
 void add_virtual_tool(const PartsRequest& request, const contact::ContactRenderer& renderer,
                       EffectGround& ground, BuildCounts& counts) {
   if (!ground.bodies)

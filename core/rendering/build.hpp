@@ -35,16 +35,13 @@ class BuiltScene {
   BuiltScene(const BuiltScene&) = delete;
   BuiltScene& operator=(const BuiltScene&) = delete;
 
-  SceneRenderer& scene_renderer() noexcept {
-    return scene_;
-  }  ///< contact and effects: the renderer of the ring
+  /// Contact and effects: the renderer of the ring.
+  SceneRenderer& scene_renderer() noexcept { return scene_; }
+  /// Contact with the first object only.
   ObjectContacts& contacts() noexcept { return contacts_; }  ///< contact only, with all objects
-  contact::ContactRenderer& renderer() noexcept {
-    return *contacts_.object(0).renderer;
-  }  ///< contact with the first object only
-  const voxmap::Voxmap& voxmap() const noexcept {
-    return contacts_.object(0).voxmap;
-  }  ///< of the first object
+  contact::ContactRenderer& renderer() noexcept { return *contacts_.object(0).renderer; }
+  /// Of the first object.
+  const voxmap::Voxmap& voxmap() const noexcept { return contacts_.object(0).voxmap; }
   /// Of the first object; null if the contact model uses none.
   const voxmap::DistanceField* field() const noexcept {
     const StaticObject& first = contacts_.object(0);

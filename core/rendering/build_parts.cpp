@@ -144,7 +144,7 @@ voxmap::DistanceField build_field(const BuildContext& context, const ObjectMesh&
   return field;
 }
 
-/// For scenes whose dynamic object is a body.
+/// For scenes with a body as dynamic object.
 effects::BodyShape body_shape(const scene::Scene& scene, const mesh::TriangleMesh& mesh) {
   try {
     const mesh::MassProperties mass = mesh::mass_properties(mesh);
@@ -218,7 +218,7 @@ std::vector<Solid> find_solids(const BuildContext& context, const std::vector<Ob
   return solids;
 }
 
-/// Each solid is one body, and each other object is a body of its own.
+/// Each solid is one body, and so is each other object.
 std::unique_ptr<ExactBodies> build_bodies(const BuildContext& context,
                                           const mesh::TriangleMesh& tool,
                                           const std::vector<ObjectMesh>& objects,

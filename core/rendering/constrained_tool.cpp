@@ -41,7 +41,7 @@ contact::ContactResult contact_of(const exact::VirtualToolFrame& frame, double k
   return contact;
 }
 
-/// Whether the tool lags: it is not where hand and objects ask for, and may still go on.
+/// Whether the tool has not converged and may continue.
 bool lags(const exact::VirtualToolFrame& frame) noexcept {
   if (frame.not_initialised)
     return frame.passed_through;

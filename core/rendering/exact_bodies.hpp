@@ -9,9 +9,9 @@
 
 namespace voxtouch::rendering {
 
-/// Bodies in a frame of their own: x' = scale (x - origin) with x in W; for the tool x' = scale x
-/// with x in T. The origin is near the objects, and every tool has about the same size in x'.
-/// Results are therefore bit-identical for any position and size of a scene. Immutable.
+/// Bodies in a local frame: x' = scale (x - origin) with x in W; for the tool x' = scale x with x
+/// in T. The origin is near the objects, and every tool has about the same size in x'. Results are
+/// therefore bit-identical for any position and size of a scene. Immutable.
 class ExactBodies {
  public:
   /// A resting mesh in W, and the objects of the scene that its triangles belong to.
@@ -30,7 +30,7 @@ class ExactBodies {
   const Vec3& origin() const noexcept { return origin_; }
   const exact::ToolBody& tool() const noexcept { return tool_; }
   std::span<const exact::ObjectBody> bodies() const noexcept { return bodies_; }
-  /// Number of the object of body `n`'s first triangle: all objects of a body move alike.
+  /// Number of the object of body `n`'s first triangle. All objects of a body have the same motion.
   std::size_t leader(std::size_t n) const noexcept { return leaders_[n]; }
   /// Object numbers, indexed by owner: those of the first body, then those of the next.
   std::span<const std::size_t> objects() const noexcept { return objects_; }

@@ -4,18 +4,17 @@
 
 namespace voxtouch::rendering {
 
-/// Limits rotations that would store energy in the contact.
-/// A rotation against the contact's torque t stores energy for which the operator does no work.
-/// When the tool is then pressed out along the force, this energy is generated from nothing. With
-/// the potential V(x, q) of the contact,
+/// Limits rotations that would store energy in the contact. A rotation against the contact's torque
+/// t stores energy for which the operator does no work. When the contact force then moves the tool
+/// out, this energy is generated from nothing. With the potential V(x, q) of the contact,
 ///
 ///     dV = -f . dx - t . dq
 ///
 /// the forces alone are passive if no rotation increases V: t . dq >= 0. The tool therefore follows
 /// the rotation of the hand except for the part about the contact's torque that opposes it, which
 /// is latched. The remainder within 45 degrees of that axis is latched too, because the axis is not
-/// known exactly. The tool catches up at kCatchUpPerS times the remaining angle where the contact
-/// allows it, so that it does not strike. Without contact it is bit-identical to the hand's
+/// known exactly. The tool catches up at kCatchUpPerS times the remaining angle if the contact
+/// permits it, so that it causes no impact. Without contact it is bit-identical to the hand's
 /// rotation.
 ///
 /// The torque is that of the previous sample, so a rotation of one sample into a new contact is not

@@ -114,10 +114,10 @@ void LiveScene::external_is(const effects::ExternalWrench& newest) noexcept {
       scene->scene_renderer().external_is(newest);
 }
 
-void LiveScene::lose_tool() noexcept {
+void LiveScene::reset_virtual_tool() noexcept {
   for (BuiltScene* scene : {now_, old_})
     if (scene != nullptr)
-      scene->scene_renderer().lose_tool();
+      scene->scene_renderer().reset_virtual_tool();
 }
 
 void LiveScene::finish() noexcept {

@@ -45,7 +45,7 @@ class LiveScene {
   /// Sets the wrench that the effect `external` of every scene follows from the next sample on.
   void external_is(const effects::ExternalWrench& newest) noexcept;
   /// The hand may be anywhere in the next sample; see SceneRenderer.
-  void lose_tool() noexcept;
+  void reset_virtual_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
   /// Ends a fade at once, when no session runs and no force is displayed.
   void finish() noexcept;
@@ -54,9 +54,8 @@ class LiveScene {
   /// Returns the scene that has been replaced, once; null without one.
   BuiltScene* retired() noexcept;
 
-  effects::EffectChain& effects() noexcept {
-    return now_->scene_renderer().effects();
-  }  ///< of the newest scene
+  /// Of the newest scene.
+  effects::EffectChain& effects() noexcept { return now_->scene_renderer().effects(); }
   /// The scene that the hits, normal and model of the last frame belong to.
   BuiltScene& dominant() noexcept { return *dominant_; }
 

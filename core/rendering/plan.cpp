@@ -104,7 +104,7 @@ std::string effect_sentence(const effects::EffectSpec& effect) {
   const std::string title = effect.name == effect.kind->name
                                 ? fmt::format("Effect '{}'", effect.name)
                                 : fmt::format("Effect '{}' ({})", effect.name, effect.kind->name);
-  return fmt::format("{}: {} Needs {}.{}{}", title, effect.kind->says,
+  return fmt::format("{}: {} Needs {}.{}{}", title, effect.kind->summary,
                      needs_text(effect.kind->needs(effect.values)),
                      bound_text(effects::bound_of(effect)),
                      effect.on ? "" : " Switched off at the start.");

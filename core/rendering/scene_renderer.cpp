@@ -92,8 +92,8 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
   if (!has_effects_or_motion_)
     return frame;
-  // At equilibrium, including friction: this tool has no friction of its own. Without contact it is
-  // at the hand.
+  // At equilibrium, including friction: this tool has no friction itself. Without contact it is at
+  // the hand.
   ToolState at_balance = tool;
   at_balance.pose = frame.object;
   if (!effects_.empty())

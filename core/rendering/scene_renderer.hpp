@@ -57,7 +57,7 @@ class SceneRenderer {
                 const EffectResources& resources = {});
 
   /// Renders one sample; `time_s` counts from the start of the session. An invalid pose gives no
-  /// force at all. Real-time safe.
+  /// force. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept {
     // Two functions, so that each constructs its frame in place: a single function with two returns
     // would copy it.
@@ -70,7 +70,7 @@ class SceneRenderer {
   /// Samples were missing for longer than the last one is repeated, so the hand may be anywhere. A
   /// virtual tool is placed at the hand if that is in free space; otherwise it stays in place.
   /// Real-time safe.
-  void lose_tool() noexcept {
+  void reset_virtual_tool() noexcept {
     if (constrained_)
       constrained_->lose_hand();
     series_.lose();
@@ -82,10 +82,10 @@ class SceneRenderer {
       constrained_->set_target(n_per_m);
   }
   /// Without a virtual tool: sets the spring in series with the contact, or with the grip of a
-  /// body, in W. Real-time safe.
-  /// Position-dependent forces (guides, magnets, fields) act behind a spring of their own if their
-  /// stiffness would leave the contact less than half of the certified stiffness. Their largest
-  /// force is then displayed in full, at an additional displacement of the hand.
+  /// body, in W. Real-time safe. Position-dependent forces (guides, magnets, fields) act behind a
+  /// second spring if their stiffness would leave the contact less than half of the certified
+  /// stiffness. Their largest force is then displayed in full, at an additional displacement of the
+  /// hand.
   void set_series_target(const Compliance& spring) noexcept {
     series_.set_target({spring.translation, spring.returns_torque() ? spring.rotation : 0.0});
     field_.set_target({spring.effects, 0.0});

@@ -1,4 +1,4 @@
-/// The scene's section `coupling`: parameters set by hand, or what a design is asked for.
+/// The scene's section `coupling`: manual parameters, or the request for a design.
 #include <fmt/core.h>
 
 #include <array>
@@ -10,8 +10,8 @@
 namespace voxtouch::scene {
 namespace {
 
-/// Refuses the keys with this rule, which do not go with what the scene asks for; `why` completes
-/// "'key' ...".
+/// Refuses the keys with this rule, which contradict the scene's request; `why` completes "'key'
+/// ...".
 void refuse_all(const MapReader& map, KeyRule rule, std::string_view why) {
   for (const Key& key : keys::coupling.keys)
     if (key.rule == rule)
@@ -79,8 +79,8 @@ DesignOptions read_ask(SceneSource& source, const YamlNode& node, const MapReade
   requested.cutoff_hz = options.cutoff_hz;
   judge(source, node, map, requested);
   map.read("gain_margin", options.gain_margin);
-  map.read("damping_floor", options.damping_floor);
-  map.read("rotation_damping_floor", options.rotation_damping_floor);
+  map.read("min_damping_ratio", options.min_damping_ratio);
+  map.read("rotation_min_damping_ratio", options.rotation_min_damping_ratio);
   map.read("damping_force_ratio", options.damping_force_ratio);
   map.read("stiffness_cap_n_per_m", options.stiffness_cap_n_per_m);
   map.read("stiffness_cap_nm_per_rad", options.stiffness_cap_nm_per_rad);

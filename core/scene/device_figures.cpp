@@ -57,7 +57,7 @@ constexpr auto kFigures = std::to_array<DeviceFigure>(
       "Latency from sample to force; each millisecond costs stiffness."},
      {"jitter", "0.05 to 0.5", "0.05 to 0.5", 0.2, 0.2,
       "The design covers periods of up to (1 + jitter) / rate_hz."},
-     {"lost_in_a_row", "0 to 3", "0 to 3", 1.0, 1.0,
+     {"consecutive_losses", "0 to 3", "0 to 3", 1.0, 1.0,
       "Consecutive sample losses; each adds a period to the worst delay."},
      {"grip",
       "pen",

@@ -64,7 +64,7 @@ class FigureReader {
   DeviceFile& file_;
 };
 
-/// All that is missing in one error: who writes such a file looks for figures once.
+/// Reports all missing figures in one error.
 void require_all(const SceneSource& source, const YamlNode& root, const MapReader& map) {
   std::vector<std::string> missing;
   for (const Key& key : keys::device_file.keys)
@@ -103,7 +103,7 @@ void read_timing(const MapReader& map, const FigureReader& read, DeviceDescripti
   d.rate_hz = map.get<double>("rate_hz");
   d.delay_s = read.number("delay_s");
   d.jitter = read.number("jitter");
-  d.lost_in_a_row = static_cast<std::uint32_t>(read.count("lost_in_a_row"));
+  d.consecutive_losses = static_cast<std::uint32_t>(read.count("consecutive_losses"));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@
 
 namespace voxtouch::scene {
 
-/// Where the figures of a file come from.
+/// Source of a file's figures.
 struct Measurement {
   std::string date, command;
   std::string serial;  ///< of the device; empty: its driver reported none

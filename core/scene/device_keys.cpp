@@ -28,8 +28,8 @@ constexpr auto kDeviceFile = std::to_array<Key>(
      {"rotation", kMap, kOptional, kNone, "", "", &device_rotation},
      {"jitter", kNumber, kOptional, kNone, "The longest period is (1 + jitter) / rate_hz.", "",
       nullptr, 0, 10},
-     {"lost_in_a_row", kCount, kOptional, kNone, "Largest number of consecutive samples lost.", "",
-      nullptr, 0, 1000},
+     {"consecutive_losses", kCount, kOptional, kNone, "Largest number of consecutive samples lost.",
+      "", nullptr, 0, 1000},
      {"grip", kWord, kRequired, kNone, "How the hand grips it.", "pen arm"},
      {"measured", kMap, kOptional, kNone, "", "", &device_measured}});
 constexpr auto kDeviceMeasured = std::to_array<Key>(

@@ -8,8 +8,8 @@
 namespace voxtouch::scene {
 namespace {
 
-/// Edges of the box that the motion fills: between way points it is straight, and of a circle
-/// points are taken.
+/// Edges of the motion's box: of the way points, since it is straight between them, and of sampled
+/// points of a circle.
 Vec3 span_of(const Motion& motion) {
   if (motion.path.empty())
     return Vec3::Zero();

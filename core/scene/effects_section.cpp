@@ -1,4 +1,4 @@
-// The `effects` of a scene: which kinds there are and what they take stands in core/effects.
+// The `effects` of a scene; core/effects defines the kinds and their keys.
 #include <fmt/core.h>
 
 #include <algorithm>

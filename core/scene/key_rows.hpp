@@ -14,10 +14,10 @@ namespace voxtouch::scene::keys {
 using enum KeyKind;
 using enum KeyRule;
 
-/// Of a key that means nothing where it is left out.
+/// For a key without a default.
 inline constexpr std::nullptr_t kNone = nullptr;
 
-/// Values as they stand in a scene file.
+/// Values as text of a scene file.
 inline std::string in_file(double value) { return fmt::format("{}", value); }
 inline std::string in_file(std::uint32_t value) { return fmt::format("{}", value); }
 inline std::string in_file(bool value) { return value ? "true" : "false"; }

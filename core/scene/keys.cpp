@@ -25,7 +25,7 @@ constexpr auto kPose =
 constexpr auto kSphere =
     std::to_array<Key>({{"centre", kVector, kOptional, initial<&SpherePrimitive::centre>, "[m]"},
                         {"radius", kPositive, kRequired, kNone, "[m]"}});
-// A region has no place of its own to be centred at, where a part of a mesh has.
+// A region has no default centre, unlike a part of a mesh.
 constexpr auto kRegionSphere = std::to_array<Key>(
     {{"centre", kVector, kRequired, kNone, "[m]"}, {"radius", kPositive, kRequired, kNone, "[m]"}});
 constexpr auto kBox = joined(
@@ -162,13 +162,13 @@ constexpr auto kCoupling = std::to_array<Key>(
       "A given value that costs more than 1/3 of the stiffness is not used."},
      {"gain_margin", kNumber, kWithFirst, initial<&DesignOptions::gain_margin>,
       "Factor between the limit of stability and the worst case [1].", "", nullptr, 1},
-     {"damping_floor", kNumber, kWithFirst, initial<&DesignOptions::damping_floor>,
+     {"min_damping_ratio", kNumber, kWithFirst, initial<&DesignOptions::min_damping_ratio>,
       "Minimum damping ratio of the dominant mode in contact, with a hand [1]. With the device "
       "released a third of it is required. The designer reduces stiffness to reach it; 0: no "
       "requirement.",
       "", nullptr, 0, 0.9},
-     {"rotation_damping_floor", kNumber, kWithFirst,
-      initial<&DesignOptions::rotation_damping_floor>,
+     {"rotation_min_damping_ratio", kNumber, kWithFirst,
+      initial<&DesignOptions::rotation_min_damping_ratio>,
       "Minimum damping ratio of rotation [1]. Its damping is displayed as torque.", "", nullptr, 0,
       0.9},
      {"hand", kMap, kWithFirst, kNone, "Hand model: a name or ranges. Default: that of the device.",

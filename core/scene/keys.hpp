@@ -1,7 +1,6 @@
 #pragma once
-/// The keys of scene and device files: one table that the reader, its schema and the manual are
-/// made from. What a kind of effect takes stands in the effects' own table,
-/// core/effects/effect_kind.hpp.
+/// The keys of scene and device files: one table for the reader, its schema and the manual. The
+/// keys of an effect are in core/effects/effect_kind.hpp.
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -27,7 +26,7 @@ enum class KeyKind : std::uint8_t {
   kSize,         ///< [x, y, z], above 0 along each axis
   kQuaternion,   ///< [w, x, y, z] of unit length
   kWord,         ///< one of `words`
-  kMap,          ///< with the keys of `group`, or one of `words` where there are some
+  kMap,          ///< with the keys of `group`, or one of `words` if there are any
   kMaps,         ///< a list of such maps
   kNamedMaps,    ///< a map of names to such maps
 };
@@ -40,21 +39,20 @@ enum class KeyRule : std::uint8_t {
   kOneOf,         ///< exactly one of the group's keys with this rule
   kNotTogether,   ///< at most one of them
   kAllOrNone,     ///< all of them or none
-  kWithFirst,     ///< only where the group's first key is there
-  kWithoutFirst,  ///< only where it is not
+  kWithFirst,     ///< only with the group's first key
+  kWithoutFirst,  ///< only without the group's first key
 };
 
 struct KeyGroup;
 
 struct Key {
-  std::string_view name = {};  ///< with the unit, where it has one (`speed_m_per_s`)
+  std::string_view name = {};  ///< with its unit, if any (`speed_m_per_s`)
   KeyKind kind = KeyKind::kText;
   KeyRule rule = KeyRule::kOptional;
-  std::string (*standard)() =
-      nullptr;  ///< what a key that is left out means, as it would stand in the file; null: nothing
-  std::string_view meaning =
-      {};  ///< a sentence for the manual and for editors; that of a single map stands in its group
-  std::string_view words = {};  ///< the choices, parted by single spaces
+  std::string (*standard)() = nullptr;  ///< the default as text of the file; null: none
+  std::string_view meaning = {};  ///< a sentence for the manual and for editors; empty for a single
+                                  ///< map, whose group has it
+  std::string_view words = {};    ///< the choices, parted by single spaces
   const KeyGroup* group = nullptr;
   double low = 0.0,
          high = std::numeric_limits<double>::infinity();  ///< of a kNumber or kCount; `low`: least
@@ -63,7 +61,7 @@ struct Key {
 
 /// The keys of one map, in the order in which they are listed.
 struct KeyGroup {
-  std::string_view defined = {};  ///< its name in the schema, where it stands at several places
+  std::string_view defined = {};  ///< its name in the schema, if several places use it
   std::string_view meaning = {};
   std::span<const Key> keys = {};
 };
@@ -73,9 +71,8 @@ std::vector<std::string_view> words_of(std::string_view list);
 
 namespace keys {
 
-/// What rules between keys name, in addition to the rows: the contact model that weighs points by
-/// their area, kinds of a coupling that is set by hand, and what an effect that works everywhere,
-/// all or nothing, does not have.
+/// Names used by rules between keys, in addition to the rows: the contact model that weighs points
+/// by area, kinds of a manual coupling, and keys that an effect without partial strength lacks.
 inline constexpr std::string_view kModelByArea = "field",
                                   kKindsByHand = "shaping_filter spring_damper direct",
                                   kNotEverywhere = "region gain on";
@@ -84,9 +81,9 @@ extern const KeyGroup scene, static_mesh, dynamic_mesh, object, contact, tool, e
     device, motion;
 extern const KeyGroup pose, part, sphere, box, cylinder, region, region_sphere, hand, press, turn,
     circle;
-/// A device file, its part for devices that give torque, and where its figures come from.
+/// A device file, its part for devices with torque, and the source of its figures.
 extern const KeyGroup device_file, device_rotation, device_measured;
-/// A motion without what only a hand has.
+/// A motion, without the keys for hands.
 extern const KeyGroup object_motion;
 
 }  // namespace keys

@@ -48,12 +48,14 @@ bool is_not_finite_word(std::string text) {
   return text == "inf" || text == "infinity" || text == "nan";
 }
 
-/// Keys and values of earlier scenes, and their names.
+/// Retired keys and values with their replacements.
 struct Renamed {
   std::string_view old_name, name;
 };
-constexpr std::array kRenamed{Renamed{"damper_share", "damping_force_ratio"},
-                              Renamed{"model_alone", "memoryless"}};
+constexpr std::array kRenamed{
+    Renamed{"damper_share", "damping_force_ratio"}, Renamed{"damping_floor", "min_damping_ratio"},
+    Renamed{"lost_in_a_row", "consecutive_losses"}, Renamed{"model_alone", "memoryless"},
+    Renamed{"rotation_damping_floor", "rotation_min_damping_ratio"}};
 
 std::vector<std::string_view> with_keys_of(const KeyGroup& group,
                                            std::vector<std::string_view> words) {

@@ -1,4 +1,4 @@
-// What simulated hands and moving objects do.
+// Motions of simulated hands and moving objects.
 #include "core/scene/key_rows.hpp"
 
 namespace voxtouch::scene::keys {

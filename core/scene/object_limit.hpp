@@ -1,5 +1,5 @@
 #pragma once
-/// How many static objects a scene may have: what effects keep for each of them is of fixed size.
+/// Largest number of static objects of a scene: effects keep data of fixed size for each.
 #include <cstddef>
 
 namespace voxtouch::scene {

@@ -63,7 +63,7 @@ struct ContactSpec {
   double body_mass_kg = 0.0;    ///< mass that defines the stiffness; then both stiffnesses are 0
 };
 
-/// Static meshes with a material of their own, and a motion if they have one.
+/// Static meshes with one material, and optionally a motion.
 struct ObjectSpec {
   std::string name;
   ContactSpec contact;  ///< the scene's model; its stiffness, or the scene's

@@ -1,6 +1,5 @@
 #pragma once
-/// The name of a scene's content: equal where text and meshes are equal byte for byte, wherever the
-/// files stand.
+/// A hash of a scene's content: equal if text and meshes are equal byte for byte, at any path.
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -9,8 +8,7 @@
 
 namespace voxtouch::scene {
 
-/// FNV-1a over parts; each part's length goes in after it, so that no byte can wander from one part
-/// to the next.
+/// FNV-1a over parts. Each part is followed by its length, so that the split into parts matters.
 class SceneHash {
  public:
   /// One part more. Real-time safe.

@@ -146,8 +146,7 @@ MeshSpec read_dynamic_mesh(const SceneSource& source, const MapReader& map, Shel
 
 namespace {
 
-/// Where a scene does not say how contact is rendered, a stiffness asks for forces that grow with
-/// the depth.
+/// In a scene without `rendering`, a stiffness requests penalty forces.
 bool has_virtual_tool(const MapReader& map) {
   if (map.has("rendering"))
     return map.choice("rendering") == 0;
@@ -156,7 +155,7 @@ bool has_virtual_tool(const MapReader& map) {
          !map.has("stiffness_n_per_m3");
 }
 
-/// No stiffness of its own: what is displayed is what the coupling is certified for.
+/// No stiffness: the spring displays what the coupling is certified for.
 ContactSpec read_virtual_tool(const SceneSource& source, const MapReader& map) {
   ContactSpec contact;
   contact.model = "field", contact.rendering = RenderingKind::kVirtualTool;

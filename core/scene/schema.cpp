@@ -27,7 +27,7 @@ Json numbers(int n, std::string_view meaning) {
           {"maxItems", n},
           {"description", meaning}};
 }
-/// The reader takes words that look like numbers too.
+/// The reader also accepts words that look like numbers.
 Json name() { return {{"type", {"string", "number", "boolean"}}, {"minLength", 1}}; }
 
 /// Whole numbers without a point.
@@ -43,7 +43,7 @@ Json number_within(double low, double high) {
   return out;
 }
 
-/// "where `key` is here": what then holds.
+/// Condition "`key` is present", and its consequence.
 Json has(std::string_view key) { return {{"required", Json::array({key})}}; }
 Json each_of(const Names& keys) {
   Json out = Json::array();
@@ -182,7 +182,7 @@ Json parameter(const effects::EffectParameter& p) {
 }
 
 Json effect_kind(const effects::EffectKind& kind) {
-  Json out = map_of({.meaning = kind.says});
+  Json out = map_of({.meaning = kind.summary});
   for (const effects::EffectParameter& p : kind.parameters) {
     out["properties"][p.name] = parameter(p);
     if (!p.standard)

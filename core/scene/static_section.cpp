@@ -9,7 +9,7 @@
 namespace voxtouch::scene {
 namespace {
 
-/// The object's own stiffness in the scene's unit, or the scene's.
+/// The object's stiffness in the scene's unit, or the scene's.
 ContactSpec read_material(const MapReader& map, const ContactSpec& scenes) {
   ContactSpec contact = scenes;
   if (scenes.rendering == RenderingKind::kVirtualTool) {

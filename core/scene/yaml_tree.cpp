@@ -20,8 +20,8 @@ SourcePlace place_of(const YAML::Mark& mark) {
   return {mark.line + 1, mark.column + 1};
 }
 
-/// Builds the tree from the parser's events. Nodes that are still open stand on a stack; a node is
-/// moved into its parent when it is complete, so no pointer into a growing vector is kept.
+/// Builds the tree from the parser's events. Open nodes are on a stack; a node is moved into its
+/// parent when it is complete, so no pointer into a growing vector is kept.
 class TreeBuilder final : public YAML::EventHandler {
  public:
   TreeBuilder(const std::filesystem::path& file, std::string_view what)
@@ -127,7 +127,7 @@ class TreeBuilder final : public YAML::EventHandler {
     if (parent.node.kind == YamlNode::Kind::kSequence)
       return parent.node.items.push_back(std::move(node));
     if (node.kind == YamlNode::Kind::kNull)
-      node.place = parent.key_place;  // the parser puts nothing where the next token is
+      node.place = parent.key_place;  // the parser reports an omitted value at the next token
     parent.node.entries.push_back({std::move(parent.key), parent.key_place, std::move(node)});
     parent.has_key = false;
   }

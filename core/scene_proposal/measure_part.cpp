@@ -18,14 +18,15 @@ struct Hit {
   bool from_back;  ///< the ray leaves the part there
 };
 
-/// Where the line from `from` along `ray` (unit) meets the triangle; `distance_m` is infinite where
-/// it does not. Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection" (1997).
+/// Intersection of the line from `from` along `ray` (unit) with the triangle; `distance_m` is
+/// infinite without one. Moeller and Trumbore, "Fast, minimum storage ray/triangle intersection"
+/// (1997).
 Hit hit(const mesh::TriangleMesh& mesh, std::size_t triangle, const Vec3& from, const Vec3& ray) {
   constexpr Hit kNone{std::numeric_limits<double>::infinity(), false};
   const Vec3& a = mesh.corner(triangle, 0);
   const Vec3 ab = mesh.corner(triangle, 1) - a, ac = mesh.corner(triangle, 2) - a;
   const Vec3 p = ray.cross(ac);
-  const double determinant = ab.dot(p);  // -way . (ab x ac)
+  const double determinant = ab.dot(p);  // -ray . (ab x ac)
   if (determinant == 0.0)
     return kNone;
   const Vec3 s = from - a, q = s.cross(ab);
@@ -63,8 +64,7 @@ std::optional<double> wall_thickness_m(const mesh::TriangleMesh& mesh) {
     const double at = area * (static_cast<double>(n) + 0.5) / static_cast<double>(count);
     const auto t =
         static_cast<std::size_t>(std::ranges::upper_bound(area_up_to, at) - area_up_to.begin());
-    // A place of its own within the triangle, the same on every run: two steps of the golden
-    // ratio's sequence.
+    // A deterministic place within the triangle: two steps of the golden ratio's sequence.
     double u = std::fmod(0.754877666 * static_cast<double>(n + 1), 1.0),
            v = std::fmod(0.569840291 * static_cast<double>(n + 1), 1.0);
     if (u + v > 1.0)

@@ -13,17 +13,17 @@ struct Unit {
 };
 inline constexpr Unit kMillimetre{"mm", 0.001}, kMetre{"m", 1.0};
 
-/// Millimetres or metres: the one in which the part's largest extent, in the file's numbers, comes
-/// nearer (by ratio) to the 0.15 m that a desk device reaches. From 4.7 on that is mm.
+/// Millimetres or metres: the unit in which the part's largest extent is nearer (by ratio) to the
+/// 0.15 m reach of a desk device. From 4.7 on it is mm.
 Unit likely_unit(double largest_extent) noexcept;
 
-/// The thickness [m] that a tenth of the surface is thinner than: from points spread evenly over
-/// the area, straight inward to the other side. Nothing where no such way meets another side (an
-/// open mesh). Time goes with points times triangles, which is bounded (5e7).
+/// The thickness [m] below which a tenth of the surface is: from points spread uniformly over the
+/// area, straight inward to the other side. Empty if no ray meets another side (an open mesh). The
+/// time is proportional to points times triangles, limited to 5e7.
 std::optional<double> wall_thickness_m(const mesh::TriangleMesh& mesh);
 
-/// Where a tool that comes down along -z over the middle of the part's box meets it first; over a
-/// hole there, the highest vertex.
+/// First contact of a tool that moves down along -z over the middle of the part's box; over a hole,
+/// the highest vertex.
 Vec3 place_to_touch(const mesh::TriangleMesh& mesh);
 
 }  // namespace voxtouch::scene_proposal

@@ -21,7 +21,7 @@ constexpr double kPressM = 0.01, kSlideM = 0.005;  ///< how deep the hand wants 
 constexpr double kApproachS = 1.5, kSlowest = 0.03,
                  kFastest = 0.15;  ///< to the surface and in; peak speeds [m/s]
 
-/// Down to two digits, as a person would write it.
+/// Rounds down to two digits.
 double rounded_down(double x) {
   const double digit = std::pow(10.0, std::floor(std::log10(x)) - 1.0);
   return std::floor(x / digit * (1.0 + 1e-12)) * digit;
@@ -75,9 +75,9 @@ ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshRepo
   }
   scene.tool = tool;
 
-  // W is the part's own frame. The tool's lowest point comes down onto `touch`.
+  // W is the part's frame. The tool's lowest point moves down onto `touch`.
   const Vec3 touch = place_to_touch(part), at = touch - tool.lowest_T;
-  const double top = report.max.z() - touch.z();  // what stands higher than the place
+  const double top = report.max.z() - touch.z();  // height of the part above that place
   const double clear = top + std::max(4.0 * e, 0.3 * tool.reach_m);
   const auto along_z = [&](const Vec3& x, double z) { return Vec3(x + z * Vec3::UnitZ()); };
   scene.press_W = {along_z(at, clear), along_z(at, -kPressM)};

@@ -21,15 +21,14 @@ struct ProposedScene {
   std::vector<Vec3> press_W,
       slide_W;  ///< way points of the tool's origin in W [m]; both begin outside, above the part
   double press_speed_m_per_s = 0.0, slide_speed_m_per_s = 0.0;
-  std::vector<std::string> reasons;  ///< sentences: what was found and what follows from it
+  std::vector<std::string> reasons;  ///< sentences: findings and their consequences
 };
 
-/// Of a mesh in metres; its origin is what the hand holds.
+/// Of a mesh in metres; the hand holds its origin.
 Tool tool_of(const mesh::TriangleMesh& mesh);
 
-/// With a virtual tool. `part`: in metres, with its report; `tool`: a mesh's, or a sphere whose
-/// radius is still to be found. Deterministic. Throws std::invalid_argument, a sentence, where the
-/// part has no extent.
+/// With a virtual tool. `part`: in metres, with its report. `tool`: of a mesh, or a sphere without
+/// a radius. Deterministic. Throws std::invalid_argument if the part has no extent.
 ProposedScene propose_scene(const mesh::TriangleMesh& part, const mesh::MeshReport& report,
                             Tool tool);
 

@@ -6,7 +6,7 @@
 
 namespace voxtouch::scene_proposal {
 
-/// What the text names in addition to the proposal.
+/// Names in the text, in addition to the proposal.
 struct SceneNames {
   std::string scene;                          ///< letters, digits, _ - .
   std::string part_file, tool_file;           ///< as the scene file is to name them

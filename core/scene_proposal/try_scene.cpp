@@ -7,7 +7,7 @@ namespace {
 
 constexpr double kStepS = 0.001, kLongestS = 60.0;
 constexpr double kSpring =
-    300.0;  ///< of a virtual tool [N/m]; any will do, since only whether there is force is asked
+    300.0;  ///< of a virtual tool [N/m]; any value works, since only the presence of force matters
 
 bool pushes(const rendering::SceneFrame& frame) { return frame.wrench.force.squaredNorm() > 0.0; }
 

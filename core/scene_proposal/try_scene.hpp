@@ -7,8 +7,8 @@
 
 namespace voxtouch::scene_proposal {
 
-/// A sentence for the first motion that begins in contact or never touches within a minute; empty
-/// where all are well. Some tenths of a second.
+/// A sentence for the first motion that begins in contact or has none within a minute; empty if
+/// there is none. Some tenths of a second.
 std::string validate(const scene::Scene& scene, rendering::BuiltScene& built);
 
 }  // namespace voxtouch::scene_proposal

@@ -8,8 +8,8 @@
 
 namespace voxtouch {
 
-/// Length of `v`, also where the squares of its components would overflow or vanish; Inf if it is
-/// over the largest double, NaN or Inf where a component is.
+/// Length of `v`, also if the squares of its components would overflow or vanish; infinity above
+/// the largest double, NaN or infinity if a component is.
 inline double length_of(const Vec3& v) noexcept {
   const double largest = v.cwiseAbs().maxCoeff();
   return largest > 0.0 && std::isfinite(largest) ? largest * (v / largest).norm() : largest;
@@ -45,9 +45,8 @@ struct WrenchCut {
   bool any() const noexcept { return force || torque; }
 };
 
-/// Cuts force [N] and torque [Nm] as `clamp_length` does. A torque limit of zero says that the
-/// device gives no torque: the torque is left out and not called cut, for that is no fault of who
-/// asked for it.
+/// Limits force [N] and torque [Nm] as `clamp_length`. A torque limit of zero means a device
+/// without torque: the torque is dropped, which does not count as cut.
 inline WrenchCut clamp_wrench(Wrench& wrench, double max_force_n, double max_torque_nm) noexcept {
   const bool force = clamp_length(wrench.force, max_force_n);
   const bool torque = clamp_length(wrench.torque, max_torque_nm);

@@ -1,11 +1,10 @@
 #pragma once
-/// VOXTOUCH_CLONES before a function: one source, compiled for what the processor has. All versions
-/// do the same IEEE operations in the same order (contraction into fused multiply-adds is off), so
-/// the bits do not depend on the choice. What such a function calls must be inlined into it, or it
-/// stays at the baseline: VOXTOUCH_INLINE.
+/// VOXTOUCH_CLONES before a function compiles it for several processors; the best version is
+/// selected at run time. All versions do the same IEEE operations in the same order (no contraction
+/// into fused multiply-adds), so results are bit-identical. Functions that it calls must be inlined
+/// (VOXTOUCH_INLINE); otherwise they use the baseline.
 ///
-/// Sanitizers do not stand the start-up resolver that this needs: with them the baseline alone is
-/// compiled.
+/// Sanitizers do not support the start-up resolver: with them only the baseline is compiled.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && \
     !defined(VOXTOUCH_NO_CLONES)

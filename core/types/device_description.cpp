@@ -16,8 +16,7 @@ void derive_slew_limits(DeviceDescription& d) noexcept {
 
 std::string validate(const DeviceDescription& d) {
   constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-  constexpr double kMostRate =
-      1e15;  // finite: what is derived from a figure that overflowed is not
+  constexpr double kMostRate = 1e15;  // finite: values derived from an overflow are not
   std::string wrong;
   const auto within = [&](std::string_view name, double value, double least, double most) {
     if (wrong.empty() && !(value >= least && value <= most))  // NaN is not within
@@ -46,7 +45,7 @@ std::string validate(const DeviceDescription& d) {
   within("network_delay_s", d.network_delay_s, 0.0, 0.1);
   within("force_bandwidth_hz", d.force_bandwidth_hz, 1e-3, kNoLimit);
   within("jitter", d.jitter, 0.0, 100.0);
-  within("lost_in_a_row", d.lost_in_a_row, 0.0, 1'000.0);
+  within("consecutive_losses", d.consecutive_losses, 0.0, 1'000.0);
   if (wrong.empty() && d.grip != "pen" && d.grip != "arm")
     wrong = "the device's grip must be pen or arm";
   return wrong;

@@ -1,12 +1,12 @@
 #pragma once
-/// What a haptic device is: one value from which its messages, the designer's model, the guard and
-/// all limits are made.
+/// Description of a haptic device, from which messages, the designer's model, the guard and all
+/// limits are derived.
 #include <cstdint>
 #include <string>
 
 namespace voxtouch {
 
-/// What the device is: the numbers that guard, coupling and people need. "No limit" is infinity.
+/// Properties of a device for guard, coupling and operators. Infinity: no limit.
 struct DeviceDescription {
   std::string model;  ///< for example "sim-phantom"
   double rate_hz = 1000.0;
@@ -31,11 +31,12 @@ struct DeviceDescription {
   double orientation_resolution_rad = 0.0;
   double max_stiffness_nm_per_rad = 0.0;  ///< 0 without torque
   double jitter = 0.2;                    ///< the longest sample period is (1 + jitter) / rate_hz
-  std::uint32_t lost_in_a_row = 1;  ///< samples or commands that may be lost one after the other
-  std::string grip = "pen";         ///< how it is usually held: "pen" or "arm"
+  std::uint32_t consecutive_losses =
+      1;                     ///< samples or commands that may be lost one after the other
+  std::string grip = "pen";  ///< usual grip: "pen" or "arm"
   std::uint32_t input_dof = 6, output_dof = 3;
-  bool simulated = false;  ///< its command acts within the sample's own period; a real device's may
-                           ///< leave a period later
+  bool simulated = false;  ///< a command acts within its sample's period; on a real device possibly
+                           ///< a period later
 };
 
 /// Speeds that a hand moves a device with at most [m/s, rad/s].
@@ -43,19 +44,19 @@ inline constexpr double kFastestHandMPerS = 3.0, kFastestHandRadPerS = 30.0;
 /// Seconds in which the guard brings a force back after a fade.
 inline constexpr double kReturnRampS = 0.1;
 
-/// The slew limits, of the device's other numbers: no certified loop asks for more, so a command
+/// Derives the slew limits from the other properties. No certified loop exceeds them, so a command
 /// that does is a fault.
 ///
 ///     K v + F / T + F / kReturnRampS
 ///
-/// The first is a wall of the largest stiffness met at the hand's largest speed; the second the
-/// injected damper, which never pulls and is cut to the device's force, so that it comes or goes
-/// with a step of at most F within a period; the third the guard's own ramp. Real-time safe.
+/// The first term is a wall of the largest stiffness met at the hand's largest speed. The second is
+/// the injected damper, which never pulls and is limited to the device's force: it changes by at
+/// most F within a period. The third is the guard's ramp. Real-time safe.
 void derive_slew_limits(DeviceDescription& device) noexcept;
 
-/// The first number that cannot be a device's, as a sentence; empty where all can. It cannot know
-/// whether the numbers are true. One check for whoever opens a device and for every receiver of
-/// one. Allocates: not for the loop.
+/// The first impossible value, as a sentence; empty if there is none. It cannot detect wrong but
+/// plausible values. Callers that open a device and receivers of a description use the same check.
+/// Allocates: not for the loop.
 std::string validate(const DeviceDescription& device);
 
 }  // namespace voxtouch

@@ -1,12 +1,12 @@
 #pragma once
-/// Words for enumerators that count from 0: the one way from an enumerator to its word and back.
+/// Words for enumerators that count from 0, in both directions.
 #include <array>
 #include <cstddef>
 #include <string_view>
 
 namespace voxtouch {
 
-/// The word at `value`'s place, or `otherwise` where there is none. Real-time safe.
+/// The word of `value`, or `otherwise` if there is none. Real-time safe.
 template <class Enum, std::size_t N>
 constexpr std::string_view name_in(const std::array<std::string_view, N>& names, Enum value,
                                    std::string_view otherwise = "unknown") noexcept {
@@ -14,7 +14,7 @@ constexpr std::string_view name_in(const std::array<std::string_view, N>& names,
   return place < N ? names[place] : otherwise;
 }
 
-/// The enumerator called `word`; false, and `value` untouched, where there is none. Real-time safe.
+/// The enumerator called `word`; false, with `value` unchanged, if there is none. Real-time safe.
 template <class Enum, std::size_t N>
 constexpr bool find_name(const std::array<std::string_view, N>& names, std::string_view word,
                          Enum& value) noexcept {

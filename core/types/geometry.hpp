@@ -1,19 +1,18 @@
 #pragma once
 /// Value types and frames, defined once for the whole project.
 ///
-/// Frames
-///   W  world: where scenes, voxmaps and contact wrenches live.
-///   D  device base: where a device reports its pose and takes its force.
-///   T  tool: the frame of the dynamic object's mesh; its origin is the point that torques refer
-///   to. P  tip: the point of the device that the hand moves; T is fixed to it.
-/// A pose `T in W` maps points of T to W: x_W = orientation * x_T + position.
-/// Where two frames meet in a function or a struct, names end in them: `pose_WT` is T in W,
-/// `rotation_DW` turns axes of W into axes of D, `wrench_D` and `arm_PT_W` (from P to T) have the
-/// axes of their last letter.
+/// Frames:
+///   W  world: scenes, voxmaps and contact wrenches.
+///   D  device base: the pose and force of a device.
+///   T  tool: the frame of the dynamic object's mesh; torques are about its origin.
+///   P  tip: the point of the device that the hand moves; T is fixed to it.
 ///
-/// Units are SI throughout: metres, seconds, newtons, newton metres, radians. A bare number that
-/// crosses a border carries its unit in its name (`stiffness_n_per_m`). Quaternions are unit,
-/// written w x y z.
+/// A pose `T in W` maps points of T to W: x_W = orientation * x_T + position. Names with two frames
+/// end in them: `pose_WT` is T in W, `rotation_DW` rotates axes of W to axes of D, `wrench_D` and
+/// `arm_PT_W` (from P to T) have the axes of their last letter.
+///
+/// Units are SI: metres, seconds, newtons, newton metres, radians. A bare number in an interface
+/// has its unit in its name (`stiffness_n_per_m`). Quaternions are unit, written w x y z.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -22,7 +21,7 @@ namespace voxtouch {
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Vec6 = Eigen::Matrix<double, 6, 1>;  ///< translation first, then rotation
-using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< likewise
+using Mat6 = Eigen::Matrix<double, 6, 6>;  ///< translation first, then rotation
 using Quat = Eigen::Quaterniond;
 
 /// Position [m] and orientation (unit quaternion) of one frame in another.

@@ -1,5 +1,5 @@
 #pragma once
-/// Memory for arrays of many megabytes that are looked up here and there.
+/// Memory for large arrays with random access.
 #include <cstddef>
 #include <limits>
 #include <new>
@@ -9,9 +9,9 @@
 
 namespace voxtouch {
 
-/// Asks the system for pages of 2 MB under arrays of `kMinBytes` and more: look-ups all over pages
-/// of 4 kB wait for the processor's own tables of pages as long as for the memory. Where the system
-/// gives none, nothing but that time changes. Throws std::bad_alloc.
+/// Requests pages of 2 MB for arrays of `kMinBytes` and more. With 4 kB pages, a random access
+/// waits for page tables as long as for the memory. Without huge pages only the time changes.
+/// Throws std::bad_alloc.
 template <class T>
 struct HugePages {
   using value_type = T;

@@ -1,5 +1,5 @@
 #pragma once
-/// One value from one thread to another, the newest only: neither ever waits for the other.
+/// Passes the newest value from one thread to another; neither waits for the other.
 #include <array>
 #include <atomic>
 
@@ -10,14 +10,14 @@ namespace voxtouch {
 template <class T>
 class LatestValue {
  public:
-  /// True: the value before this one had not been taken, and is lost.
+  /// Returns true if the previous value was not taken and is lost.
   bool put(const T& value) noexcept {
     slots_[back_] = value;
     const unsigned before = middle_.exchange(back_ | kFresh, std::memory_order_acq_rel);
     back_ = before & kIndex;
     return (before & kFresh) != 0;
   }
-  /// False: nothing new; `out` is left as it was.
+  /// Returns false without a new value; `out` is then unchanged.
   bool take(T& out) noexcept {
     if ((middle_.load(std::memory_order_acquire) & kFresh) == 0)
       return false;
@@ -30,7 +30,7 @@ class LatestValue {
   static constexpr unsigned kIndex = 3, kFresh = 4;
   std::array<T, 3> slots_{};
   std::atomic<unsigned> middle_{1};
-  unsigned back_ = 0, front_ = 2;  // the writer's and the reader's own
+  unsigned back_ = 0, front_ = 2;  // used by the writer and by the reader only
 };
 
 }  // namespace voxtouch

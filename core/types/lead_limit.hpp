@@ -13,9 +13,9 @@ inline constexpr double kPressRatio = 0.3;    ///< against the force that the de
 inline constexpr double kLoadedRatio = 0.05;  ///< of the largest force: from there on kPressRatio
 
 /// Limits `lead`, the displacement from the tool to the hand's target [m]; within the limits it is
-/// bit-identical. `load`: the device's force over its largest one, in the same axes.
-/// `full`: the displacement at which the hand's spring gives the largest force [m]; infinity: no
-/// limit. For a rotation likewise, with rotation vectors and torques.
+/// bit-identical. `load`: the device's force divided by its largest one, in the same axes. `full`:
+/// the displacement at which the hand's spring gives the largest force [m]; infinity: no limit. For
+/// a rotation: rotation vectors and torques.
 ///
 /// Between no load and kLoadedRatio the limit against the load falls linearly from kLeadRatio, so
 /// the result is continuous. Real-time safe.

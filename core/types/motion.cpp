@@ -7,7 +7,7 @@
 namespace voxtouch {
 namespace {
 
-constexpr double kLatest = 1e15;  // [s]; beyond it a double no longer resolves a second's fraction
+constexpr double kLatest = 1e15;  // [s]; beyond it a double does not resolve fractions of a second
 
 double usable_time(double time_s) noexcept {
   return time_s > 0.0 ? std::min(time_s, kLatest) : 0.0;
@@ -28,7 +28,7 @@ Profile minimum_jerk(double time_s, double duration_s) noexcept {
           30.0 * s * s * (1.0 - s) * (1.0 - s) / duration_s};
 }
 
-/// From one way point to another.
+/// Moves from one way point to another.
 MotionPoint walk(const Motion& motion, std::size_t from, std::size_t to, double time_s,
                  double duration_s) noexcept {
   const auto [fraction, rate] = minimum_jerk(time_s, duration_s);
@@ -40,8 +40,8 @@ MotionPoint rest_at(const Motion& motion, std::size_t point) noexcept {
   return {motion.path[point], Vec3::Zero()};
 }
 
-/// Walks from..to (in either direction), each walk followed by a rest at its end. Takes the time
-/// used off `time_s`; true where the motion is still on this stretch.
+/// Visits from..to (in either direction), with a rest after each piece. Subtracts the used time
+/// from `time_s`; true if the motion is still in this stretch.
 bool stretch(const Motion& motion, std::size_t from, std::size_t to, double& time_s,
              MotionPoint& out) noexcept {
   for (std::size_t at = from; at != to;) {
@@ -77,9 +77,9 @@ MotionPoint back_and_forth(const Motion& motion, std::size_t first, double time_
   return rest_at(motion, last);  // rounding left a sliver of time at the end of the period
 }
 
-/// Round the axis through `centre`, from the last way point. The angular speed rises by 3 s^2 - 2
-/// s^3 over the first quarter turn, which takes half a turn's time, so that velocity and
-/// acceleration have no step.
+/// Circles about the axis through `centre`, from the last way point. The angular speed rises by 3
+/// s^2 - 2 s^3 over the first 90 degrees, in the time of 180 degrees, so velocity and acceleration
+/// have no step.
 MotionPoint circle(const Motion& motion, const Vec3& centre, double time_s) noexcept {
   const Vec3& start = motion.path.back();
   const Vec3& axis = motion.circle_axis;

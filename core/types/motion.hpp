@@ -31,11 +31,11 @@ struct MotionTurn {
 struct Motion {
   std::vector<Vec3> path;       ///< [m], at least one
   double speed_m_per_s = 0.05;  ///< peak speed of a straight piece, speed on the circle; > 0
-  double hold_s = 0.0;          ///< rest at each way point, also at the first and the last; >= 0
+  double hold_s = 0.0;          ///< rest at each way point, including the first and the last; >= 0
   std::optional<std::size_t> repeat_from;
   std::optional<Vec3>
       circle_centre;  ///< [m]; only its distance from the last point across the axis counts
-  Vec3 circle_axis = Vec3::UnitZ();     ///< unit; right-handed turn about it
+  Vec3 circle_axis = Vec3::UnitZ();     ///< unit; right-handed rotation about it
   Quat orientation = Quat::Identity();  ///< constant, except for `turn`
   std::vector<ButtonPress> press = {};  ///< buttons pressed during the motion
   MotionTurn turn = {};
@@ -53,10 +53,9 @@ struct MotionPoint {
   Vec3 position = Vec3::Zero(), velocity = Vec3::Zero();
 };
 
-/// The target at `time_s`. Closed form without state, for any time in any order. Time below
-/// zero or NaN counts as zero, time beyond 1e15 s as 1e15 s; an empty path gives the frame's
-/// origin, a speed that is not above zero the first point. Linear in the number of way points.
-/// Real-time safe.
+/// The target at `time_s`. Closed form without state, for times in any order. Time below zero or
+/// NaN counts as zero, time above 1e15 s as 1e15 s. An empty path gives the frame's origin, a speed
+/// that is not positive the first point. Linear in the number of way points. Real-time safe.
 MotionPoint motion_at(const Motion& motion, double time_s) noexcept;
 
 /// Orientation of the hand's target and its angular velocity [rad/s], in the motion's frame.

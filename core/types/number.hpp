@@ -9,10 +9,9 @@
 
 namespace voxtouch {
 
-/// `text` as a `Number`, where the whole of it is one: no blanks, no '+', no locale, so that 0.5 is
-/// a half everywhere. A floating-point number may be "inf" or "nan". Else the reason:
-/// `result_out_of_range` where it is a number but does not fit, `invalid_argument` for all else.
-/// Real-time safe.
+/// Parses `text` as a `Number`: the whole text, without blanks, '+' or locale. A floating-point
+/// number may be "inf" or "nan". Otherwise the error: `result_out_of_range` for a number that does
+/// not fit, `invalid_argument` for all else. Real-time safe.
 template <class Number>
 std::expected<Number, std::errc> parse_number(std::string_view text) noexcept {
   Number value{};
@@ -25,7 +24,7 @@ std::expected<Number, std::errc> parse_number(std::string_view text) noexcept {
   return value;
 }
 
-/// The same for a finite double; nothing where it is none.
+/// The same for a finite double; empty for any other text.
 inline std::optional<double> parse_finite(std::string_view text) noexcept {
   const auto value = parse_number<double>(text);
   return value && std::isfinite(*value) ? std::optional(*value) : std::nullopt;

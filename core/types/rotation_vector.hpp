@@ -1,15 +1,13 @@
 #pragma once
-/// The turn between two orientations as a vector: the one definition for contact, coupling and
-/// drivers.
+/// The rotation between two orientations as a vector, for contact, coupling and drivers.
 #include <cmath>
 
 #include "core/types/geometry.hpp"
 
 namespace voxtouch {
 
-/// The turn that leads from `from` to `to`, both of unit norm, the shorter way round: axis times
-/// angle [rad], in the axes of the frame that they are in. Zero where they are the same. Real-time
-/// safe.
+/// The rotation from `from` to `to`, both of unit norm, along the shorter arc: axis times angle
+/// [rad], in their common frame. Zero if they are equal. Real-time safe.
 inline Vec3 rotation_vector(const Quat& from, const Quat& to) noexcept {
   Quat turn = to * from.conjugate();
   if (turn.w() < 0.0)

@@ -1,5 +1,5 @@
 #pragma once
-/// YAML files that come with voxtouch: scenes, devices.
+/// YAML files that are shipped with voxtouch: scenes, devices.
 #include <algorithm>
 #include <string>
 #include <system_error>
@@ -9,8 +9,7 @@
 
 namespace voxtouch {
 
-/// Names without ending, sorted, of those in this folder ("scenes"); none where there is no such
-/// folder.
+/// Names in this folder ("scenes"), sorted, without suffix; empty if the folder does not exist.
 inline std::vector<std::string> shipped_files(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;

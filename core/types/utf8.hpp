@@ -5,8 +5,8 @@
 
 namespace voxtouch {
 
-/// Bytes of the character that begins at `i`; 0 where the bytes there are none, or one that is not
-/// allowed (overlong, surrogate, beyond U+10FFFF). Real-time safe.
+/// Length in bytes of the character at `i`; 0 if the bytes are not valid UTF-8 (including overlong
+/// forms, surrogates, and values above U+10FFFF). Real-time safe.
 constexpr std::size_t utf8_length(std::string_view s, std::size_t i) noexcept {
   const auto byte = [&](std::size_t k) -> unsigned {
     return k < s.size() ? static_cast<unsigned char>(s[k]) : 0U;

@@ -4,8 +4,7 @@
 
 namespace voxtouch {
 
-/// "MAJOR.MINOR.PATCH" (semver.org): the version of the CMake project, which is the one place where
-/// it stands.
+/// "MAJOR.MINOR.PATCH" (semver.org), from the CMake project.
 std::string_view version() noexcept;
 
 }  // namespace voxtouch

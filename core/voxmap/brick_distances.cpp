@@ -20,8 +20,8 @@ namespace {
 
 constexpr std::size_t kBlocks = kOwnNodes / kOfBlock, kLanes = kOfBlock;
 static_assert(kBlocks == 16);
-/// From the centre of a brick's own nodes, or of a block's, to the farthest of them, with a margin
-/// for rounding.
+/// From the centre of a brick's nodes, or of a block's, to the farthest of them, with a margin for
+/// rounding.
 constexpr double kBrickReach = 3.5 * 1.7320509, kBlockReach = 2.1794496;
 /// With more triangles near a brick than this, its blocks query the tree individually; with more
 /// near a block, its nodes do.
@@ -42,7 +42,7 @@ constexpr void for_each_own(F&& f) {
         f(own_node(x, y, z), x, y, z);
 }
 
-/// Index of the brick's own nodes.
+/// Index of the brick's nodes.
 constexpr std::array<std::uint16_t, kOwnNodes> kNodeOf = [] {
   std::array<std::uint16_t, kOwnNodes> out{};
   for_each_own([&](std::size_t own, int x, int y, int z) {

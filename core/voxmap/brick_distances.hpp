@@ -14,8 +14,8 @@ constexpr std::size_t node_of_brick(int x, int y, int z) noexcept {
                                   DistanceField::kNodeEdge * (y + DistanceField::kNodeEdge * z));
 }
 
-/// A brick's own nodes are those below 8 on each axis; the others belong to the next bricks. They
-/// are computed in blocks of 4 x 4 x 2.
+/// The nodes below 8 on each axis belong to the brick; the others to the next bricks. They are
+/// computed in blocks of 4 x 4 x 2.
 inline constexpr std::size_t kOwnNodes = 512, kOfBlock = DistanceTree::Points::kCount;
 /// Index of the own node (x, y, z).
 constexpr std::size_t own_node(int x, int y, int z) noexcept {

@@ -14,7 +14,7 @@
 /// of triangles are not used, so an inverted facet gives no wrong sign.
 ///
 /// Open parts have no interior. They give no distance and no force. Overlapping closed parts form
-/// one body; surfaces buried in it limit the depth there.
+/// one body; surfaces inside it limit the depth there.
 ///
 /// Layout: bricks of 8^3 voxels with their 9^3 nodes (2916 bytes), so that a lookup reads one
 /// brick. Nodes on common faces are bit-identical, so the interpolation is continuous. Distances

@@ -93,7 +93,7 @@ ThinnestWall thinnest_wall(const ClosedMesh& mesh, const Grid& grid,
     const Vec3 spot = kSpotA * a + kSpotB * b + kSpotC * c;
     const double behind = solid_ahead(in_grid, shells, mesh.tree, t, spot, -normal);
     const double before = solid_ahead(in_grid, shells, mesh.tree, t, spot, normal);
-    // Solid on both sides: a wall buried in overlapping parts, not a surface.
+    // Solid on both sides: a wall inside overlapping parts, not a surface.
     if (std::isinf(behind) != std::isinf(before))
       found[n] = std::min(behind, before);
   });

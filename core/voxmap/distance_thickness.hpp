@@ -13,7 +13,7 @@ struct ClosedMesh;
 /// The thinnest place found.
 struct ThinnestWall {
   double thickness_m = 0.0;    ///< [m]; infinite without an interior
-  std::uint32_t triangle = 0;  ///< triangle of the mesh on one side of it
+  std::uint32_t triangle = 0;  ///< triangle of the mesh on one of its sides
 };
 
 /// Finds the thinnest wall with rays from a point of each triangle along its normal to the point

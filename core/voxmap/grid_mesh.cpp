@@ -159,7 +159,7 @@ GridMesh::GridMesh(const mesh::TriangleMesh& mesh, const Grid& grid) : triangles
     Vec3 v = grid.to_grid(x);
     for (int axis = 0; axis < 3; ++axis)
       if (std::abs(v[axis]) < kTiny)
-        v[axis] = 0.0;  // also turns -0 into 0
+        v[axis] = 0.0;  // also changes -0 to 0
     u.push_back(v);
   }
 }

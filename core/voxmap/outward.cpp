@@ -92,7 +92,7 @@ bool faces_inward(const GridMesh& mesh, const ClosedShells& shells, const Sides&
     if (const std::optional<int> side = sides.outward(t))
       return *side * static_cast<int>(shells.role[t]) < 0;
   }
-  return false;  // buried in a body
+  return false;  // inside a body
 }
 
 }  // namespace

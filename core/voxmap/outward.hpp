@@ -12,7 +12,7 @@ namespace voxtouch::voxmap {
 /// The interior is that of the voxels (winding.hpp). The wall of a cavity thus faces the cavity,
 /// and an inverted body, alone or among others, still faces outward. Three kinds of triangles keep
 /// the orientation of the file (+1). They belong to open parts, which have no outside, to parts
-/// that cannot be oriented, or to walls buried in a body, with solid on both sides.
+/// that cannot be oriented, or to walls inside a body, with solid on both sides.
 std::vector<std::int8_t> outward_sides(const GridMesh& mesh, const ClosedShells& shells);
 
 }  // namespace voxtouch::voxmap

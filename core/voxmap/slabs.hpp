@@ -1,6 +1,6 @@
 #pragma once
-/// Triangles sorted into slabs of 8 voxels along i, the unit of parallel work. Slabs share no data,
-/// so results do not depend on their order.
+/// Triangles sorted into slabs of 8 voxels along i, the unit of parallel work. Slabs have no common
+/// data, so results do not depend on their order.
 #include <cstdint>
 #include <span>
 #include <vector>

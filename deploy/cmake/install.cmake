@@ -1,11 +1,12 @@
-# What stands beside the programs, in the folder of a build and in an installation alike (core/types/program_folder.hpp), and what
-# `cmake --install` and the package hold.
+# Files next to the programs, in the build folder and in an installation
+# (core/types/program_folder.hpp), and the content of `cmake --install` and of the package.
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(here ${CMAKE_INSTALL_DATADIR}/voxtouch)
 
-# Scenes, meshes, device files, the page. In the folder of a build they are links, so that an edit needs no build.
+# Scenes, meshes, device files, the page. In the build folder they are links, so that an edit needs
+# no build.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/share/voxtouch ${PROJECT_BINARY_DIR}/installed ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 foreach(folder deploy/scenes deploy/meshes deploy/devices nodes/view/page)
   get_filename_component(name ${folder} NAME)
@@ -13,7 +14,7 @@ foreach(folder deploy/scenes deploy/meshes deploy/devices nodes/view/page)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${here} PATTERN "*.py" EXCLUDE)
 endforeach()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services DESTINATION ${here} PATTERN "try" EXCLUDE)
-# In share/voxtouch the paths of the READMEs hold too.
+# In share/voxtouch the paths of the READMEs are valid too.
 file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/installed/deploy)
 foreach(name scenes meshes devices services)
   file(CREATE_LINK ../${name} ${PROJECT_BINARY_DIR}/installed/deploy/${name} SYMBOLIC)
@@ -26,7 +27,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/idl DESTINATION ${here} PATTERN "__pycac
 install(TARGETS voxtouch voxtouch_device_program voxtouch_rendering_program voxtouch_coupling_program voxtouch_logger_program
   voxtouch_validator_program voxtouch_import_mesh_program voxtouch_fri_controller voxtouch_fci_robot RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS voxtouch_hd_sim LIBRARY DESTINATION lib/voxtouch)
-# What draws is Python, beside its parts; a link by its own name stands beside the programs.
+# The drawing tool is Python, next to its modules, with a link next to the programs.
 set(tools ${PROJECT_SOURCE_DIR}/deploy/tools)
 install(PROGRAMS ${tools}/plot.py DESTINATION ${here}/deploy/tools)
 install(FILES ${tools}/plot_style.py ${tools}/plot_layout.py ${tools}/plot_accuracy.py ${tools}/plot_design.py ${tools}/plot_forces.py ${tools}/plot_identify.py ${tools}/bag_data.py ${tools}/bag_files.py ${tools}/run_data.py ${tools}/run_pictures.py ${tools}/run_page.py
@@ -38,7 +39,7 @@ install(FILES ${PROJECT_BINARY_DIR}/installed/voxtouch_plot DESTINATION ${CMAKE_
 # Completion: bash loads a file by the command's name, zsh every file of a folder.
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/completion/voxtouch.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME voxtouch)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/completion/_voxtouch DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions)
-# Man pages are what --help says of the programs that are installed.
+# Man pages, from --help of the installed programs.
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 set(documented voxtouch voxtouch_device voxtouch_rendering voxtouch_coupling voxtouch_logger voxtouch_validator voxtouch_fri_controller voxtouch_fci_robot)
 install(CODE "execute_process(COMMAND \"${Python3_EXECUTABLE}\" -B \"${tools}/man_page.py\" \"${CMAKE_RUNTIME_OUTPUT_DIRECTORY}\"

@@ -29,7 +29,8 @@ voxtouch_forbid_includes(devices "dds|qos/|nodes/|voxtouch_msgs|idl/|core/(mesh|
 voxtouch_forbid_includes(devices "yaml-cpp/" "only the hand file is YAML." "/devices/operator/hand_file")
 voxtouch_forbid_includes(qos "nodes/|devices/|core/" "qos is tables over idl.")
 
-# What nodes say goes through nodes/console: any other way to stderr throws or waits when nobody takes the text.
+# Nodes write to stderr through nodes/console only: any other path throws or blocks if stderr is
+# blocked.
 file(GLOB_RECURSE speaking CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/nodes/*.hpp ${PROJECT_SOURCE_DIR}/nodes/*.cpp)
 list(FILTER speaking EXCLUDE REGEX "/nodes/console/")
 foreach(file IN LISTS speaking)

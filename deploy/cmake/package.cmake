@@ -1,4 +1,5 @@
-# The package for Debian 12: `cpack -G DEB` in the folder of a build, or deploy/package/build. What it holds is in install.cmake.
+# The package for Debian 12: `cpack -G DEB` in the build folder, or deploy/package/build.
+# install.cmake defines its content.
 set(CPACK_PACKAGE_NAME voxtouch)
 set(CPACK_PACKAGE_VENDOR voxtouch)
 set(CPACK_PACKAGE_CONTACT "the authors of voxtouch <voxtouch@example.org>")
@@ -11,7 +12,7 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_GENERATOR DEB)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # every library by the package that it comes from
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)  # every library by its package
 # The page's libraries are no link of any program's.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "libjs-three, libjs-dygraphs")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-matplotlib, python3-zstandard")  # pictures, also of bags in MCAP
@@ -20,17 +21,17 @@ set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/deploy/package/post
   ${PROJECT_SOURCE_DIR}/deploy/package/postrm ${PROJECT_BINARY_DIR}/conffiles)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
-# What only a package may place outside of its prefix.
+# Files that only a package may place outside of its prefix.
 file(WRITE ${PROJECT_BINARY_DIR}/conffiles "/etc/security/limits.d/99-voxtouch-realtime.conf\n")
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/services/99-voxtouch-realtime.conf DESTINATION /etc/security/limits.d COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/devices/99-voxtouch-phantom.rules DESTINATION lib/udev/rules.d COMPONENT system EXCLUDE_FROM_ALL)
-# Services, installed and not enabled: whoever enables them writes their settings to /etc/voxtouch.
+# Services, installed but not enabled: their settings are in /etc/voxtouch.
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/deploy/services/ DESTINATION lib/systemd/system COMPONENT system EXCLUDE_FROM_ALL
   FILES_MATCHING PATTERN "voxtouch*" PATTERN "10-common.conf")
 install(DIRECTORY DESTINATION /etc/voxtouch COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/services/rig.conf DESTINATION share/doc/voxtouch/examples COMPONENT system EXCLUDE_FROM_ALL)
 install(FILES ${PROJECT_SOURCE_DIR}/deploy/package/copyright DESTINATION share/doc/voxtouch COMPONENT system EXCLUDE_FROM_ALL)
-# The READMEs with their pictures, folder by folder, so that their links lead somewhere.
+# The READMEs with their pictures, by folder, so that their links are valid.
 set(readmes README.md)
 foreach(folder core deploy devices idl nodes qos tests)
   file(GLOB_RECURSE more RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/${folder}/*.md)

@@ -9,9 +9,10 @@ set(VOXTOUCH_COMMON_HEADERS <Eigen/Core> <Eigen/Geometry> <algorithm> <array> <c
 set(VOXTOUCH_OTHER_HEADERS <nlohmann/json.hpp> <fmt/format.h> <atomic> <chrono> <deque> <filesystem> <fstream> <map> <mutex> <random>
   <set> <thread> <unordered_map>)
 
-# Every target of `type` in `folder` and below it reads the headers that `donor` has precompiled.
-# Only those that link `library` take part: a header is precompiled with that library's definitions. What is compiled quickly (voxtouch::runs_once)
-# reads those of `donor`_runs_once, where there is one: GCC 14 takes no header that was precompiled with other optimisation.
+# Every target of `type` in `folder` and below uses the headers that `donor` has precompiled. Only
+# targets that link `library` take part: a header is precompiled with that library's definitions.
+# Targets of voxtouch::runs_once use those of `donor`_runs_once, if it exists: GCC 14 refuses
+# headers precompiled with other optimisation.
 function(voxtouch_precompile_below folder type library donor)
   get_directory_property(folders DIRECTORY ${folder} SUBDIRECTORIES)
   foreach(below IN LISTS folders)
@@ -39,7 +40,7 @@ function(voxtouch_precompile_below folder type library donor)
   endforeach()
 endfunction()
 
-# A target that holds nothing but precompiled headers, so that others can reuse them.
+# A target that has only precompiled headers, for others to reuse.
 function(voxtouch_headers donor kind)
   file(CONFIGURE OUTPUT ${CMAKE_BINARY_DIR}/${donor}.cpp CONTENT "int main() { return 0; }\n")
   if(kind STREQUAL EXECUTABLE)
@@ -52,7 +53,8 @@ function(voxtouch_headers donor kind)
 endfunction()
 
 function(voxtouch_precompile)
-  # GCC 12 takes the standard library for our own code where it comes precompiled, and warns of its string functions without a cause.
+  # GCC 12 treats a precompiled standard library as own code, and gives false warnings about its
+  # string functions.
   target_compile_options(voxtouch_warnings INTERFACE
     $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<CXX_COMPILER_ID:GNU>>:-Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread -Wno-array-bounds>)
   voxtouch_headers(voxtouch_headers STATIC)

@@ -1,6 +1,5 @@
-# Completion of `voxtouch` and its nodes for bash; zsh loads it too (_voxtouch beside it). Verbs,
-# options and the choices of an option are what --help says, so nothing here grows old; scenes,
-# motions, devices and effects are read from files.
+# Completion of `voxtouch` and its nodes for bash; zsh loads it too (_voxtouch next to it). Verbs,
+# options and their choices come from --help; scenes, motions, devices and effects from files.
 
 _voxtouch_folder() {  # the folder with scenes and devices that belongs to the program
   local program
@@ -80,7 +79,7 @@ _voxtouch() {
   share=$(_voxtouch_folder "$program")
   case $before in
     --device)
-      # A colon parts words for bash: what stands in front of it is kept out of the reply.
+      # A colon separates words in bash: the part before it is removed from the reply.
       choices="sim-phantom sim-lwr emulated-phantom emulated-lwr emulated-fr3 phantom lwr fr3"
       choices+=" $(_voxtouch_names "$share/devices" | sed 's/^/sim:/')"
       ;;
@@ -113,6 +112,6 @@ _voxtouch() {
   return 0
 }
 
-# Files where nothing else fits. The nodes take options alone.
+# Files if nothing else fits. The nodes have options only.
 complete -o default -F _voxtouch voxtouch voxtouch_device voxtouch_rendering voxtouch_coupling \
   voxtouch_logger voxtouch_validator

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """How accurately a part of yours is rendered: writes a scene for its mesh, measures every contact
-model against the true force, and prints what to take.
+model against the true force, and prints the recommended setting.
 
 It calls `voxtouch new` and `voxtouch accuracy --json`, which measures for 10 s to minutes. Needs
 the programs of voxtouch on PATH, or --voxtouch.

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""An effect of one's own, from outside the ring: a spring that pulls the tool towards a point,
+"""A user-defined effect, from outside the ring: a spring that pulls the tool towards a point,
 written as geometry_msgs/WrenchStamped.
 
-A scene takes it where it names the topic as an external effect (deploy/scenes says how); the ring
-then bounds it in force and slew, and lets it fade when it is late. Put your own law into
-`wrench_at`. Needs voxtouch[dds]. Stops on Ctrl-C; what it wrote last fades then.
+A scene uses it if it names the topic as an external effect (see deploy/scenes). The ring then
+limits its force and slew, and fades it when it is late. Put your law into `wrench_at`. Needs
+voxtouch[dds]. Stops on Ctrl-C; the last wrench then fades.
 """
 
 import argparse
@@ -72,7 +72,7 @@ def main():
     o = arguments()
     participant = join(o.domain, o.interface)
     reader = TOPICS["device/state"].reader(participant, rig=o.rig)
-    # Reliable, so that each reader matches; the last one counts.
+    # Reliable, so that each reader matches; only the last one is kept.
     writer = DataWriter(
         participant,
         Topic(participant, "rt" + o.topic, WrenchStamped),
@@ -91,7 +91,7 @@ def main():
             states = [s for s in reader.take(N=500) if s.sample_info.valid_data]
             if not states:
                 continue
-            s = states[-1]  # the newest alone: what is older has passed
+            s = states[-1]  # the newest only
             if s.session_id != session:
                 session = s.session_id
                 print(f"follows session {session}", flush=True)

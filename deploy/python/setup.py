@@ -1,8 +1,8 @@
 """Builds the package `voxtouch` from this tree: `pip install deploy/python`, or with
---no-build-isolation where there is no network.
+--no-build-isolation without a network.
 
-What is in C++ comes from the tree's build, which CMake makes first: build/, or the folder that
-VOXTOUCH_BUILD names. deploy/setup installs what it needs.
+C++ parts come from the tree's build, which CMake runs first: build/, or the folder in
+VOXTOUCH_BUILD. deploy/setup installs the requirements.
 """
 
 import os
@@ -35,7 +35,7 @@ def run(*words):
 
 
 def definitions():
-    """The text of every message with those that it uses, and its hash, by ROS name."""
+    """The text of every message with its used types, and its hash, by ROS name."""
     sys.path.insert(0, str(ROOT / "idl"))
     import generate_idl
     from type_hash import type_hash
@@ -53,7 +53,7 @@ def definitions():
 
 
 class Build(build_py):
-    """Puts what the tree's build makes next to the Python files."""
+    """Copies files of the tree's build next to the Python files."""
 
     def run(self):
         super().run()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a page of results from what `voxtouch accuracy SCENE --json` prints.
+"""Writes a page of results from the output of `voxtouch accuracy SCENE --json`.
 
 usage: voxtouch accuracy cup --json | accuracy_page.py > deploy/results/contact_accuracy.md
 

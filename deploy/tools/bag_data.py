@@ -1,8 +1,8 @@
-"""What a recorded run holds, as arrays and dictionaries. The layout of the messages is read from
-idl/msg, where they are written down.
+"""Content of a recorded run, as arrays and dictionaries. The layouts of the messages come from
+idl/msg.
 
-Reads rosbag2 folders (bag_files.py says which), also of a ring that was killed. Needs numpy, which
-comes with python3-matplotlib.
+Reads rosbag2 folders (see bag_files.py), also of a killed ring. Needs numpy, a dependency of
+python3-matplotlib.
 """
 
 import functools
@@ -22,7 +22,7 @@ from type_hash import type_hash  # noqa: E402
 
 numpy.seterr(
     all="ignore"
-)  # a bag may hold any number; what is not finite is left out where it is drawn or counted
+)  # a bag may contain any number; non-finite ones are ignored in drawings and counts
 OWN = "voxtouch_msgs"
 FORMATS = {
     "bool": "?",
@@ -32,32 +32,32 @@ FORMATS = {
     "float64": "<f8",
     **{f"{u}int{8 * n}": f"<{s}{n}" for u, s in (("", "i"), ("u", "u")) for n in (1, 2, 4, 8)},
 }
-AT_ONCE = 20000  # messages that are held as they come before their numbers are taken out
+AT_ONCE = 20000  # messages that are buffered before their numbers are extracted
 
 
 class BagError(Exception):
-    """A sentence: what of the bag cannot be used."""
+    """A sentence: the unusable part of the bag."""
 
 
 # -------------------- messages
 @functools.cache
 def message(name, package=OWN):
-    """(fields, constants) of a message, as its .msg file says."""
+    """(fields, constants) of a message, from its .msg file."""
     folder = ROOT / "idl" / ("" if package == OWN else f"ros/{package}") / "msg"
     fields, constants = parse(folder / f"{name}.msg", package)
     return fields, {key: int(value) for _, key, value in constants}
 
 
 class Messages(dict):
-    """(fields, constants) by (package, name), read when asked for."""
+    """(fields, constants) by (package, name), read on demand."""
 
     def __missing__(self, key):
         return message(key[1], key[0])
 
 
 def layout_hash(kind):
-    """The hash of a type such as voxtouch_msgs/msg/NodeStatus, as this version lays it out; "" for
-    a type that it does not know.
+    """The hash of a type such as voxtouch_msgs/msg/NodeStatus in this version's layout; "" for an
+    unknown type.
     """
     package, _, name = kind.partition("/msg/")
     try:
@@ -72,8 +72,8 @@ def constants(name):
 
 @functools.cache
 def layout(name, package=OWN):
-    """(dtype, whole): the fields of fixed size at the front of a message, and whether these are
-    all. Ends where padding would stand.
+    """(dtype, whole): the fixed-size fields at the front of a message, and whether these are all.
+    Ends before padding.
     """
     out, at = [], 0
     for kind, owner, array, count, field in message(name, package)[0]:
@@ -161,8 +161,8 @@ def norm(vectors):
 
 # -------------------- bags
 class Rows:
-    """What comes of one topic: its times [ns], and its numbers (`fields` of a message's front) or
-    its whole messages.
+    """Data of one topic: its times [ns], and its numbers (`fields` of a message's front) or its
+    whole messages.
     """
 
     def __init__(self, type_name, fields):
@@ -191,10 +191,9 @@ class Rows:
 
 
 class Bag:
-    """Topics of one rig in a bag, by what follows the rig's name."""
+    """Topics of one rig in a bag, by their names without the rig."""
 
-    # What is kept of each message, or None for all of it; a page of ten minutes has no room for
-    # more.
+    # The part of each message to keep, or None for all of it; ten minutes do not fit completely.
     STREAMS = {
         "device/state": (
             "DeviceState",
@@ -243,7 +242,7 @@ class Bag:
     def __init__(self, path, rig="", requested=None, progress=lambda fraction: None):
         self.path = pathlib.Path(path)
         self.unread = False  # whether a part of a file could not be read
-        self.notes = []  # sentences on what is not as it should be, and was read all the same
+        self.notes = []  # sentences on irregularities that did not prevent reading
         self.require_same_layout()
         kinds = {**{name: kind for name, (kind, _) in self.STREAMS.items()}, **self.MESSAGES}
         requested = list(kinds) if requested is None else requested
@@ -340,9 +339,8 @@ class Bag:
             raise BagError(f"{self.path}: {error}") from None
 
     def messages(self, name, last=None, rows=None):
-        """(row, time [ns], message as a dictionary) in order of arrival, of all rows or of these;
-        what cannot be read is left out, and said.
-        """
+        """(row, time [ns], message as a dictionary) in order of arrival, of all rows or of
+        these; unreadable ones are skipped with a note."""
         out, of, bad = [], self.rows[name], 0
         for row in range(len(of.raw)) if rows is None else rows:
             try:
@@ -357,13 +355,12 @@ class Bag:
         return out
 
     def recording(self):
-        """What the logger reports of the recording next to it; {} where there is nothing."""
+        """The logger's report next to the recording; {} without one."""
         return self.file_of("voxtouch_recording.json")
 
     def summary(self):
-        """What `voxtouch up` reported of the run, as its --json does; {} where it did not come to
-        its end, was not there, or where this is none of its.
-        """
+        """The report of `voxtouch up` about the run, as in its --json; {} if it did not finish,
+        is missing, or belongs to another run."""
         recording = self.file_of("voxtouch_run.json")
         limits, sentences = (
             recording.get("limits"),

@@ -1,5 +1,5 @@
-"""The files of a rosbag2 bag as raw messages: sqlite3 and MCAP, split ones too, also of a logger
-that was killed. Standard library, and for compressed chunks of an MCAP a zstd: Debian's
+"""The files of a rosbag2 bag as raw messages: sqlite3 and MCAP, also split ones, also after a kill
+of the logger. Standard library; compressed chunks of an MCAP need a zstd: Debian's
 python3-zstandard, PyPI's zstandard, or Python's own from 3.14 on.
 """
 
@@ -19,12 +19,12 @@ FOOTER, SCHEMA, CHANNEL, MESSAGE, CHUNK, CHUNK_INDEX, STATISTICS, DATA_END = (
     11,
     15,
 )
-LOG_TIME_OF_ZERO = 1  # nodes/bag/mcap_format.hpp says why
+LOG_TIME_OF_ZERO = 1  # nodes/bag/mcap_format.hpp has the reason
 MAX_CHUNK = 1 << 30
 
 
 class FileError(Exception):
-    """A sentence: what of the bag cannot be used."""
+    """A sentence: the unusable part of the bag."""
 
 
 def files_of(path):
@@ -83,7 +83,7 @@ def losses(path):
 
 
 def open_file(file):
-    """SqliteFile or McapFile. FileError where it is neither."""
+    """SqliteFile or McapFile. FileError for other files."""
     with open(file, "rb") as opened:
         mcap = opened.read(len(MAGIC)) == MAGIC
     return McapFile(file) if mcap or pathlib.Path(file).suffix == ".mcap" else SqliteFile(file)
@@ -122,9 +122,8 @@ class SqliteFile:
             return 0
 
     def messages(self, requested, progress=lambda fraction: None):
-        """(topic's number, time [ns], bytes) of these topics, in order of arrival. FileError where
-        the file is damaged, behind what is whole.
-        """
+        """(topic's number, time [ns], bytes) of these topics, in order of arrival. FileError
+        after the intact part of a damaged file."""
         connection = self.connect()
         try:
             last = connection.execute("SELECT max(id) FROM messages").fetchone()[0] or 1
@@ -192,9 +191,8 @@ class Texts:
 
 
 class McapFile:
-    """`topics`: {channel: (name, type, definition)}; the definition is the type's .msg with all
-    that it uses, where the file has it.
-    """
+    """`topics`: {channel: (name, type, definition)}; the definition is the type's .msg with its
+    used types, if the file has it."""
 
     def __init__(self, file):
         self.file, self.topics, self.schemas, self.unpack, self.stated = (
@@ -298,7 +296,7 @@ class McapFile:
         if compression:
             try:
                 data = self.unpack(bytes(packed), size)
-            except Exception as error:  # each zstd has an error of its own
+            except Exception as error:  # each zstd raises different errors
                 raise FileError(f"chunk cannot be uncompressed: {error}") from None
         else:
             data = bytes(packed)

@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""What the coupling designer certifies for each shipped device file: the table in
-deploy/devices/README.md.
+"""Writes the table in deploy/devices/README.md: certified stiffness of each shipped device file.
 
 usage: device_table.py VOXTOUCH             writes the table; VOXTOUCH: the program, such as
                                             build/bin/voxtouch
-       device_table.py VOXTOUCH --check     compares instead; exit status 1 where the table is
-                                            another one, or a design fails
+       device_table.py VOXTOUCH --check     compares instead; exit status 1 if the table differs,
+                                            or a design fails
 """
 
 import json
@@ -36,8 +35,8 @@ def measured_by(text):
 
 
 def design(program, file):
-    """What `voxtouch design --json` says; exit status 1 means that nothing holds, which is an
-    answer too.
+    """Output of `voxtouch design --json`; exit status 1 means that nothing can be certified, which
+    is a valid result too.
     """
     run = subprocess.run(
         [program, "design", "--device", file, "--json"],

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Writes the man page of each program from what its --help says: voxtouch.1 with a section for each
-verb, and one for each node.
+"""Writes the man page of each program from its --help: voxtouch.1 with a section for each verb, and
+one for each node.
 
-usage: man_page.py BIN OUT PROGRAM...     BIN: folder of the programs; OUT: folder to write
-                                          PROGRAM.1.gz into
+usage: man_page.py BIN OUT PROGRAM...
+
+BIN: folder of the programs. OUT: folder for PROGRAM.1.gz.
 """
 
 import gzip
@@ -14,7 +15,7 @@ import sys
 
 
 def said(*words):
-    """As for any user: a default in the home folder is not that of who builds."""
+    """Independent of the user: a default in the home folder is not that of the build."""
     return subprocess.run(
         words,
         capture_output=True,
@@ -37,7 +38,7 @@ def escaped(text):
 
 
 def parts(text):
-    """What stands in front of `Usage:`, the usage, and the titled lists behind it."""
+    """The text before `Usage:`, the usage, and the titled lists after it."""
     about, _, rest = text.partition("\nUsage: ")
     usage, _, lists = rest.partition("\n")
     return (
@@ -48,12 +49,12 @@ def parts(text):
 
 
 def prose(text):
-    """Lines as they are: examples among them are indented by hand."""
+    """Lines unchanged: their examples are indented by hand."""
     return ".nf\n" + escaped(text) + "\n.fi\n"
 
 
 def rows(lists):
-    """Titled lists of --help: `  --option WHAT   text` and what goes on below it."""
+    """Titled lists of --help: `  --option WHAT   text` with continuation lines."""
     out = ""
     for line in lists.splitlines():
         if not line.strip():

@@ -1,12 +1,12 @@
 #!/usr/bin/python3 -I
-"""Draws what voxtouch measures; the ending of PICTURE says the format: .png, .svg or .pdf. Needs
+"""Draws results of voxtouch; the suffix of PICTURE selects the format: .png, .svg or .pdf. Needs
 python3-matplotlib.
 
-  %(prog)s accuracy RUN.json PICTURE    what accuracy costs in time: error of every contact model
+  %(prog)s accuracy RUN.json PICTURE    cost of accuracy: error of every contact model
                                         and voxel size over the time of a frame
   %(prog)s costs RUN.json PICTURE       the same on one page: force, direction error and noise over
                                         depth, and the time of a frame
-  %(prog)s design RUN.json PICTURE      where a designed coupling is stable: contact stiffness over
+  %(prog)s design RUN.json PICTURE      stable region of a designed coupling: contact stiffness over
                                         the filter's cut-off
   %(prog)s forces BAG PICTURE           contact force, returned force, depth and gap of a recorded
                                         run over time
@@ -18,10 +18,10 @@ python3-matplotlib.
                                         device; PICTURE may end in .html; voxtouch identify --plots
                                         calls it
   %(prog)s report BAG PAGE.html         all of a recorded run on one page; voxtouch report calls it
-  %(prog)s check PICTURE                draws nothing: exit status 0 where a picture could be drawn
-                                        and written there
+  %(prog)s check PICTURE                draws nothing: exit status 0 if a picture can be drawn and
+                                        written there
 
-Where the data come from (each command with --help says more):
+Sources of the data (see --help of each command):
   voxtouch accuracy deploy/scenes/cup.yaml --json > run.json         or at once: voxtouch accuracy
                                                                      deploy/scenes/cup.yaml --plot
                                                                      cup.png
@@ -30,8 +30,8 @@ Where the data come from (each command with --help says more):
                                                                      --plot region.png
   voxtouch up deploy/scenes/cup.yaml --motion slide --duration 10 --lockstep --record bag
 
-PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 where the picture is
-written; else 1 and a sentence on stderr.
+PNG is 1600 x 900 pixels. The same data give the same picture. Exit status 0 if the picture is
+written; otherwise 1 and a sentence on stderr.
 """
 
 import argparse
@@ -45,7 +45,7 @@ import subprocess
 import sys
 import warnings
 
-sys.dont_write_bytecode = True  # next to the program stand sources, and nothing else
+sys.dont_write_bytecode = True  # only sources are stored next to the program
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from plot_accuracy import accuracy_figure, page_figure  # noqa: E402
 from plot_design import design_figure  # noqa: E402
@@ -63,7 +63,7 @@ ENDINGS = {
 
 # -------------------- files
 def check_picture(picture, endings=tuple(ENDINGS)):
-    """Ends with a sentence where a picture cannot be drawn, or not be written there."""
+    """Exits with a sentence if a picture cannot be drawn or written there."""
     if picture.suffix.lower() not in endings:
         allowed = "{} or {}".format(", ".join(endings[:-1]), endings[-1]).removeprefix(" or ")
         sys.exit(f"{picture}: valid file extensions: {allowed}.")
@@ -135,14 +135,12 @@ def read_json(file, verb):
 
 # -------------------- report
 def report_progress(fraction):
-    """For who started this and waits: a line that is no part of what is said in the end."""
+    """Progress for the calling program: not part of the final output."""
     print(f"progress {100.0 * fraction:.0f}", file=sys.stderr, flush=True)
 
 
 def write_report(bag, page, compared=None, rig="", progress=lambda fraction: None):
-    """Writes a run's page; says what it holds. Of what goes wrong a sentence, whatever stands in
-    the bag.
-    """
+    """Writes a run's page; prints its content. Errors are sentences, for any content of the bag."""
     progress(0.0)
     import run_page
     from bag_data import BagError
@@ -170,7 +168,7 @@ def write_report(bag, page, compared=None, rig="", progress=lambda fraction: Non
 
 # -------------------- command
 class Version(argparse.Action):
-    """As the program says that this tool stands next to."""
+    """The name of the program next to this tool."""
 
     def __call__(self, parser, *unused):
         program = pathlib.Path(sys.argv[0]).parent / "voxtouch"

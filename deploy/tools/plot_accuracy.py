@@ -1,4 +1,4 @@
-"""What accuracy costs: of a result of `voxtouch accuracy --json` the errors over the time of a
+"""Cost of accuracy, from a result of `voxtouch accuracy --json`: the errors over the time of a
 frame, and all of it on one page.
 """
 
@@ -9,7 +9,7 @@ from plot_layout import *  # noqa: F403
 LEAST_DIRECTION_DEG, LEAST_NOISE_PERCENT = (
     1e-3,
     1e-2,
-)  # lowest that is shown; no hand feels a tenth of it
+)  # lowest displayed value, ten times below perception
 
 
 def size_word(row):
@@ -28,9 +28,8 @@ def lines_of(rows):
 
 
 def draw_points(axis, rows, value, labelled):
-    """The marks, and for `labelled` their legend and their sizes: filled where points weigh their
-    area, hollow where each weighs one.
-    """
+    """The marks, and for `labelled` their legend and sizes: filled for area weights, hollow for
+    unit weights."""
     named, marks = set(), []
     for (model, weights, _), line in lines_of(rows).items():
         colour, mark = MODELS.get(model, (PURPLE, "v"))
@@ -204,9 +203,8 @@ def accuracy_figure(data):
 
 # -------------------- all on one page
 def page_rows(data):
-    """At the scene's own voxels, one row a model: points that weigh their area, the shell as dense
-    as the voxels.
-    """
+    """At the scene's voxel size, one row per model: area weights, the shell as dense as the
+    voxels."""
     out = {}
     for row in data["rows"]:
         own = (
@@ -220,13 +218,14 @@ def page_rows(data):
 
 
 def worst_depth(row):
-    """Where the mean force is farthest from the true one, by its ratio either way."""
+    """The depth at which the mean force differs most from the true one, by its ratio in either
+    direction."""
     return max(row["depths"], key=lambda d: abs(math.log(max(d["force_ratio"], 1e-6))))
 
 
 def page_title(rows):
-    """Of the model that is best where it is worst, and of the one that is worst there: one depth
-    alone may be where a curve crosses 1.
+    """The models that are best and worst at their worst depth: at a single depth a curve may cross
+    1.
     """
     if not rows:
         return "Accuracy and time: no measurement at the scene's voxel edge"

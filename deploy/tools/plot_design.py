@@ -1,5 +1,5 @@
-"""Where a designed coupling is stable: the contact's stiffness over the filter's cut-off, of a
-result of `voxtouch design --json`.
+"""The stable region of a designed coupling: the contact's stiffness over the filter's cut-off, from
+a result of `voxtouch design --json`.
 """
 
 import math
@@ -14,8 +14,8 @@ LAWS = {
 
 
 def draw_region(axis, x, curves, low, high):
-    """Two areas and their upper edges; `curves`: (values, colour, label). None: nothing makes it
-    unstable; what is 0 lies under the plane.
+    """Two areas and their upper edges; `curves`: (values, colour, label). None: always stable; 0 is
+    below the plane.
     """
     for values, colour, label in curves:
         values = [min(high * 10 if k is None else k, high * 10) for k in values]

@@ -21,9 +21,9 @@ VIRTUAL_TOOL_NOTE = (
 
 
 def read_run(bag, rig):
-    """(contact, returned, gap): of every ContactState, ForceCommand and ValidationReport the
-    device's time [s], sizes of force [N], depth, heights and gap [mm]; `contact` is the contact's
-    force alone, `all` with what effects add. Throws BagError."""
+    """(contact, returned, gap): for every ContactState, ForceCommand and ValidationReport the
+    device's time [s], magnitudes of force [N], depth, heights and gap [mm]. `contact` is the
+    contact's force only, `all` includes effects. Throws BagError."""
     from bag_data import Bag, norm, vector
 
     tables = Bag(bag, rig, ["rendering/contact", "coupling/command", "validation"]).tables
@@ -49,9 +49,7 @@ def read_run(bag, rig):
 
 
 def draw_over_time(axis, table, name, end, **more):
-    """A curve that leaves a gap where nothing was recorded for longer than three and a half times
-    as usual.
-    """
+    """A curve with a gap if nothing was recorded for more than 3.5 usual periods."""
     t = table["t"]
     usual = sorted(b - a for a, b in zip(t, t[1:]))
     axis.plot(
@@ -343,7 +341,7 @@ def comparison_figure(bags, rig="haptic"):
     touch = first["place"][(first["force"] > 1e-9).argmax()]
     pushed = [
         run["place"][run["force"] > 0.5 * most[name]] for name, run in runs.items()
-    ]  # what the filter still gives on the way back is no way in
+    ]  # the filter's remaining force on the way out does not count as entry
     deepest = max(
         (places[norm(places - touch).argmax()] for places in pushed),
         key=lambda place: norm(place - touch),

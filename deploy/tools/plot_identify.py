@@ -1,5 +1,5 @@
-"""What `voxtouch identify` measured of a device: strokes with the fitted model, what the model
-leaves, friction over speed, and the response to the dense tones.
+"""Measurements of `voxtouch identify`: strokes with the fitted model, its residual, friction over
+speed, and the response to the dense tones.
 """
 
 import html
@@ -46,10 +46,10 @@ def residual_plot(axis, one):
 
 
 def friction_plot(axis, one):
-    """Of each stroke the force that neither the mass nor the bias takes, over the speed, both
-    weighted with p = (1 - s^2)^4, s from -1 to 1 over the stroke (weak form, Shinbrot 1957):
+    """The force of each stroke that neither mass nor bias explains, over the speed, both weighted
+    with p = (1 - s^2)^4, s from -1 to 1 over the stroke (weak form, Shinbrot 1957):
 
-    Ff = (int p u + c int p - m int p'' x) / int p,  v = -int p' x / int p
+        Ff = (int p u + c int p - m int p'' x) / int p,  v = -int p' x / int p
     """
     import numpy
 
@@ -169,7 +169,7 @@ def identify_figure(data):
 
 
 def identify_page(data, picture):
-    """The report and the picture, whose bytes come as base64, in one file."""
+    """The report and the picture (bytes as base64) in one file."""
     title = html.escape(f"{data['device']}: identification of {data['date']}")
     return (
         f"<!doctype html><html lang=en><meta charset=utf-8><title>{title}</title>"

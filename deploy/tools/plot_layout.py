@@ -1,5 +1,5 @@
-"""Where things stand on a picture: title and note, legend next to the plane, limits of logarithmic
-axes, names next to their marks.
+"""Layout of a picture: title and note, legend next to the plane, limits of logarithmic axes, names
+next to their marks.
 """
 
 import math
@@ -11,8 +11,8 @@ NOTE_WIDTH = 140  # characters
 
 
 def new_figure(title, note, rows=1, columns=1, **more):
-    """A figure of 16 x 9 and its axes in rows; the title says what, the note under it the
-    conditions: lines that are broken to fit.
+    """A figure of 16 x 9 and its axes in rows; the title states the quantity, the note under it the
+    conditions, wrapped to fit.
     """
     note = "\n".join(textwrap.fill(line, NOTE_WIDTH) for line in note.splitlines())
     figure = Figure(figsize=(16, 9), dpi=100, layout="constrained")
@@ -27,7 +27,7 @@ def new_figure(title, note, rows=1, columns=1, **more):
 
 
 def legend_at_side(axis, **more):
-    """Right of the plane, where it covers no data."""
+    """Right of the plane, outside the data."""
     return axis.legend(loc="upper left", bbox_to_anchor=(1.005, 1.0), borderaxespad=0.0, **more)
 
 
@@ -38,20 +38,20 @@ def decade_round(values):
     return low / spread, high * spread
 
 
-# Where a text may stand next to its mark, best first: stairs of a front leave a mark to the right
-# and upwards.
+# Candidate positions of a text next to its mark, best first: a front's steps leave space to the
+# right and above.
 SIDES = ((1, 0.75), (-1, -0.75), (0, 1), (0, -1), (1, 0), (-1, 0), (-1, 0.75), (1, -0.75))
 
 
 def overlap(a, b):
-    """Area that two boxes share [pixels squared]."""
+    """Overlap of two boxes [pixels squared]."""
     return max(0.0, min(a.x1, b.x1) - max(a.x0, b.x0)) * max(0.0, min(a.y1, b.y1) - max(a.y0, b.y0))
 
 
 def label_marks(axis, marks, ringed=(), radius=11.0):
-    """Writes the text of each (x, y, text, colour) next to its mark, where it covers least of the
-    marks, of the rings round the marks at `ringed`, and of the other texts. `radius`: of a mark
-    [px]; a ring's is twice that."""
+    """Writes the text of each (x, y, text, colour) next to its mark, where it overlaps least
+    with the marks, the rings around the marks at `ringed`, and the other texts. `radius`: of
+    a mark [px]; a ring's is twice that."""
     axis.figure.draw_without_rendering()
     plane, taken, notes = axis.get_window_extent(), [], []
     for places, r in (([mark[:2] for mark in marks], radius), (ringed, 2.0 * radius)):

@@ -1,5 +1,5 @@
-"""The one style of all pictures: colours, letters, axes, and what becomes of a spike. Where
-matplotlib is missing, NO_MATPLOTLIB says so.
+"""Style of all pictures: colours, fonts, axes, and the reduction of many samples. Without
+matplotlib, NO_MATPLOTLIB has the message.
 """
 
 import logging
@@ -67,9 +67,8 @@ STYLE = {
 
 
 def log_axis(axis, low, high):
-    """Logarithmic from `low` to `high`, with plain numbers at 1, 2 and 5, or at decades where there
-    are many.
-    """
+    """Logarithmic from `low` to `high`, with plain numbers at 1, 2 and 5, or at decades if there
+    are many."""
     (axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale)("log")
     (axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim)(low, high)
     axis.set_major_locator(LogLocator(subs=(1,) if high / low > 2000 else (1, 2, 5), numticks=20))
@@ -84,9 +83,9 @@ STRETCHES = 1500
 
 
 def curve(t, y, gap_s, begin=None, end=None):
-    """What is drawn of many samples: of each of STRETCHES between `begin` and `end` the smallest
-    and the largest, as they came, so that no peak is lost; and nothing between two samples that lie
-    further apart than `gap_s`."""
+    """Reduces many samples for drawing: the smallest and the largest of each of STRETCHES
+    between `begin` and `end`, in their order, so that no peak is lost; nothing between two
+    samples more than `gap_s` apart."""
     import numpy
 
     t, y = numpy.asarray(t, float), numpy.asarray(y, float)
@@ -171,7 +170,7 @@ def mark_beyond(axis, t, y, limit, unit, colour, below=False):
 
 
 def legend_above(axis, side_by_side=5, **more):
-    """Over the plane, where it covers no data; nothing without a name."""
+    """Above the plane, outside the data; nothing without a name."""
     if axis.get_legend_handles_labels()[0]:
         axis.legend(
             loc="lower left",

@@ -10,18 +10,15 @@ import shlex
 import numpy
 from bag_data import Bag, BagError, constants, norm, vector
 
-TOUCH_N = 1e-9  # what is less is no force
-APART_S = 0.05  # samples of one fault that are closer than this are one stretch of it
+TOUCH_N = 1e-9  # smaller values count as no force
+APART_S = 0.05  # samples of one fault closer than this form one stretch
 MOST_STRETCHES = 6  # of one fault that are reported one by one
 
-# What a flag says of a stretch of samples. What belongs to a sound run (capped, held, saturated,
-# ramping) is reported among the figures.
+# Texts of flags for a stretch of samples. Normal states (capped, latched, saturated, ramping) are
+# reported among the figures.
 CONTACT_FAULTS = {
     "FLAG_REFUSED_SAMPLE": "device sample not usable; the last valid one is used",
     "FLAG_FAST": "the tool moved more than half a voxel per sample",
-    "FLAG_CROSSED": (
-        "a wall was crossed in one sample and the tool pushed back (recordings of older releases)"
-    ),
     "FLAG_TUNNELLING_SUSPECTED": "tunnelling suspected: the tool was too fast near the scene",
     "FLAG_NOT_CONVERGED": "virtual tool not converged within the frame",
     "FLAG_NOT_INITIALISED": "virtual tool not initialised: no force displayed",
@@ -31,7 +28,7 @@ COMMAND_FAULTS = {
     "STATUS_CLAMPED": "contact force above the device's limit, clamped",
 }
 STATE_FAULTS = {"FLAG_POSE_LATCHED": "device pose invalid; the last valid one is used"}
-# Of the device's own counts, ten times a second.
+# Counts of the device, ten times a second.
 DEVICE_FAULTS = {
     "overruns": "periods skipped: the device loop was late",
     "deadline_misses": "deadlines missed: no command for three periods",
@@ -44,7 +41,7 @@ STATES = {0: "starting", 1: "ready", 2: "running", 3: "stopped", 4: "failed"}
 
 
 def largest(values):
-    """Of those that are numbers; None where none is."""
+    """Of the numbers among them; None without any."""
     values = values[numpy.isfinite(values)]
     return float(values.max()) if len(values) else None
 
@@ -84,9 +81,8 @@ class Run:
 
     # -------------------- time
     def place_sessions(self):
-        """Of each session its first stamp and where on the axis that lies. Of an unauthorised
-        writer's samples nothing is known: they are left out.
-        """
+        """For each session its first stamp and its place on the axis. Samples of an unauthorised
+        writer are excluded."""
         source, name = (
             (self.state, "device/state") if len(self.state) else (self.contact, "rendering/contact")
         )
@@ -136,7 +132,7 @@ class Run:
 
     @functools.cached_property
     def clock(self):
-        """When a sample was recorded [s since the first one], and where it stands on the axis."""
+        """When a sample was recorded [s since the first one], and its place on the axis."""
         times, t = (
             (self.bag.times["device/state"], self.t_state)
             if len(self.state)
@@ -145,9 +141,8 @@ class Run:
         return int(times[0]), (times - times[0]) * 1e-9, t
 
     def at(self, recorded_ns):
-        """Where a message without a sample's time lies: between the samples that were recorded
-        around it.
-        """
+        """The place of a message without a sample's time: between the samples recorded around
+        it."""
         begin, recorded_s, t = self.clock
         return float(numpy.interp((recorded_ns - begin) * 1e-9, recorded_s, t))
 
@@ -170,9 +165,8 @@ class Run:
         return every[-1][2] if every else {}
 
     def read_statuses(self):
-        """Every node's last status; what each said and when; the device's counts over time. Of the
-        others' the heads are enough.
-        """
+        """Every node's last status; their messages with times; the device's counts over time. Of
+        the others only the heads are kept."""
         self.nodes, self.said, self.device_figures = {}, [], []
         latest, words, of_device = {}, {}, []
         for row, time, head in self.bag.messages("node_status", last="message"):
@@ -195,7 +189,7 @@ class Run:
                 self.device_figures.append((self.at(time), status["figures"]))
 
     def node(self, name):
-        """The last status of a node of this name; {} where there is none."""
+        """The last status of a node of this name; {} without one."""
         every = [status for (node, *_), status in self.nodes.items() if node == name]
         return every[-1] if every else {}
 
@@ -234,9 +228,8 @@ class Run:
         return limit if limit > 0 else math.nan
 
     def command_line(self):
-        """(folder, words) of the `voxtouch up` that made the run, or None where the bag does not
-        state it.
-        """
+        """(folder, words) of the `voxtouch up` that made the run, or None if the bag does not
+        state it."""
         values = self.node("up").get("values", {})
         line = "".join(values[key] for key in sorted(values) if re.fullmatch(r"command_\d\d", key))
         try:
@@ -279,7 +272,7 @@ class Run:
 
     @functools.cached_property
     def figures(self):
-        """What this page counts in the recorded messages; None where they do not state it."""
+        """Counts of this page over the recorded messages; None if they are missing."""
         force, pushed = norm(self.returned), norm(self.rendered)
         peak = (
             int(numpy.argmax(numpy.where(numpy.isfinite(force), force, -1.0)))
@@ -351,7 +344,7 @@ class Run:
         return out
 
     def faults(self):
-        """(from [s], to [s], how many, who, what) in order of time."""
+        """(from [s], to [s], count, node, text) in order of time."""
         out = []
         for who, table, t, kind, sentences in (
             ("device", self.state["flags"], self.t_state, "DeviceState", STATE_FAULTS),

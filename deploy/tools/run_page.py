@@ -42,7 +42,7 @@ def esc(text):
 
 
 def number(value, unit="", digits=3):
-    """A figure as people read it; a dash where there is none."""
+    """A figure for readers; a dash without one."""
     if value is None or not math.isfinite(value):
         return "–" if value is None or math.isnan(value) else "no limit"
     text = (
@@ -237,7 +237,7 @@ def tiles(run):
 
 
 def repeat(run):
-    """How to make the run again, and what of it that does not bring back."""
+    """The command to repeat the run, and what it does not reproduce."""
     known = run.command_line()
     if known is None:
         return (
@@ -248,7 +248,7 @@ def repeat(run):
         )
     folder, words = known
     kept, skip = [], False
-    for word in words:  # the bag's own folder is there already, and would be refused
+    for word in words:  # the bag's folder exists and would be refused
         if skip or word.startswith("--record="):
             skip = False
         elif word == "--record":
@@ -388,7 +388,7 @@ def node_rows(run):
     )
 
 
-# What both the page and a node count, so that a reader can compare them.
+# Counts of both the page and a node, for comparison.
 COUNTED = (
     ("largest force [N]", "max_force_n", "device", "max_force_n"),
     ("rate [Hz]", "rate_hz", "device", "rate_hz"),
@@ -482,7 +482,7 @@ def energy_title(run):
     return text + f"took out {number(1e3 * taken, 'mJ')} more at most"
 
 
-# What stands under each picture.
+# Captions of the pictures.
 CAPTIONS = {
     "force": (
         "<b>Force of the contact</b> is the contact force at the scene's stiffness, in world "
@@ -518,7 +518,7 @@ CAPTIONS = {
 
 
 def picture_sections(runs, progress):
-    """Title, picture and caption of each; of what cannot be drawn a sentence."""
+    """Title, picture and caption of each; a sentence for one that cannot be drawn."""
     out = []
 
     def picture(name, title, sentence, fraction, more=""):

@@ -1,5 +1,5 @@
-"""The pictures of a run's report, each as SVG text whose colours follow the page, light or dark.
-Two runs stand side by side on one scale.
+"""The pictures of a run's report, each as SVG text with the page's colours, light or dark. Two runs
+are drawn next to each other on one scale.
 """
 
 import io
@@ -33,7 +33,7 @@ from plot_style import (
 )
 
 DENSE_S = 60.0  # of a longer run dashes would melt into a surface
-# What each drawn colour is called on the page, which has a light and a dark value for it.
+# Names of the drawn colours on the page, which has a light and a dark value for each.
 THEME = {
     INK: "ink",
     QUIET: "quiet",
@@ -63,7 +63,7 @@ ON_THE_PAGE = {
 
 
 def as_svg(figure, name, alt):
-    """Without a size of its own, so that it takes the page's; its names begin with `name`, for the
+    """Without a fixed size, so that it uses the page's; its names begin with `name`, because the
     page has several.
     """
     out = io.StringIO()
@@ -115,7 +115,7 @@ def time_axis(runs, axes):
 
 
 def gap_s(run, every=1.0):
-    """Samples that lie further apart than this leave a gap: a command is held for three periods."""
+    """Samples farther apart than this leave a gap: a command is repeated for three periods."""
     return 3.5 * every / (run.description.get("rate_hz") or 1000.0)
 
 
@@ -126,7 +126,7 @@ def legends(runs, axes):
 
 
 def percent_axis(axis, run, named):
-    """The same force as a fraction of what the device can give, on the right."""
+    """The same force as a fraction of the device's largest, on the right."""
     if math.isfinite(run.limit_n):
         right = axis.secondary_yaxis(
             "right",
@@ -143,8 +143,7 @@ NAMES = {
     "y": "y",
     "z": "z",
 }
-# Colour, dashes, width and place: the thin line is on top, so that it is seen where it lies on the
-# wide one.
+# Colour, dashes, width and order: the thin line is on top of the wide one.
 STYLES = {
     "contact": (CONTACT, "-", 1.1, 4),
     "returned": (RETURNED, "-", 2.6, 3),
@@ -155,7 +154,7 @@ STYLES = {
 
 
 def forces(runs, times, values, end, axes, limit, unit, below=False):
-    """Curves of one row, every run in its column; what leaves the plane is marked."""
+    """Curves of one row, every run in its column; values outside the plane are marked."""
     for run, axis in zip(runs, axes):
         for key in values(run):
             t, y = times(run, key), values(run)[key]
@@ -208,7 +207,7 @@ def force_picture(runs):
 
 
 def limits(runs, axes):
-    """What the devices can give, as a second scale and, where it lies within, as a line."""
+    """The devices' largest force, as a second scale and, if within the plane, as a line."""
     for run, axis in zip(runs, axes):
         percent_axis(axis, run, run is runs[-1])
         if axis.get_ylim()[1] > run.limit_n:

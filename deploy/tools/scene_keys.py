@@ -3,7 +3,7 @@
 that `voxtouch schema` prints.
 
 usage: scene_keys.py           writes deploy/scenes/README.md
-       scene_keys.py --check   compares instead; exit status 1 where the file is another one
+       scene_keys.py --check   compares instead; exit status 1 if the file differs
 """
 
 import json
@@ -206,7 +206,7 @@ def main(arguments):
         if target.exists() and target.read_text(encoding="utf-8") == text:
             return 0
         print(
-            "deploy/scenes/README.md is not what deploy/tools/scene_keys.py writes: run that"
+            "deploy/scenes/README.md differs from the output of deploy/tools/scene_keys.py: run it"
             " script, and commit the file."
         )
         return 1

@@ -18,7 +18,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("core", "devices", "nodes", "qos")
-# clang 14 cannot read std::expected of libstdc++. The compiler's own warnings are GCC's matter.
+# clang 14 cannot read std::expected of libstdc++. GCC reports the compiler's warnings.
 MORE = (
     f"--extra-arg-before=-isystem{ROOT / 'tests/fuzz/clang14'}",
     "--extra-arg=-Wno-everything",

@@ -1,6 +1,6 @@
 #pragma once
-/// Common parts of the emulated devices of both arms: a driver with a simulated controller in a
-/// process of its own.
+/// Common parts of the emulated devices of both arms: a driver and a simulated controller in a
+/// separate process.
 #include <fmt/format.h>
 
 #include "devices/arm/controller_process.hpp"
@@ -17,8 +17,8 @@ inline constexpr double kVirtualTimeoutS = 4.0;
 /// A firm grip: an undamped tool of several kilograms would overshoot the motion of a relaxed hand.
 inline sim::OperatorConfig default_emulator_hand() { return *hand::grip("arm-firm"); }
 
-/// Common arguments of every simulated controller. In lockstep it waits as long as the ring; it
-/// ends with its parent, so it needs no time limit of its own.
+/// Common arguments of every simulated controller. In lockstep it waits as long as the ring. It
+/// ends with its parent and needs no time limit.
 inline std::vector<std::string> emulator_arguments(const Vec3& tool_F,
                                                    const devices::DeviceOptions& options,
                                                    const devices::SettingReader& settings) {

@@ -18,7 +18,7 @@ devices::DeviceResult<devices::DeviceSample> RequestReplyDriver::read(
     switch (wait_and_take(Clock::now() + wait)) {
       case Intake::kNothing:
         return std::unexpected(nothing_new(malformed));
-      case Intake::kUntrusted:
+      case Intake::kInvalid:
         return std::unexpected(devices::DeviceError::kProtocol);  // already answered
       case Intake::kNew:
         accept();
@@ -45,7 +45,7 @@ devices::DeviceResult<void> RequestReplyDriver::write(const Wrench& command) noe
     reply_without_force();
     return std::unexpected(allowed ? devices::DeviceError::kProtocol : error());
   }
-  if (!push(command))
+  if (!reply_with(command))
     return std::unexpected(devices::DeviceError::kRecoverable);
   return {};
 }
@@ -64,7 +64,7 @@ RequestReplyDriver::Intake RequestReplyDriver::take() noexcept {
   Intake newest = Intake::kNothing;
   while (const auto datagram = socket_->receive(buffer_)) {
     const Intake intake =
-        judge(*datagram, std::span(buffer_).first(std::min(datagram->size, buffer_.size())));
+        classify(*datagram, std::span(buffer_).first(std::min(datagram->size, buffer_.size())));
     if (intake == Intake::kNothing)
       continue;
     if (newest != Intake::kNothing)
@@ -73,7 +73,7 @@ RequestReplyDriver::Intake RequestReplyDriver::take() noexcept {
     controller_ = datagram->from;
     keep(intake);
   }
-  if (newest == Intake::kUntrusted)
+  if (newest == Intake::kInvalid)
     reply_to_invalid();
   return newest;
 }

@@ -14,28 +14,22 @@
 
 namespace voxtouch::arm {
 
-/// Counts since opening. A measurement is a datagram with the state of the arm.
+/// Counts since opening. A measurement is a datagram with the state of the arm. The LWR's driver
+/// does not use `out_of_order`, `lost` and `from_future`.
 struct AnswerCounts {
   std::uint64_t answered = 0;
-  std::uint64_t superseded =
-      0;  ///< measurements superseded by a newer one without being read; not answered
-  std::uint64_t unread_answers =
-      0;  ///< measurements without a `write` of the caller; answered without force
-  std::uint64_t malformed = 0;  ///< datagrams with a wrong length, id or size field
-  std::uint64_t foreign = 0;    ///< datagrams from another address
-  std::uint64_t untrusted =
-      0;  ///< measurements with a non-finite number, or an undefined state or mode
-  std::uint64_t old =
-      0;  ///< measurements not newer than one already taken; not counted by the LWR's driver
-  std::uint64_t lost = 0;  ///< skipped counts; not counted by the LWR's driver
-  std::uint64_t strange =
-      0;  ///< Measurements with a count ahead of the elapsed time; not counted by the LWR's driver.
-  std::uint64_t invalid_poses =
-      0;                   ///< measurements without finite joint positions within the arm's range
-  std::uint64_t aged = 0;  ///< measurements that waited too long in the kernel
-  std::uint64_t refused = 0;  ///< commands that were not finite or exceeded a limit
-  std::uint64_t scaled =
-      0;  ///< commands scaled down, with constant direction, to the joint torque limits
+  std::uint64_t superseded = 0;      ///< not answered: a newer measurement came before `read`
+  std::uint64_t unread_answers = 0;  ///< answered without force: the caller made no `write`
+  std::uint64_t malformed = 0;       ///< datagrams with a wrong length, id or size field
+  std::uint64_t foreign = 0;         ///< datagrams from another address
+  std::uint64_t invalid = 0;         ///< with NaN or infinity, or an undefined state or mode
+  std::uint64_t out_of_order = 0;    ///< not newer than one already taken
+  std::uint64_t lost = 0;            ///< skipped numbers
+  std::uint64_t from_future = 0;     ///< numbered ahead of the elapsed time
+  std::uint64_t invalid_poses = 0;   ///< without finite joint positions within the arm's range
+  std::uint64_t stale = 0;           ///< waited too long in the kernel
+  std::uint64_t refused = 0;         ///< commands that were not finite or exceeded a limit
+  std::uint64_t scaled = 0;          ///< commands scaled down to the joint torque limits
   std::uint64_t send_errors = 0;
 };
 
@@ -55,7 +49,7 @@ class RequestReplyDriver : public devices::Driver {
 
  protected:
   using Clock = std::chrono::steady_clock;
-  enum class Intake : std::uint8_t { kNothing, kNew, kUntrusted };
+  enum class Intake : std::uint8_t { kNothing, kNew, kInvalid };
 
   /// `silence_s`: without a measurement for this long the controller is lost. `virtual_timeout_s`:
   /// longest wait in virtual time.
@@ -69,9 +63,9 @@ class RequestReplyDriver : public devices::Driver {
 
   // All of these are real-time safe.
   /// Classifies a datagram; every measurement is recorded as received and counted.
-  virtual Intake judge(const UdpSocket::Datagram& datagram,
-                       std::span<const std::byte> bytes) noexcept = 0;
-  /// Keeps the last classified datagram as the newest measurement; of kUntrusted ones only the
+  virtual Intake classify(const UdpSocket::Datagram& datagram,
+                          std::span<const std::byte> bytes) noexcept = 0;
+  /// Keeps the last classified datagram as the newest measurement; of kInvalid ones only the
   /// header is valid.
   virtual void keep(Intake intake) noexcept = 0;
   /// Replies to a kept invalid measurement; nothing is sent until the first valid one.
@@ -85,7 +79,7 @@ class RequestReplyDriver : public devices::Driver {
   /// Why the session gives no force; kRecoverable if force is possible.
   virtual devices::DeviceError error() const noexcept = 0;
   /// Replies with this wrench, in D. Returns false if it could not be sent.
-  virtual bool push(const Wrench& command) noexcept = 0;
+  virtual bool reply_with(const Wrench& command) noexcept = 0;
   virtual void reply_without_force() noexcept = 0;
 
   std::unique_ptr<UdpSocket> socket_;

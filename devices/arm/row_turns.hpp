@@ -7,7 +7,7 @@
 
 namespace voxtouch::arm {
 
-/// About x by multiples of a quarter turn (-1, 0, 1), without the rounding of a cosine.
+/// Rotation about x by multiples of 90 degrees (-1, 0, 1), without the rounding of a cosine.
 inline Quat quarter_turns_about_x(int turns) noexcept {
   const double half = std::numbers::sqrt2 / 2.0;
   return turns == 0 ? Quat::Identity() : Quat(half, turns * half, 0.0, 0.0);

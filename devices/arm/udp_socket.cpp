@@ -28,8 +28,8 @@ UdpEndpoint from_system(const sockaddr_in& address) noexcept {
   return {ntohl(address.sin_addr.s_addr), ntohs(address.sin_port)};
 }
 
-/// Age since the kernel received the datagram; zero without a stamp. Both stamps are of the wall
-/// clock, whose rare steps make one packet appear too old or too new.
+/// Age since the kernel received the datagram; zero without a stamp. Both stamps use the wall
+/// clock. Its rare steps make one packet appear too old or too new.
 std::chrono::nanoseconds age_of(msghdr& message) noexcept {
   for (cmsghdr* part = CMSG_FIRSTHDR(&message); part; part = CMSG_NXTHDR(&message, part)) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SCM_TIMESTAMPNS)

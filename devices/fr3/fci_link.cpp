@@ -94,7 +94,7 @@ bool FciLink::send(const fci::Message& message) noexcept {
   const ssize_t sent = ::send(file_, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   closed_ =
       sent != static_cast<ssize_t>(
-                  bytes.size());  // requests are short: if one does not fit, the reader is gone
+                  bytes.size());  // requests are short: if one does not fit, the peer does not read
   return !closed_;
 }
 

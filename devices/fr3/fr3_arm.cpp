@@ -31,7 +31,7 @@ Fr3Arm::State Fr3Arm::at(const Joints& q) const noexcept {
   state.pose_BT = state.flange * pose_FT_;
   for (int i = 0; i < kJoints; ++i) {
     const Pose& own =
-        frames[static_cast<std::size_t>(i)];  // joint i rotates about the z axis of its own frame
+        frames[static_cast<std::size_t>(i)];  // joint i rotates about the z axis of frame i
     const Vec3 axis = own.orientation * Vec3::UnitZ();
     state.jacobian.col(i) << axis.cross(state.pose_BT.position - own.position), axis;
   }

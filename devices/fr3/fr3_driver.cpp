@@ -5,7 +5,7 @@
 namespace voxtouch::fr3 {
 namespace {
 
-constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
+constexpr double kBeyondLimitRad = 0.05;  // the arm's stops are within this of its limits
 constexpr std::uint64_t kStrangeAhead =
     5000;  // a larger jump, beyond the lifetime of a session, is not a count of milliseconds
 
@@ -19,8 +19,8 @@ void Fr3Driver::stop() noexcept {
 
 // --- input
 
-Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram,
-                                   std::span<const std::byte> bytes) noexcept {
+Fr3Driver::Intake Fr3Driver::classify(const arm::UdpSocket::Datagram& datagram,
+                                      std::span<const std::byte> bytes) noexcept {
   if (datagram.from.address != link_->robot().address)
     return ++counts_.foreign, Intake::kNothing;
   const fci::PacketFault fault = fci::decode(*dialect_, bytes, incoming_);
@@ -28,18 +28,18 @@ Fr3Driver::Intake Fr3Driver::judge(const arm::UdpSocket::Datagram& datagram,
     return ++counts_.malformed, Intake::kNothing;
   const std::uint64_t id = incoming_.message_id;
   if (started_ && id <= newest_id_)
-    return ++counts_.old, Intake::kNothing;
+    return ++counts_.out_of_order, Intake::kNothing;
   if (started_ && id - newest_id_ > kStrangeAhead)
-    return ++counts_.strange, Intake::kNothing;
+    return ++counts_.from_future, Intake::kNothing;
   received_.store(Clock::now(), std::memory_order_relaxed);
   if (started_)
     counts_.lost += id - newest_id_ - 1, steps_ms_ += id - newest_id_;
   newest_id_ = id;
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
   if (too_old && started_ && !virtual_time_)
-    return ++counts_.aged, Intake::kNothing;
+    return ++counts_.stale, Intake::kNothing;
   if (fault != fci::PacketFault::kNone)
-    return ++counts_.untrusted, Intake::kUntrusted;
+    return ++counts_.invalid, Intake::kInvalid;
   return Intake::kNew;
 }
 
@@ -127,7 +127,7 @@ void Fr3Driver::ask_what_is_due() noexcept {
 
 // --- output
 
-bool Fr3Driver::push(const Wrench& command) noexcept {
+bool Fr3Driver::reply_with(const Wrench& command) noexcept {
   const Quat rotation_BD = rotation_DB_.conjugate();
   const Wrench requested =
       within_joints({rotation_BD * command.force, rotation_BD * command.torque});

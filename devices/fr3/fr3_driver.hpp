@@ -82,8 +82,8 @@ class Fr3Driver : public arm::RequestReplyDriver {
   void disengage() noexcept;
   fci::Received answer_to(const fci::Message& message, fci::Request request);
 
-  Intake judge(const arm::UdpSocket::Datagram& datagram,
-               std::span<const std::byte> bytes) noexcept override;
+  Intake classify(const arm::UdpSocket::Datagram& datagram,
+                  std::span<const std::byte> bytes) noexcept override;
   void keep(Intake intake) noexcept override {
     if (intake == Intake::kNew)
       state_ = incoming_;
@@ -96,7 +96,7 @@ class Fr3Driver : public arm::RequestReplyDriver {
     return session_.force_allowed() && !link_->closed();
   }
   devices::DeviceError error() const noexcept override { return session_.error(); }
-  bool push(const Wrench& command) noexcept override;
+  bool reply_with(const Wrench& command) noexcept override;
   void reply_without_force() noexcept override;
   void measure() noexcept;
   void receive_channel() noexcept;

@@ -10,8 +10,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto kCancelledEvery = 50ms;
-constexpr double kOtherGeometryM =
-    0.01;  // the robot's own calibration is within millimetres of the nominal arm
+constexpr double kOtherGeometryM = 0.01;  // calibrated and nominal arm differ by millimetres
 
 std::chrono::nanoseconds seconds(double s) {
   return std::chrono::nanoseconds(std::llround(s * 1e9));
@@ -147,7 +146,7 @@ void Fr3Driver::first_state() {
     reply_without_force();
 }
 
-/// Compares the robot's own pose of its end effector with the geometry of this driver.
+/// Compares the robot's pose of its end effector with the geometry of this driver.
 void Fr3Driver::compare_geometry() const {
   const Vec3 ours = posture_.flange.position + posture_.flange.orientation * state_.ee_in_flange;
   const double apart = (ours - state_.ee_in_base).norm();
@@ -193,7 +192,7 @@ DeviceDescription describe_fr3() {
   d.damping_nms_per_rad = 0.1;
   d.coulomb_friction_nm = 0.0;
   d.max_stiffness_nm_per_rad = 300.0;
-  d.lost_in_a_row = 2;
+  d.consecutive_losses = 2;
   d.grip = "arm";
   derive_slew_limits(d);  // of the guard; the torque steps of the joints (TorqueRamp) are smaller
   return d;
@@ -209,7 +208,7 @@ void Fr3Driver::disengage() noexcept {
     const Intake intake = wait_and_take(deadline);
     if (intake == Intake::kNothing)
       return;
-    if (intake == Intake::kUntrusted)
+    if (intake == Intake::kInvalid)
       continue;
     accept();
     if (ramp_.at_rest() && !ending_) {

@@ -1,6 +1,5 @@
 #pragma once
-/// Limits the rate of the joint torques on the way to the wire, because the robot stops itself at a
-/// jump.
+/// Limits the rate of the commanded joint torques, because the robot stops itself at a jump.
 #include "devices/arm/joints.hpp"
 
 namespace voxtouch::fr3 {
@@ -15,12 +14,12 @@ class TorqueRamp {
       : step_nm_(step_nm),
         most_nm_(most_nm) {}
 
-  /// Takes the torque that the robot reports as last received, so that a lost command does not
-  /// count as given. A report outside the last two commands, or of no reception for more than 20
-  /// commands, is ignored. Without a finite report, the last command counts.
+  /// Takes the torque that the robot reports as last received, so a lost command does not count as
+  /// executed. A report that differs from the last two commands, or of no reception for more than
+  /// 20 commands, is ignored. Without a finite report, the last command counts.
   void acknowledge(const arm::Joints& tau_d) noexcept;
   /// The joint torques of the next command towards `requested` (base axes, at the tool of
-  /// `jacobian`) and `posture` [Nm], torques that move the joints but not the tool.
+  /// `jacobian`) and `posture` [Nm]. `posture` moves the joints but not the tool.
   const arm::Joints& next(const arm::Jacobian& jacobian, const Wrench& requested,
                           const arm::Joints& posture) noexcept;
   /// The robot has ended the motion itself: no force acts.

@@ -65,8 +65,8 @@ class FriSession {
   /// received the request.
   bool stopped() const noexcept { return stopping_ && !in_command_ && !echo_runs_; }
 
-  /// Whether the controller executes the command (CMD, drives on), so that the position must be our
-  /// own; otherwise it must mirror.
+  /// Whether the controller executes the command (CMD, drives on). If so, this driver sets the
+  /// position; otherwise it must mirror the controller's.
   bool in_command() const noexcept { return in_command_; }
   bool force_allowed() const noexcept { return diagnostic_ == Diagnostic::kNone; }
   Diagnostic diagnostic() const noexcept { return diagnostic_; }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::uint64_t kGapPeriods =
     5;  // after a longer gap a difference of positions is not the present velocity
-constexpr double kBeyondLimitRad = 0.05;  // the arm's own stops are within this of its limits
+constexpr double kBeyondLimitRad = 0.05;  // the arm's stops are within this of its limits
 
 std::int64_t wall_ns() noexcept {
   timespec now{};
@@ -25,7 +25,7 @@ std::span<const std::byte> bytes_of(const fri::CmdPacket& packet) noexcept {
 /// Outside virtual time, a second reply replaces a reply already sent: the controller uses the
 /// newest.
 void LwrDriver::stop() noexcept {
-  if (unanswered_ || (pushing_ && !virtual_time_))
+  if (unanswered_ || (replied_with_force_ && !virtual_time_))
     reply_without_force();
 }
 
@@ -41,23 +41,23 @@ void LwrDriver::reply_to_invalid() noexcept {
   if (!composer_ || !composer_->ready())
     return;
   send(composer_->reply_to_invalid(msr_.header, session_));
-  pushing_ = unanswered_ = false;
+  replied_with_force_ = unanswered_ = false;
   posture_ratio_ = 0.0;
-  Noted noted = noted_now();
-  noted.usable = false;
-  noted_.store(noted, std::memory_order_relaxed);
+  Snapshot snapshot = take_snapshot();
+  snapshot.usable = false;
+  snapshot_.store(snapshot, std::memory_order_relaxed);
 }
 
-LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram,
-                                   std::span<const std::byte> bytes) noexcept {
+LwrDriver::Intake LwrDriver::classify(const UdpSocket::Datagram& datagram,
+                                      std::span<const std::byte> bytes) noexcept {
   capture_.note(bytes, datagram.from, socket_->local(), wall_ns());
   if (controller_.address != 0 && datagram.from.address != controller_.address)
     return ++counts_.foreign, Intake::kNothing;
   const fri::PacketFault fault = fri::decode(bytes, incoming_);
-  const bool untrusted = fault == fri::PacketFault::kEnum || fault == fri::PacketFault::kNotFinite;
+  const bool invalid = fault == fri::PacketFault::kEnum || fault == fri::PacketFault::kNotFinite;
   if (fault != fri::PacketFault::kNone)
     last_fault_ = fault, last_bad_size_ = datagram.size, last_bad_from_ = datagram.from;
-  if (fault != fri::PacketFault::kNone && !untrusted)
+  if (fault != fri::PacketFault::kNone && !invalid)
     return ++counts_.malformed, Intake::kNothing;
   received_.store(Clock::now(), std::memory_order_relaxed);
   if (sequence_.see(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew)
@@ -66,9 +66,9 @@ LwrDriver::Intake LwrDriver::judge(const UdpSocket::Datagram& datagram,
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
   if (too_old && composer_ &&
       !virtual_time_)  // until the first one nothing is known, including virtual time
-    return ++counts_.aged, Intake::kNothing;
-  if (untrusted)
-    return ++counts_.untrusted, Intake::kUntrusted;
+    return ++counts_.stale, Intake::kNothing;
+  if (invalid)
+    return ++counts_.invalid, Intake::kInvalid;
   return Intake::kNew;
 }
 
@@ -90,7 +90,7 @@ void LwrDriver::accept() noexcept {
   sample_.time_ns = clock_->time_ns();
   measure(elapsed_s);
   session_.see(msr_, elapsed_s, sample_.pose_valid ? check_arm() : fri::Diagnostic::kNone);
-  noted_.store(noted_now(), std::memory_order_relaxed);
+  snapshot_.store(take_snapshot(), std::memory_order_relaxed);
   silent_.store(false, std::memory_order_relaxed);
 }
 
@@ -121,13 +121,13 @@ fri::Diagnostic LwrDriver::check_arm() const noexcept {
 
 // --- output
 
-bool LwrDriver::push(const Wrench& command) noexcept {
-  const fri::CmdPacket& packet = composer_->answer(msr_, session_, true, push_for(command));
-  pushing_ = true;
+bool LwrDriver::reply_with(const Wrench& command) noexcept {
+  const fri::CmdPacket& packet = composer_->answer(msr_, session_, true, added_torque(command));
+  replied_with_force_ = true;
   return send(packet);
 }
 
-LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
+LwrJoints LwrDriver::added_torque(const Wrench& command) noexcept {
   const Quat rotation_BD = rotation_DB_.conjugate();
   LwrJoints torque =
       joint_torque(posture_.jacobian, {rotation_BD * command.force, rotation_BD * command.torque});
@@ -144,7 +144,7 @@ LwrJoints LwrDriver::push_for(const Wrench& command) noexcept {
 }
 
 void LwrDriver::reply_without_force() noexcept {
-  pushing_ = false;
+  replied_with_force_ = false;
   posture_ratio_ = 0.0;
   if (composer_)
     send(composer_->answer(msr_, session_, sample_.pose_valid, LwrJoints::Zero()));

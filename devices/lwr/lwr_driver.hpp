@@ -34,7 +34,7 @@
 
 namespace voxtouch::lwr {
 
-/// Description of an arm whose controller sends every `period_s`.
+/// Description of an arm whose controller sends at intervals of `period_s`.
 DeviceDescription describe_lwr(double period_s);
 
 /// Errors of `read`: kTimeout (no new measurement in time, or only outdated ones), kDisconnected
@@ -94,19 +94,19 @@ class LwrDriver : public arm::RequestReplyDriver {
   void disengage() noexcept;
   std::string nothing_came() const;
 
-  Intake judge(const UdpSocket::Datagram& datagram,
-               std::span<const std::byte> bytes) noexcept override;
+  Intake classify(const UdpSocket::Datagram& datagram,
+                  std::span<const std::byte> bytes) noexcept override;
   void keep(Intake intake) noexcept override;
   void reply_to_invalid() noexcept override;
   void accept() noexcept override;
   void received_nothing(bool lost) noexcept override;
   bool force_allowed() const noexcept override { return session_.force_allowed(); }
   devices::DeviceError error() const noexcept override { return session_.error(); }
-  bool push(const Wrench& command) noexcept override;
+  bool reply_with(const Wrench& command) noexcept override;
   void reply_without_force() noexcept override;
   void measure(double elapsed_s) noexcept;
   fri::Diagnostic check_arm() const noexcept;
-  LwrJoints push_for(const Wrench& command) noexcept;
+  LwrJoints added_torque(const Wrench& command) noexcept;
   bool send(const fri::CmdPacket& packet) noexcept;
 
   LwrOptions options_;
@@ -126,21 +126,21 @@ class LwrDriver : public arm::RequestReplyDriver {
   std::size_t last_bad_size_ = 0;
   UdpEndpoint last_bad_from_;
   std::int64_t period_ns_ = 1'000'000;
-  std::uint64_t steps_ = 0;  // periods since the last accepted measurement
-  bool pushing_ = false;     // the last reply contained a force
+  std::uint64_t steps_ = 0;          // periods since the last accepted measurement
+  bool replied_with_force_ = false;  // the last reply contained a force
 
   /// For last_error(), which other threads call.
-  struct Noted {
+  struct Snapshot {
     fri::Diagnostic diagnostic = fri::Diagnostic::kNone;
     bool usable = true;  // the last measurement
     std::uint16_t power = fri::kAllDrives, error = 0, warning = 0;
   };
-  static std::string sentence_for(const Noted& noted);
-  Noted noted_now() const noexcept {
+  static std::string sentence_for(const Snapshot& snapshot);
+  Snapshot take_snapshot() const noexcept {
     return {session_.diagnostic(), sample_.pose_valid, msr_.robot.power, msr_.robot.error,
             msr_.robot.warning};
   }
-  std::atomic<Noted> noted_{Noted{}};
+  std::atomic<Snapshot> snapshot_{Snapshot{}};
 };
 
 }  // namespace voxtouch::lwr

@@ -65,8 +65,8 @@ LwrDriver::LwrDriver(const LwrOptions& options)
 void LwrDriver::connect() {
   const auto start = Clock::now(), deadline = start + seconds(options_.connect_timeout_s);
   received_.store(start, std::memory_order_relaxed);
-  // Without a first position there is nothing to mirror; a measurement of a closed interface ends
-  // an earlier session.
+  // A first position is needed to mirror it; a measurement of a closed interface belongs to an
+  // earlier session.
   for (bool good = false; !good;) {
     const Intake intake = wait_and_take(std::min(deadline, Clock::now() + kCancelledEvery));
     if (options_.cancelled && options_.cancelled->load())
@@ -99,10 +99,10 @@ void LwrDriver::connect() {
 std::string LwrDriver::nothing_came() const {
   const std::string where = fmt::format("device 'lwr': no FRI measurement within {} s on UDP {}",
                                         options_.connect_timeout_s, text_of(socket_->local()));
-  if (counts_.untrusted)
+  if (counts_.invalid)
     return fmt::format("{} with valid numbers and state ({} from {})", where, name_of(last_fault_),
                        text_of(last_bad_from_));
-  if (sequence_.counts().accepted > counts_.untrusted)
+  if (sequence_.counts().accepted > counts_.invalid)
     return fmt::format("{} of an open interface: call friOpen on the controller", where);
   if (counts_.malformed)
     return fmt::format(
@@ -172,26 +172,26 @@ void LwrDriver::disengage() noexcept {
     const Intake intake = wait_and_take(deadline);
     if (intake == Intake::kNothing)
       return;
-    if (intake == Intake::kUntrusted)
+    if (intake == Intake::kInvalid)
       continue;
     accept();
     reply_without_force();
   }
 }
 
-std::string LwrDriver::sentence_for(const Noted& noted) {
-  std::string text(sentence_of(noted.diagnostic));
-  const unsigned off = ~noted.power & fri::kAllDrives;
-  if (noted.error)
-    text += fmt::format(" [errors of {}]", joints_of(noted.error));
-  if (noted.warning)
-    text += fmt::format(" [warnings of {}]", joints_of(noted.warning));
+std::string LwrDriver::sentence_for(const Snapshot& snapshot) {
+  std::string text(sentence_of(snapshot.diagnostic));
+  const unsigned off = ~snapshot.power & fri::kAllDrives;
+  if (snapshot.error)
+    text += fmt::format(" [errors of {}]", joints_of(snapshot.error));
+  if (snapshot.warning)
+    text += fmt::format(" [warnings of {}]", joints_of(snapshot.warning));
   if (off)
     text += fmt::format(" [drives off: {}]", joints_of(off));
   return text;
 }
 
-std::string LwrDriver::status_text() const { return sentence_for(noted_now()); }
+std::string LwrDriver::status_text() const { return sentence_for(take_snapshot()); }
 
 std::string LwrDriver::last_error() const {
   if (silent_.load(std::memory_order_relaxed)) {
@@ -201,10 +201,10 @@ std::string LwrDriver::last_error() const {
         "program",
         text_of(socket_->local()), std::chrono::duration<double>(silence).count());
   }
-  const Noted noted = noted_.load(std::memory_order_relaxed);
-  if (noted.diagnostic != fri::Diagnostic::kNone)
-    return sentence_for(noted);
-  if (noted.usable)
+  const Snapshot snapshot = snapshot_.load(std::memory_order_relaxed);
+  if (snapshot.diagnostic != fri::Diagnostic::kNone)
+    return sentence_for(snapshot);
+  if (snapshot.usable)
     return {};
   return "no force: the controller's measurement has NaN, infinity or impossible values. Check its "
          "messages and the arm's sensors";

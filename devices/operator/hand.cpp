@@ -132,8 +132,8 @@ HandAction Hand::step() noexcept {
   const double middle_s = now_s - motion_start_s_ + 0.5 * step_s_;
   action.target = lead(motion_at(motion_, middle_s), turn_at(motion_, middle_s).orientation);
   action.target_orientation = orientation_;
-  const Vec3 tremor =
-      tremor_.next();  // drawn also where the hand is open: what comes later does not depend on it
+  const Vec3 tremor = tremor_.next();  // also for an open hand, so that the random sequence does
+                                       // not depend on the grip
   ++steps_;
   if (!held)
     return action;
@@ -146,8 +146,8 @@ HandAction Hand::step() noexcept {
   action.stiffness_nm_per_rad = factor * config_.stiffness_nm_per_rad;
   action.steady_force = tremor;
   if (config_.carries_tool) {
-    // Friction is met in full above 1 mm/s and in proportion below: no step of force where the
-    // target sets off.
+    // Friction is full above 1 mm/s and proportional below, so the force has no step when the
+    // target starts to move.
     const double fraction =
         drag_.coulomb_friction_n / std::max(action.target.velocity.norm(), 1e-3);
     action.steady_force += (drag_.damping_ns_per_m + fraction) * action.target.velocity;

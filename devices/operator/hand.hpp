@@ -1,7 +1,6 @@
 #pragma once
 /// The operator as a load at the tip of a simulated arm: a force towards the hand's target, and a
-/// mass that moves with the tip. Shared by the emulators of real devices, which have inertia,
-/// joints and friction of their own.
+/// mass that moves with the tip. The emulators of real devices share it.
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -22,8 +21,8 @@ const std::vector<std::string_view>& grip_names();
 
 /// The grip itself. Throws as OperatorConfig::validate does.
 const sim::OperatorConfig& checked_grip(const sim::OperatorConfig& grip);
-/// The motion with a normalised orientation. Throws std::runtime_error, with a sentence, for an
-/// invalid motion: no way point, NaN or infinity, no speed, an invalid orientation.
+/// The motion with normalised orientations. Throws std::runtime_error for an invalid motion: no way
+/// point, NaN or infinity, no speed, an invalid orientation.
 Motion checked_motion(Motion motion);
 
 /// Drag of the tool that a hand compensates; see OperatorConfig::carries_tool.
@@ -46,7 +45,7 @@ struct HandAction {
     return stiffness_n_per_m * (target.position - position) +
            damping_ns_per_m * (target.velocity - velocity) + steady_force;
   }
-  /// On the tool [Nm], likewise; 2 sin(angle / 2) stands for the angle, within 0.2 % up to 12
+  /// Torque on the tool in D [Nm]. 2 sin(angle / 2) approximates the angle, within 0.2 % up to 12
   /// degrees.
   Vec3 torque(const Quat& orientation, const Vec3& angular_velocity) const noexcept {
     const Quat turn = target_orientation * orientation.conjugate();
@@ -64,8 +63,8 @@ class Hand {
   /// motion itself.
   static constexpr double kBandwidthHz = 5.0;
 
-  /// In D. The parameters must be valid (OperatorConfig::validate) and the motion must have a way
-  /// point: throws std::runtime_error otherwise.
+  /// In D. Throws std::runtime_error if the parameters are invalid (OperatorConfig::validate) or
+  /// the motion has no way point.
   Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed = 0,
        const ToolDrag& drag = {}, double bandwidth_hz = kBandwidthHz);
 

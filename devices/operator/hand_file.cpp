@@ -67,8 +67,7 @@ class Reader {
   }
   template <Number T>
   void read(const YAML::Node& node, T& value) const {
-    const std::string text =
-        node.Scalar() == ".inf" ? "inf" : node.Scalar();  // empty where there is a list
+    const std::string text = node.Scalar() == ".inf" ? "inf" : node.Scalar();  // empty for a list
     const auto number = parse_number<T>(text);
     if (!number || *number != *number)
       refuse(node.Mark(), fmt::format("'{}' is not a valid number", text));
@@ -104,8 +103,8 @@ class Reader {
   std::string_view file_;
 };
 
-/// A value as YAML: the shortest text that reads back bit-identically; no locale. Empty where
-/// there is none.
+/// A value as YAML: the shortest text that reads back bit-identically, in any locale. Empty without
+/// a value.
 template <class T>
 std::string yaml_of(const T& value) {
   return fmt::to_string(value);

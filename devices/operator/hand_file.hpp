@@ -15,8 +15,7 @@ namespace voxtouch::hand {
 struct HandFile {
   Motion motion;
   sim::OperatorConfig hand;
-  std::vector<double>
-      posture_rad;  ///< joints of the arm to start near; empty: the device's own choice
+  std::vector<double> posture_rad;  ///< initial joint posture; empty: the device's default
   std::uint64_t seed = 0;
 };
 

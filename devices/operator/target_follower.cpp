@@ -18,7 +18,7 @@ Vec3 load_of(const Vec3& force, double largest) noexcept {
   return largest > 0.0 ? Vec3(force / largest) : Vec3::Zero();
 }
 
-/// Twice the sine of half the angle along the axis, the shorter way round.
+/// Rotation vector of length 2 sin(angle / 2), along the shorter rotation.
 Vec3 turn_vector(const Quat& turn) noexcept { return (turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec(); }
 
 Quat turn_of(const Vec3& vector) noexcept {
@@ -95,7 +95,7 @@ TargetFollower::Step TargetFollower::begin_step(const Pose& tip,
   step.displacement = cut(target.position - goal_.position, kMaxSpeedMPerS * interval_s);
   if (target.orientation.coeffs() == goal_.orientation.coeffs())
     return step;
-  // The sine of half the angle stands for half the angle: 6e-5 of it in a turn that is cut.
+  // sin(angle / 2) approximates angle / 2; the relative error is below 6e-5 for a limited rotation.
   step.turn = turn_of(cut(turn_vector(target.orientation * goal_.orientation.conjugate()),
                           kMaxRateRadPerS * interval_s));
   return step;
@@ -120,11 +120,10 @@ MotionPoint TargetFollower::position_at(double time_s) const noexcept {
   return at;
 }
 
-/// A part of a turn is the chord between rest and the whole of it, brought back to length 1. With
-/// (w, v) the whole turn and x the fraction, the half angle has the tangent x |v| / (1 - x + x w),
+/// A fraction of a rotation is the normalised chord between rest and the whole rotation. With (w,
+/// v) the whole rotation and x the fraction, the half angle has the tangent x |v| / (1 - x + x w),
 /// so
-///
-///   angle' = 2 |v| x' / ((1 - x + x w)^2 + (x |v|)^2).
+/// angle' = 2 |v| x' / ((1 - x + x w)^2 + (x |v|)^2).
 MotionTurnPoint TargetFollower::turn_at(double time_s) const noexcept {
   MotionTurnPoint at{base_.orientation, Vec3::Zero()};
   for_each_step(time_s, [&](const Step& step, double fraction, double rate) {

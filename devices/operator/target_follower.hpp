@@ -10,16 +10,16 @@
 
 namespace voxtouch::hand {
 
-/// The sum of minimum-jerk steps (Flash and Hogan 1985), each of kStepS. Eight times within kStepS
-/// a step begins, from the goal of the last one towards the newest target. Position, velocity and
-/// acceleration are continuous, whatever the targets are. Its bandwidth (-3 dB) is 7 Hz, below the
-/// 10 Hz that a hand's voluntary motion is taken for.
+/// Follows a target by a sum of minimum-jerk steps (Flash and Hogan 1985), each of duration kStepS.
+/// Eight steps begin within kStepS, each from the goal of the previous one towards the newest
+/// target. Position, velocity and acceleration are continuous for any targets. The bandwidth is 7
+/// Hz (-3 dB), below the 10 Hz of voluntary motion.
 ///
-/// The goal stays within the limits of core/types/lead_limit.hpp, whatever the targets are and also
-/// while it rests: a hand that presses harder gives way.
+/// The goal stays within the limits of core/types/lead_limit.hpp for any target, also at rest: a
+/// hand that presses harder yields.
 ///
-/// Time is counted in calls of `advance`, never by a clock: the same calls give bit-identical
-/// results. All in the frame of the poses given. Real-time safe.
+/// Time is counted in calls of `advance`, not by a clock, so equal calls give bit-identical
+/// results. All in the frame of the given poses. Real-time safe.
 class TargetFollower {
  public:
   static constexpr std::size_t kSteps = 8;
@@ -39,14 +39,14 @@ class TargetFollower {
   /// At rest at `start`. `period_s`: between two calls of `advance`; at most kStepS / kSteps.
   TargetFollower(const Pose& start, double period_s, const Strength& strength) noexcept;
 
-  /// The newest target. One that is not finite, or whose orientation is no rotation, is ignored.
+  /// Sets the newest target. A non-finite one, or one with an invalid orientation, is ignored.
   void aim(const Pose& target) noexcept;
   /// One period passes; at its end the tip is at `tip` and the device gives `push`.
   void advance(const Pose& tip, const Wrench& push) noexcept;
 
   /// Position and velocity at `time_s` since the start, within the period that `advance` has begun.
   MotionPoint position_at(double time_s) const noexcept;
-  /// Orientation and rate of turn, likewise.
+  /// Orientation and angular velocity.
   MotionTurnPoint turn_at(double time_s) const noexcept;
 
  private:
@@ -58,8 +58,8 @@ class TargetFollower {
   Step begin_step(const Pose& tip, const Wrench& push) const noexcept;
   /// `requested` within the limits of the hand.
   Pose within_reach(const Pose& requested, const Pose& tip, const Wrench& push) const noexcept;
-  /// Calls `use(step, fraction, rate)` for each step, the oldest first: the part of it that is
-  /// done, and its derivative [1/s].
+  /// Calls `use(step, fraction, rate)` for each step, the oldest first: the completed fraction and
+  /// its derivative [1/s].
   template <class Use>
   void for_each_step(double time_s, Use&& use) const noexcept;
 

@@ -147,7 +147,7 @@ std::optional<int> HdSession::integer(hd::HDenum name) {
 
 void HdSession::ask() {
   const hd::HDstring model = api_.hdGetString(hd::kDeviceModelType);
-  must("asking for the model");
+  must("querying the model");
   facts_.model = model != nullptr ? model : "";
   const hd::HDstring serial = api_.hdGetString(hd::kDeviceSerialNumber);
   if (take_errors(api_) == hd::kSuccess && serial != nullptr)

@@ -84,8 +84,8 @@ const arm::ArmDescription& phantom_description() {
     };
     constexpr double kTurn = std::numbers::pi, kQuarter = kTurn / 2.0;
     constexpr double kAssumedRadS = 10.0, kAssumedNm = 1.8;  // 8.5 N at the end of the thigh
-    // They rotate z to the axis of the joint: +y, -x, -y and -z. Their rotation about z is chosen
-    // so that no step to the next has a pitch of 90 degrees, where the angles of URDF are singular.
+    // These rotate z to the joint axes +y, -x, -y and -z. Their rotation about z is chosen so that
+    // no step between two of them has a pitch of 90 degrees, where the angles of URDF are singular.
     const Quat up = about(-kQuarter, Vec3::UnitX()), left = about(-kQuarter, Vec3::UnitY()),
                aside = about(kQuarter, Vec3::UnitZ());
     const Quat down = about(kQuarter, Vec3::UnitX()) * aside,

@@ -13,8 +13,9 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kLookPeriods = 2;   // without a tick for this long the errors are read
-constexpr int kStallPeriods = 5;  // without a tick for this long the force is turned off directly
+constexpr int kLookPeriods = 2;  // without a tick for this long the errors are read
+constexpr int kStallPeriods =
+    5;  // without a tick for so many periods the force is turned off directly
 constexpr auto kFirstTick = 1s;
 constexpr auto kLongSilence = 200ms;  // worth a message
 
@@ -83,8 +84,8 @@ devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
   return sample_.sample;
 }
 
-/// An overdue tick may never come. The errors of the library then give the reason, and no other
-/// thread reads them.
+/// An overdue tick may never come. The errors of the library give the reason, and no other thread
+/// reads them.
 bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {

@@ -121,7 +121,7 @@ bool PhantomServo::see_pose() noexcept {
     return false;
   if (!orientation_of(raw_.transform.data(), pose.orientation))
     return false;
-  // The same rotation with the sign nearer to the last, so that interpolation has no jump.
+  // The sign nearer to the last orientation, so that interpolation has no jump.
   if (pose.orientation.dot(seen_.sample.pose.orientation) < 0.0)
     pose.orientation.coeffs() *= -1.0;
   seen_.sample.pose = pose;
@@ -171,7 +171,7 @@ bool PhantomServo::take(ServoSample& out, Clock::time_point deadline) noexcept {
   }
 }
 
-/// In this order: a tick in between sets a force that the device does not give, and the next one
+/// In this order: a tick in between sets a force that the device does not display, and the next one
 /// turns it on.
 void PhantomServo::force_off() noexcept {
   api_.hdDisable(hd::kForceOutput);

@@ -19,7 +19,7 @@ namespace voxtouch::phantom {
 
 /// Result of a tick.
 struct ServoSample {
-  devices::DeviceSample sample;  ///< time since the clock's own zero
+  devices::DeviceSample sample;  ///< time since the clock's zero
   double force_limit_n = 0.0;    ///< of the thermal clamp
 };
 

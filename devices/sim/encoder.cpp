@@ -10,7 +10,7 @@ namespace voxtouch::sim {
 Vec3 quantise(const Vec3& position, double resolution) noexcept {
   if (!(resolution > 0.0))
     return position;
-  // The sum turns -0 into 0, so that equal positions have equal bits.
+  // The sum replaces -0 by 0, so that equal positions have equal bits.
   return position.unaryExpr(
       [resolution](double x) { return std::round(x / resolution) * resolution + 0.0; });
 }

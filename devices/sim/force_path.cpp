@@ -14,8 +14,8 @@ ForcePath::ForcePath(const DeviceDescription& device, double substep_s) noexcept
   const double substeps =
       std::clamp(std::round(device.delay_s / substep_s), 0.0, double{kSlots - 1});
   delay_ = static_cast<std::size_t>(substeps);
-  // Pade(1,1) of 1 - exp(-dt/tau): no library function whose last bit differs between machines. tau
-  // = 0 would give 2, a sign-changing filter, so the factor stops at 1: at once.
+  // Pade(1,1) of 1 - exp(-dt/tau). It uses no library function, whose last bit may differ between
+  // machines. tau = 0 would give 2, a filter that alternates; the factor is limited to 1: no lag.
   const double tau_s = 1.0 / (2.0 * std::numbers::pi * device.force_bandwidth_hz);
   follow_ = std::min(1.0, substep_s / (tau_s + 0.5 * substep_s));
 }

@@ -10,8 +10,8 @@ namespace voxtouch::sim {
 /// Steps of the plant in one sample period.
 inline constexpr int kSubsteps = 8;
 
-/// A motor with its electronics. The command is cut to the device's limits (direction kept), comes
-/// out a whole number of substeps later, and is followed with a first-order lag. Real-time safe.
+/// A motor with its electronics. The command is cut to the device's limits (direction kept),
+/// delayed by a whole number of substeps, and followed with a first-order lag. Real-time safe.
 class ForcePath {
  public:
   static constexpr int kMaxDelayPeriods = 32;
@@ -20,9 +20,9 @@ class ForcePath {
   /// substep.
   ForcePath(const DeviceDescription& device, double substep_s) noexcept;
 
-  /// One substep with `command` held: the mean wrench at the tool over it.
+  /// One substep with a constant `command`: the mean wrench at the tool.
   Wrench step(const Wrench& command) noexcept;
-  /// Nothing under way, zero force.
+  /// Empties the delay line; zero force.
   void clear() noexcept;
 
   std::size_t delay_substeps() const noexcept { return delay_; }

@@ -24,9 +24,8 @@ void require_in(double value, double low, double high, std::string_view field) {
 
 }  // namespace
 
-// Where each number comes from: "confirmed" = read in a published source, "derived" = computed from
-// confirmed values, "assumed" = no source found; a default to be set, not a fact about the
-// hardware.
+// Sources of the numbers. "confirmed": read in a published source. "derived": computed from
+// confirmed values. "assumed": no source found; a default, not a fact about the hardware.
 
 SimParameters sim_phantom() {
   SimParameters p;
@@ -65,20 +64,20 @@ SimParameters sim_lwr() {
   d.model = "sim-lwr";
   d.rate_hz = 1000.0;      // confirmed: fastest rate of the remote interface
   d.max_force_n = 150.0;   // assumed; joint torques would allow 200 N and more, derived
-  d.max_torque_nm = 15.0;  // assumed; half of what the wrist joints give
+  d.max_torque_nm = 15.0;  // assumed: half of the wrist joints' torque
   d.max_stiffness_n_per_m =
       5000.0;           // confirmed: cap of the Cartesian stiffness in published drivers
   d.mass_min_kg = 3.0;  // derived from an identified model, motor inertia divided by four
   d.mass_max_kg = 6.0;
   d.damping_ns_per_m = 30.0;        // assumed
-  d.coulomb_friction_n = 3.0;       // assumed: what the torque control leaves
+  d.coulomb_friction_n = 3.0;       // assumed residual of the torque control
   d.position_resolution_m = 20e-6;  // assumed
   d.delay_s = 0.002;                // assumed, like the lag
   d.force_bandwidth_hz = 1.0 / (2.0 * std::numbers::pi * 0.003);
   d.inertia_min_kg_m2 = 0.1;  // derived from assumed motor inertia of the wrist, divided by four
   d.inertia_max_kg_m2 = 0.1;
   d.damping_nms_per_rad = 0.3;          // confirmed as a published model's value of joint 6
-  d.coulomb_friction_nm = 0.1;          // likewise
+  d.coulomb_friction_nm = 0.1;          // assumed residual of the torque control
   d.orientation_resolution_rad = 1e-4;  // assumed
   d.max_stiffness_nm_per_rad =
       300.0;  // assumed: cap of the rotational stiffness in published drivers
@@ -89,7 +88,7 @@ SimParameters sim_lwr() {
       Vec3(6.0, 3.9, 5.5);  // derived: elbow bent, orientation free, motor inertia divided by four
   p.inertia_kg_m2 = 0.1;    // derived from assumed motor inertia of the wrist, divided by four
   p.damping_nms_per_rad = 0.3;  // confirmed as a published model's value of joint 6
-  p.coulomb_friction_nm = 0.1;  // likewise
+  p.coulomb_friction_nm = 0.1;  // assumed
   p.velocity_filter_hz = 50.0;  // assumed
   p.hand = *hand::grip("arm");
   derive_slew_limits(d);
@@ -112,7 +111,7 @@ void OperatorConfig::validate() const {
 }
 
 SimParameters simulated(const DeviceDescription& d) {
-  SimParameters p = d.grip == "pen" ? sim_phantom() : sim_lwr();  // for what follows from the class
+  SimParameters p = d.grip == "pen" ? sim_phantom() : sim_lwr();  // defaults of the class
   const double rotation_step_rad = p.description.orientation_resolution_rad;
   p.description = d;
   p.mass_kg = Vec3(d.mass_max_kg, 0.5 * (d.mass_min_kg + d.mass_max_kg), d.mass_min_kg);

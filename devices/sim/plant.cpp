@@ -65,7 +65,7 @@ SimPlant::SimPlant(const SimParameters& p, const OperatorConfig& hand, Motion mo
 }
 
 void SimPlant::be_led(double period_s, const DeviceDescription& device) noexcept {
-  // The stiffest grip that the hand ever has.
+  // The stiffest grip of the whole run.
   const double grip = hand_.grip_change_time_s < std::numeric_limits<double>::infinity()
                           ? std::max(1.0, hand_.grip_factor)
                           : 1.0;
@@ -88,7 +88,7 @@ void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, doubl
       step_mobility(held ? gripped(held_turn_, time_s) : free_turn_, turn_to(turn.orientation),
                     turn.rate, push.torque, dt_s, twist_.angular);
   if (rate.isZero(0.0))
-    return;  // nothing to renormalise: a tool that does not turn keeps its bits
+    return;  // no rotation: the quaternion stays bit-identical
   const Vec3 half_turn =
       (0.5 * dt_s) * rate;  // the Cayley map: a rotation by 2 atan(|rate| dt / 2)
   pose_.orientation =
@@ -106,8 +106,8 @@ MotionTurnPoint SimPlant::target_turn_at(double time_s) const noexcept {
 Vec3 SimPlant::carrying_force(const Vec3& target_velocity) const noexcept {
   if (!hand_.carries_tool)
     return Vec3::Zero();
-  // Friction is met in full above 1 mm/s and in proportion below, so that the force has no step
-  // where the target sets off.
+  // Friction is full above 1 mm/s and proportional below, so the force has no step when the target
+  // starts to move.
   const double fraction = free_move_.friction / std::max(target_velocity.norm(), 1e-3);
   return (free_move_.damping + fraction) * target_velocity;
 }

@@ -18,15 +18,14 @@ struct Mobility {
   double hand_stiffness = 0.0;  ///< towards the target
 };
 
-/// One step of `dt_s` by the implicit midpoint rule: any step length is stable, an undamped spring
-/// keeps its energy, and no library function is called. `pull`: from the body to the target's
-/// position in the middle of the step; `target_velocity` likewise. Updates `velocity`, returns the
-/// mean velocity over the step.
+/// One step of `dt_s` by the implicit midpoint rule: stable for any step, and an undamped spring
+/// keeps its energy. No library function is called. `pull`: from the body to the target's position
+/// in the middle of the step. `target_velocity`: in the middle of the step. Updates `velocity` and
+/// returns the mean velocity over the step.
 ///
-/// Friction takes at most what brings the end velocity to zero, against that velocity, so it never
-/// drives: a body at rest under less than the friction limit stays exactly where it is. One that
-/// comes to a stop within the step loses the last bit of its path, and one that is turned round
-/// passes through rest; both only take energy.
+/// Friction takes at most what brings the end velocity to zero, so it never drives: a body at rest
+/// below the friction limit stays exactly in place. A body that stops within the step loses the
+/// last bit of its path, and one that reverses passes through rest; both only dissipate energy.
 Vec3 step_mobility(const Mobility& mobility, const Vec3& pull, const Vec3& target_velocity,
                    const Vec3& force, double dt_s, Vec3& velocity) noexcept;
 
@@ -72,11 +71,12 @@ class SimPlant {
  private:
   MotionPoint target_at(double time_s) const noexcept;
   MotionTurnPoint target_turn_at(double time_s) const noexcept;
-  /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. The torque
-  /// of a spring whose energy is 4 k (1 - cos(angle / 2)); within 0.2 % of the angle up to 12
-  /// degrees, and free of inverse functions.
+  /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. It is the
+  /// torque of a spring with the energy 4 k (1 - cos(angle / 2)), and within 0.2 % of the angle up
+  /// to 12 degrees.
   Vec3 turn_to(const Quat& target) const noexcept;
-  /// What a hand that carries the tool adds against the device's drag at the target's velocity [N].
+  /// Force with which a hand that carries the tool compensates the device's drag at the target's
+  /// velocity [N].
   Vec3 carrying_force(const Vec3& target_velocity) const noexcept;
   /// `held` with the grip that the hand has at `time_s`.
   Mobility gripped(Mobility held, double time_s) const noexcept;

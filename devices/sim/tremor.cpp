@@ -17,9 +17,7 @@ Tremor::Tremor(double sigma_n, double bandwidth_hz, double period_s, std::uint64
       random_(seed) {
   keep_ = 1.0 / (1.0 + 2.0 * std::numbers::pi * bandwidth_hz * period_s);
   gain_ =
-      sigma_n *
-      std::sqrt(1.0 -
-                keep_ * keep_);  // so that the variance is that of sigma_n whatever the bandwidth
+      sigma_n * std::sqrt(1.0 - keep_ * keep_);  // keeps the variance at sigma_n for any bandwidth
 }
 
 Vec3 Tremor::next() noexcept {

@@ -1,8 +1,8 @@
 """A ring of voxtouch, started and stopped by ROS 2: ros2 launch voxtouch_msgs voxtouch.launch.py
 scene:=cup motion:=slide rig:=left
 
-The programs of voxtouch have to be on the PATH. Whatever `voxtouch up` takes in addition to these
-arguments goes into `more`, as on its command line.
+The programs of voxtouch must be on the PATH. `more` has further arguments of `voxtouch up`, as on
+its command line.
 """
 
 import os
@@ -12,7 +12,7 @@ from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, ExecuteProcess, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 
-ARGUMENTS = {  # name: (default, what it is); an empty one is left to `voxtouch up`
+ARGUMENTS = {  # name: (default, meaning); an empty one is left to `voxtouch up`
     "scene": ("cup", "scene file, or the name of one that comes with voxtouch"),
     "device": ("", "haptic device"),
     "motion": ("", "what the simulated hand does"),
@@ -27,7 +27,7 @@ def ring(context):
     command = ["voxtouch", "up", value["scene"]]
     for name in OPTIONS:
         command += [f"--{name}", value[name]] if value[name] else []
-    # Humble lays out the messages by which tools know nodes otherwise than every later ROS 2.
+    # In Humble the messages that list nodes have another layout than in later ROS 2 releases.
     command += ["--ros", "humble" if os.environ.get("ROS_DISTRO") == "humble" else "iron"]
     # A ring stops in order, device first: it is given the time for it.
     return [

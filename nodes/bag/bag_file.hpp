@@ -19,28 +19,26 @@ namespace voxtouch::bag {
 class BagFile {
  public:
   virtual ~BagFile() = default;
-  /// Topics are numbered in the order of these calls, from 0. Only called where nothing is pending.
+  /// Topics are numbered from 0 in the order of these calls. Only called without pending messages.
   virtual Result<void> add_topic(const TopicInfo& topic) = 0;
-  /// Holds the message until commit() brings it to the operating system. `topic` was added, time_ns
-  /// >= 0. Error: this message is lost, and all that is pending as well where `pending` says so
-  /// afterwards.
+  /// Buffers the message until commit(). `topic` was added, time_ns >= 0. On error this message is
+  /// lost, and all pending ones if `pending` is false afterwards.
   virtual Result<void> append(TopicId topic, std::int64_t time_ns,
                               std::span<const std::byte> bytes) = 0;
-  virtual bool pending()
-      const noexcept = 0;  ///< something was appended that commit() is still to bring in
-  virtual bool is_full() const noexcept {
-    return false;
-  }  ///< so much is pending that commit() is called for
-  /// A kill loses nothing of it from here on. Error: all that was pending is lost, and what was
-  /// committed before is whole.
+  /// Whether messages wait for commit().
+  virtual bool pending() const noexcept = 0;
+  /// Whether so many messages wait that commit() is due.
+  virtual bool is_full() const noexcept { return false; }
+  /// Writes pending messages to the operating system: a later kill does not lose them. On error all
+  /// pending messages are lost; those of earlier commits are intact.
   virtual Result<void> commit() = 0;
-  /// Now and then: what makes a file that is read while it is written, or left behind by a kill,
-  /// better to read.
+  /// Called at intervals: updates the data that readers need for a file that is still written or
+  /// was left by a kill.
   virtual Result<void> refresh(const BagMetadata& metadata) = 0;
   /// Commits and ends the file, which may only be destroyed then. kYes: once it returns, the file
   /// is on the disk.
   virtual Result<void> close(const BagMetadata& metadata, Flush flush) = 0;
-  virtual std::uint64_t bytes() const noexcept = 0;  ///< of the file as it was last committed
+  virtual std::uint64_t bytes() const noexcept = 0;  ///< of the file at the last commit
 };
 
 /// Make the file, which must not be there. `max_bytes`: beyond them messages are lost as on a full

@@ -20,7 +20,7 @@ YAML::Node topic_node(const TopicInfo& topic) {
   return node;
 }
 
-/// What metadata states of the bag and of each of its files alike.
+/// Metadata common to the bag and each of its files.
 void add_extent(YAML::Node node, const Extent& extent) {
   node["duration"]["nanoseconds"] = extent.duration_ns;
   node["starting_time"]["nanoseconds_since_epoch"] = extent.starting_time_ns;
@@ -42,8 +42,7 @@ void Extent::add(const Extent& more) noexcept {
 }
 
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root) {
-  YAML::Node root(
-      YAML::NodeType::Map);  // one that is nothing yet would not be shared by its copies
+  YAML::Node root(YAML::NodeType::Map);  // an undefined node is not shared by its copies
   YAML::Node body = with_root ? root["rosbag2_bagfile_information"] : root;
   body["version"] = kMetadataVersion;
   body["storage_identifier"] = metadata.storage_identifier;

@@ -1,7 +1,6 @@
 #pragma once
-/// metadata.yaml of a rosbag2 folder, with the type hashes that Jazzy lists. Humble, which writes
-/// version 5, reads it and passes over what it does not know. BagReader reads of versions 1 to 9
-/// what it needs.
+/// metadata.yaml of a rosbag2 folder, with the type hashes that Jazzy lists. Humble writes version
+/// 5; it reads this version and ignores unknown keys. BagReader reads versions 1 to 9.
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -16,12 +15,12 @@ struct TopicInfo {
   std::string name;  ///< "/haptic/device/state"
   std::string type;  ///< "voxtouch_msgs/msg/DeviceState"
   std::string serialization_format = "cdr";
-  /// of the writers, as YAML text: rmw's numbers up to version 8, version 9's list as it is there
+  /// of the writers, as YAML text: rmw's numbers up to version 8, the list of version 9 unchanged
   std::string offered_qos;
   std::uint64_t message_count = 0;
-  std::string type_hash = {};   ///< RIHS01 hash of the type's layout
-  std::string definition = {};  ///< the type's .msg with all that it uses ("ros2msg"); an MCAP
-                                ///< holds it, so that a bag explains itself
+  std::string type_hash = {};  ///< RIHS01 hash of the type's layout
+  std::string definition =
+      {};  ///< the type's .msg with all types that it uses ("ros2msg"), stored in an MCAP
 };
 
 /// When messages were, and how many.
@@ -29,7 +28,7 @@ struct Extent {
   std::int64_t starting_time_ns = 0;  ///< of the first message; 0 without messages
   std::int64_t duration_ns = 0;       ///< last minus first
   std::uint64_t message_count = 0;
-  /// From the earlier beginning to the later end of both; one without messages adds nothing.
+  /// Extends this to cover both; `more` without messages changes nothing.
   void add(const Extent& more) noexcept;
 };
 
@@ -43,9 +42,8 @@ struct BagMetadata : Extent {
   std::vector<FileInfo> files;
 };
 
-/// The text of metadata.yaml. With `with_root` false the inner part alone, which the
-/// database's own metadata table holds: without that row Jazzy takes the QoS text for its newest
-/// form.
+/// The text of metadata.yaml. Without `with_root` only the inner part, as stored in the database's
+/// metadata table; without that row Jazzy assumes its newest form of the QoS text.
 std::string metadata_yaml(const BagMetadata& metadata, bool with_root = true);
 
 }  // namespace voxtouch::bag

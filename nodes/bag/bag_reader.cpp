@@ -15,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// bag_2.db3 before bag_10.db3: by length, then by letters, which is by number where the names
-// differ in the number only.
+// bag_2.db3 before bag_10.db3: by length, then alphabetically, which is numerical order for names
+// that differ only in the number.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
@@ -33,7 +33,7 @@ std::vector<fs::path> files_in(const fs::path& folder) {
 
 }  // namespace
 
-// What of a folder's metadata.yaml is needed.
+// The parts of metadata.yaml that are needed.
 struct BagReader::Described {
   std::string storage, compression;
   std::vector<std::string> files;
@@ -43,7 +43,7 @@ struct BagReader::Described {
 
 namespace {
 
-// Nothing where it is missing or no metadata of a bag: the files can be read without it.
+// Empty if it is missing or invalid: the files can be read without it.
 template <class Described>
 std::optional<Described> read_metadata(const fs::path& file) {
   try {
@@ -62,8 +62,8 @@ std::optional<Described> read_metadata(const fs::path& file) {
   }
 }
 
-// The files that metadata names, and those behind them that a killed writer did not come to name;
-// if one is not there, what the folder holds.
+// The files in the metadata, plus later ones that a killed writer did not add. If one is missing,
+// the files in the folder.
 std::vector<fs::path> files_of(const fs::path& folder, const std::vector<std::string>& names) {
   std::vector<fs::path> named, found = files_in(folder);
   for (const auto& file : names)
@@ -118,8 +118,7 @@ Result<BagReader> BagReader::open(const fs::path& path) {
   return reader;
 }
 
-// More than metadata states is what a killed recorder leaves. A file that was renamed is read, and
-// nothing is lost.
+// A killed recorder leaves more messages than the metadata states. A renamed file is read.
 void BagReader::compare(const fs::path& folder, const Described& metadata) {
   for (const auto& [name, stated] : metadata.in_file) {
     const auto file = std::ranges::find(files_, folder / name, &File::path);

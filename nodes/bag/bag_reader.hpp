@@ -1,7 +1,7 @@
 #pragma once
-/// Reads rosbag2 folders (sqlite3, mcap; metadata versions 1 to 9), voxtouch's own and those of
-/// `ros2 bag record`, split ones too, also after a kill and with a metadata.yaml that is missing or
-/// stale: what stands in the files counts.
+/// Reads rosbag2 folders (sqlite3, mcap; metadata versions 1 to 9), voxtouch's and those of `ros2
+/// bag record`, also split ones. It also reads folders after a kill, with a missing or outdated
+/// metadata.yaml: the content of the files counts.
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -21,8 +21,8 @@ namespace voxtouch::bag {
 /// Allocates and waits for the disk; one thread at a time.
 class BagReader {
  public:
-  /// `path`: the folder, or one of its files. Errors: nothing there, compressed as a whole, another
-  /// storage, no file of a bag at all.
+  /// `path`: the folder, or one of its files. Errors: not found, compressed as a whole, unknown
+  /// storage, not a bag.
   static Result<BagReader> open(const std::filesystem::path& path);
 
   /// Of the first file.
@@ -42,7 +42,7 @@ class BagReader {
   /// damaged file.
   Result<void> for_each_between(std::int64_t from_ns, std::int64_t to_ns,
                                 const TakeMessage& f) const;
-  /// Times of the first and of the last message; nothing where there is none.
+  /// Times of the first and the last message; empty without messages.
   Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const;
 
  private:

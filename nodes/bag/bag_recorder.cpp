@@ -10,7 +10,7 @@ namespace voxtouch::bag {
 namespace {
 // each different sentence once; a broken disk must not fill the memory with them
 constexpr std::size_t kMaxErrors = 64;
-constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink asks for ten a second
+constexpr std::chrono::milliseconds kTickPeriod{20};  // a sink needs ten per second
 }  // namespace
 
 BagRecorder::BagRecorder(std::unique_ptr<BagSink> sink, const RecorderOptions& options)
@@ -129,7 +129,7 @@ void BagRecorder::place_refused_topics() {
   }
 }
 
-// At most one queue's length at a time, so that a flood does not keep the bag from being committed.
+// At most one queue length at a time, so that a flood does not delay commits.
 std::size_t BagRecorder::drain() {
   std::size_t written = 0;
   for (; written < options_.queue_messages; ++written) {
@@ -201,7 +201,8 @@ RecordingReport BagRecorder::report() const {
   report.errors = errors_;
   report.topics = disk_counts_;
   for (std::size_t i = 0; i < report.topics.size(); ++i) {
-    // Dropped before received, so that a report never shows more dropped than received.
+    // Read `dropped` before `received`, so that a report never has more dropped than received
+    // messages.
     report.topics[i].dropped = counts_[i].dropped.load(std::memory_order_acquire);
     report.topics[i].received = counts_[i].received.load(std::memory_order_acquire);
   }

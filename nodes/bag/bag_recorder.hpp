@@ -1,6 +1,6 @@
 #pragma once
-/// Records without blocking any thread: reception threads push into a bounded queue, a thread of
-/// its own feeds the disk.
+/// Records without blocking: reception threads push into a bounded queue, and a separate thread
+/// writes to the disk.
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -21,7 +21,7 @@ struct RecorderOptions {
                             << 20;  ///< the ring's five topics need 1 to 2 MB a second
   std::size_t queue_messages = 65536;
   std::size_t max_topics = 1024;
-  /// push waits for room instead of dropping: nothing is lost, wall time does not matter
+  /// push waits for space instead of dropping, so nothing is lost
   bool lockstep = false;
   /// how long the disk thread sleeps when there is nothing to write
   std::chrono::milliseconds poll_period{5};
@@ -56,11 +56,11 @@ class BagRecorder {
   /// Counts up to now. Does not wait for the disk. With `closed` set they add up.
   RecordingReport report() const;
 
-  /// Another number at each look for as long as the disk thread gets on.
+  /// Changes between two calls while the disk thread makes progress.
   std::uint64_t disk_steps() const noexcept { return disk_steps_.load(std::memory_order_relaxed); }
 
-  /// Writes out what is queued, closes the bag, ends the thread. Waits for the disk. The report is
-  /// final. Of the thread that made it.
+  /// Writes the queue, closes the bag, ends the thread. Waits for the disk. The report is final.
+  /// Called by the thread that created the recorder.
   RecordingReport stop();
 
  private:
@@ -90,20 +90,20 @@ class BagRecorder {
   std::atomic<std::uint32_t> topic_count_{0};
   std::atomic<std::uint64_t> disk_steps_{0};  // of the disk thread
 
-  std::mutex queue_mutex_;  // never held while the disk is used
+  std::mutex queue_mutex_;  // not held during disk access
   std::condition_variable room_;
   std::deque<Message>
-      queue_;  // the disk thread alone takes out; what it writes stays at the front meanwhile
+      queue_;  // only the disk thread pops; a message stays at the front while it is written
   std::size_t queued_bytes_ = 0;
   bool accepting_ = true;
 
-  mutable std::mutex table_mutex_;  // names, disk counts, errors: never held while the disk is used
+  mutable std::mutex table_mutex_;  // names, disk counts, errors; not held during disk access
   std::vector<TopicInfo> topics_;
   std::vector<TopicReport> disk_counts_;
   std::vector<std::string> errors_;
   bool closed_ = false;
 
-  // The disk thread's own.
+  // Used only by the disk thread.
   std::vector<std::optional<TopicId>> sink_topics_;
   std::vector<std::uint64_t> unassigned_;  // messages of topics that the sink refused
   std::chrono::steady_clock::time_point last_report_, last_tick_;

@@ -1,6 +1,5 @@
 #pragma once
-/// Where a recorder's disk thread puts messages. BagWriter is the one; tests put slow and broken
-/// disks here.
+/// Where a recorder's disk thread writes messages: BagWriter, or a slow or faulty disk in tests.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,7 +13,7 @@ namespace voxtouch::bag {
 
 using TopicId = std::uint32_t;  ///< index in the order of add_topic, from 0
 
-/// What became of the messages of one topic: received = written + dropped + lost, once closed.
+/// Counts of one topic: received = written + dropped + lost, once closed.
 struct TopicReport {
   std::string name;
   std::uint64_t received = 0;  ///< given to the recorder
@@ -36,13 +35,13 @@ struct RecordingReport {
   }
 };
 
-/// All calls come from one thread at a time and may block. After an error the next calls are still
-/// made: a disk that has room again is used again.
+/// One thread makes all calls, which may block. Calls continue after an error: a disk with free
+/// space again is used again.
 class BagSink {
  public:
   virtual ~BagSink() = default;
   virtual Result<TopicId> add_topic(const TopicInfo& topic) = 0;
-  /// time_ns >= 0. Error: this message, or with it all that were not committed yet, is lost; see
+  /// time_ns >= 0. On error this message, and possibly all uncommitted ones, are lost; see
   /// fill_counts.
   virtual Result<void> append(TopicId topic, std::int64_t time_ns,
                               std::span<const std::byte> bytes) = 0;
@@ -52,7 +51,7 @@ class BagSink {
   virtual void fill_counts(std::vector<TopicReport>& topics) const = 0;
   /// Puts the report next to the bag.
   virtual Result<void> report(const RecordingReport& report) = 0;
-  /// Commits what is open and ends the bag.
+  /// Commits pending messages and ends the bag.
   virtual Result<void> close() = 0;
 };
 

@@ -23,7 +23,7 @@ constexpr const StorageName& names_of(Storage storage) noexcept {
 static_assert(names_of(Storage::kSqlite3).storage == Storage::kSqlite3 &&
               names_of(Storage::kMcap).storage == Storage::kMcap);
 
-/// Nothing where no storage has that name.
+/// Empty for an unknown name.
 constexpr std::optional<Storage> storage_named(std::string_view name) noexcept {
   for (const StorageName& one : kStorages)
     if (one.name == name)

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t kMessageOverhead =
     64;  // of a message in a file, in addition to its bytes: about
 
-// One call decides who owns the folder: of two recorders that race for it one makes it and the
+// One atomic call decides who owns the folder: of two concurrent recorders one creates it and the
 // other is refused.
 Result<void> make_folder(const std::filesystem::path& folder, bool is_made) {
   std::error_code error;
@@ -57,7 +57,7 @@ Result<BagWriter> BagWriter::create(const std::filesystem::path& folder_as_given
     return writer;
   writer.file_.reset();
   std::error_code ignored;
-  // made above by this call; half a bag would only stand in the next one's way
+  // created by this call; a partial bag would block the next recording
   std::filesystem::remove_all(folder, ignored);
   return std::unexpected(made.error());
 }
@@ -86,8 +86,8 @@ Result<void> BagWriter::open_file() {
     result = std::unexpected(made.error());
   for (std::size_t i = 0; result && i < metadata_.topics.size(); ++i)
     result = (*made)->add_topic(metadata_.topics[i]);
-  // At once, and not with the next refresh: whenever the recorder is killed, a reader that looks at
-  // the file alone finds a bag.
+  // At once, not with the next refresh: a reader then finds a valid bag whenever the recorder is
+  // killed.
   if (result && !metadata_.topics.empty())
     result = (*made)->refresh(metadata_);
   if (!result) {
@@ -97,7 +97,7 @@ Result<void> BagWriter::open_file() {
     return result;
   }
   if (file_)
-    result = file_->close(metadata_, Flush::kNo);  // a flush would hold up what comes in meanwhile
+    result = file_->close(metadata_, Flush::kNo);  // a flush would delay incoming messages
   file_ = std::move(*made);
   metadata_.files.emplace_back().path = name;
   struct stat about {};
@@ -147,8 +147,7 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
   if (is_to_be_split(time_ns, bytes.size()) &&
       Clock::now() - last_split_refusal_ >= options_.refresh_period) {
     result = commit();
-    // Where no new file can be made, the one that is there goes on; what is to be written is not
-    // lost for it.
+    // If no new file can be created, the current one continues and nothing is lost.
     if (auto opened = open_file(); !opened) {
       last_split_refusal_ = Clock::now();
       if (result)
@@ -180,7 +179,7 @@ Result<void> BagWriter::commit() {
   last_commit_ = Clock::now();
   if (!file_)
     return {};
-  // What is written behind a cut gives the file its size again.
+  // Data written behind a cut restores the file's size.
   made_.back().is_cut = made_.back().is_cut || is_cut(made_.size() - 1);
   if (!file_->pending())
     return {};
@@ -260,8 +259,7 @@ Result<void> BagWriter::refresh() {
   const auto committed = commit();
   const auto refreshed = file_->refresh(metadata_);
   const auto kept = check_files();
-  const auto again =
-      made_.back().lost ? open_file() : Result<void>();  // what comes from here on is kept
+  const auto again = made_.back().lost ? open_file() : Result<void>();  // later messages are kept
   const auto yaml = write_metadata(Flush::kNo);
   for (const auto* step : {&kept, &again, &committed, &refreshed, &yaml})
     if (!*step)

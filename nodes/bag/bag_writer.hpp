@@ -1,11 +1,10 @@
 #pragma once
 /// Writes a rosbag2 folder: metadata.yaml (version 8) and <name>_0.mcap or <name>_0.db3 (sqlite3,
-/// schema 3), then _1 and so on where it is split; readable by Humble and Jazzy.
+/// schema 3), then _1 and so on if split. Humble and Jazzy read it.
 ///
-/// Nothing is flushed to the disk before the bag is closed, as in rosbag2's own default: flushes of
-/// 0.3 to 1.2 s were seen on a disk that two rings shared, as long as a hung logger. So a kill of
-/// any process loses 0.2 s at most, but a loss of power while recording may cost the bag; a closed
-/// one is on the disk.
+/// Nothing is flushed to the disk before the bag is closed, as in rosbag2's default. Flushes of 0.3
+/// to 1.2 s were measured on a disk shared by two rings. A kill of any process loses 0.2 s at most;
+/// a loss of power while recording may lose the bag. A closed bag is on the disk.
 #include <chrono>
 #include <filesystem>
 #include <limits>
@@ -16,16 +15,16 @@
 
 namespace voxtouch::bag {
 
-/// When a bag goes on in a new file: each bound holds that is not 0. A topic stands in every file,
-/// its messages in the one that was open.
+/// When a bag continues in a new file; 0: no limit. Every file has all topics, and the messages
+/// written while it was open.
 struct SplitOptions {
-  std::uint64_t bytes = 0;  ///< no message goes into a file that is about as large
-  std::int64_t time_ns =
-      0;  ///< none goes into one that was begun as much earlier, in the bag's time
+  std::uint64_t bytes = 0;   ///< a new file begins at about this size
+  std::int64_t time_ns = 0;  ///< a new file begins after this time in the bag
 };
 
 struct WriterOptions {
-  std::chrono::milliseconds commit_period{200};   ///< a kill loses at most what came since
+  std::chrono::milliseconds commit_period{
+      200};  ///< a kill loses at most the messages of this period
   std::chrono::milliseconds refresh_period{500};  ///< metadata.yaml; sqlite3: checkpoint
   /// of a file; beyond it messages are lost as on a full disk; 0: no limit
   std::uint64_t max_bytes = 0;
@@ -55,14 +54,14 @@ class BagWriter final : public BagSink {
   Result<void> close() override;
 
   Result<void> commit();   ///< at once
-  Result<void> refresh();  ///< commit, metadata.yaml, and what the file has, at once
-  const BagMetadata& metadata() const noexcept { return metadata_; }  ///< of what is committed
+  Result<void> refresh();  ///< Commits, and writes metadata.yaml and the file's index.
+  const BagMetadata& metadata() const noexcept { return metadata_; }  ///< of the committed messages
 
  private:
   struct Topic {
     std::uint64_t pending = 0, lost = 0;  // pending: not committed yet
   };
-  // A file as it was made, and what it must hold.
+  // A file at its creation, with the size that it must have.
   struct Made {
     std::uint64_t device = 0, inode = 0, bytes = 0;
     std::vector<std::uint64_t> messages;  // of each topic
@@ -79,8 +78,8 @@ class BagWriter final : public BagSink {
   bool is_to_be_split(std::int64_t time_ns, std::size_t bytes) const noexcept;
   Result<void> write_metadata(Flush flush) const;
   void count_committed();
-  /// Whether each file is still the one that was made, with at least the bytes that were written.
-  /// One that is not is counted as lost, once.
+  /// Whether a file was replaced or has fewer bytes than were written. Such a file is counted as
+  /// lost, once.
   bool is_cut(std::size_t file) const;
   Result<void> check_files();
   void lose_pending();

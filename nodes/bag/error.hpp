@@ -1,11 +1,11 @@
 #pragma once
-/// What can go wrong with a bag, as a value.
+/// Errors of bags, as values.
 #include <expected>
 #include <string>
 
 namespace voxtouch::bag {
 
-/// One sentence for a person: what happened, where, what to do.
+/// One sentence: what happened, where, what to do.
 struct BagError {
   std::string sentence;
 };

@@ -18,7 +18,7 @@ namespace voxtouch::bag {
 
 /// A message inside the reader, until the callback returns.
 struct BagMessage {
-  std::size_t topic = 0;  ///< index into topics() of whoever hands it out
+  std::size_t topic = 0;  ///< index into topics() of the file or bag that returned it
   std::int64_t time_ns = 0;
   std::int64_t id = 0;               ///< order of arrival within one file
   std::span<const std::byte> bytes;  ///< CDR with its 4-byte encapsulation header
@@ -30,13 +30,13 @@ class FileReader {
  public:
   virtual ~FileReader() = default;
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
-  /// Messages recorded from `from_ns` on and before `to_ns`, by time and then by id; false where f
-  /// requested no more. Errors: a damaged file.
+  /// Messages recorded from `from_ns` on and before `to_ns`, by time and then by id; false if f
+  /// returned false. Errors: a damaged file.
   virtual Result<bool> for_each_between(std::int64_t from_ns, std::int64_t to_ns,
                                         const TakeMessage& f) const = 0;
-  /// Of the first and of the last message; nothing where there is none.
+  /// Times of the first and the last message; empty without messages.
   virtual Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const = 0;
-  /// Messages in the file; nothing where the file does not state it.
+  /// Number of messages; empty if the file does not state it.
   virtual std::optional<std::uint64_t> message_count() const = 0;
 
  protected:

@@ -25,8 +25,8 @@ bool write_all(int file, std::string_view text) {
 }
 
 /// Puts `temporary` in the place of `path`. A rename over a file makes ext4 write the new one to
-/// the disk first, 0.4 s where the disk is busy; an exchange of the two names does not, and a
-/// reader sees the old text or the new one just the same.
+/// the disk first, which takes 0.4 s on a busy disk. An exchange of the two names does not. In both
+/// cases a reader finds the old or the new text.
 bool replace(const std::string& temporary, const std::filesystem::path& path, Flush flush) {
   if (flush == Flush::kNo &&
       ::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, path.c_str(), RENAME_EXCHANGE) == 0)

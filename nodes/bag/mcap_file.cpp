@@ -1,12 +1,12 @@
-/// A bag's file in MCAP, as rosbag2_storage_mcap writes it: profile ros2, schemas embedded, chunks
-/// compressed by zstd with message indexes; at the end chunk indexes, statistics and the bag's
+/// A bag's file in MCAP, as rosbag2_storage_mcap writes it: profile ros2, embedded schemas, chunks
+/// compressed by zstd with message indexes, and at the end chunk indexes, statistics and the bag's
 /// metadata.
 ///
-/// The file is a whole MCAP at every instant but in the middle of a write: each commit is one write
-/// of a chunk, the end of the data and a footer without a summary, over the footer before. So what
-/// a kill leaves behind opens with any reader of MCAP, which then looks through the chunks instead
-/// of their index. A kill within a write (0.1 ms each 200 ms) leaves a file without its footer:
-/// BagReader reads it up to its last whole chunk, for others `mcap recover` mends it.
+/// The file is a valid MCAP except during a write: each commit is one write of a chunk, the end of
+/// the data and a footer without a summary, over the previous footer. After a kill any MCAP reader
+/// opens the file and scans the chunks instead of the index. A kill during a write (0.1 ms each 200
+/// ms) leaves a file without a footer: BagReader reads it up to its last complete chunk, and `mcap
+/// recover` repairs it for others.
 #include <fcntl.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -116,8 +116,8 @@ class McapFile final : public BagFile {
       return refuse("Cannot write '{}': out of memory for the compression.", path_.string());
     Bytes out;
     put_header(out);
-    // Jazzy takes QoS texts for its newest form where no metadata says otherwise. That of the end,
-    // with counts, comes after it.
+    // Without metadata Jazzy assumes its newest form of QoS texts. The final metadata, with counts,
+    // follows it.
     BagMetadata metadata;
     metadata.storage_identifier = names_of(Storage::kMcap).name;
     put_metadata(out, metadata);
@@ -181,7 +181,7 @@ class McapFile final : public BagFile {
     const std::size_t metadata_size = out.size();
     put_data_end(out);
     put_summary(out, metadata_at, metadata_size);
-    // Where there is no room for it, the file stays as it was: whole, without a summary.
+    // Without space for it, the file stays valid, without a summary.
     if (auto ended = write_over_end(out); !ended && result)
       result = ended;
     if (flush == Flush::kYes && ::fsync(file_) != 0 && result)
@@ -205,7 +205,7 @@ class McapFile final : public BagFile {
   struct Chunk {
     std::uint64_t start, end, at, size, index_size, compressed, uncompressed;
     std::vector<std::pair<std::uint16_t, std::uint64_t>>
-        indexes;  // channel, and where its index stands in the file
+        indexes;  // channel, and the offset of its index in the file
   };
 
   static std::uint16_t channel_of(std::size_t topic) noexcept {
@@ -226,7 +226,7 @@ class McapFile final : public BagFile {
     put_end_without_summary(end);
     (void)write_at(
         end_of_data_,
-        end.view());  // what was freed just now is enough for it, unless others were quicker
+        end.view());  // the space that was just freed suffices, unless another process used it
     return written;
   }
   /// Data, and a new end behind them, in one write.
@@ -382,8 +382,7 @@ class McapFile final : public BagFile {
     return groups;
   }
 
-  /// The summary, the offsets of its groups, the footer: `out` stands at the end of the data
-  /// already.
+  /// The summary, the offsets of its groups, the footer, appended to the end of the data in `out`.
   void put_summary(Bytes& out, std::uint64_t metadata_at, std::size_t metadata_size) const {
     const std::size_t begin = out.size();
     const std::uint64_t start = end_of_data_ + begin;
@@ -413,8 +412,7 @@ class McapFile final : public BagFile {
   std::vector<char> compressed_;
   std::vector<Topic> topics_;
   std::uint32_t schemas_ = 0;
-  std::uint64_t end_of_data_ =
-      0;  // of the file; behind it stands the end of a file without a summary
+  std::uint64_t end_of_data_ = 0;  // of the file; followed by the end of a file without a summary
   std::vector<Chunk> chunks_;
   // Of the chunk that is filled:
   Bytes messages_;

@@ -14,7 +14,7 @@
 namespace voxtouch::bag::mcap {
 
 static_assert(std::endian::native == std::endian::little,
-              "numbers are copied as they stand in memory");
+              "numbers are copied with their bytes in memory");
 
 inline constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 enum class Op : std::uint8_t {
@@ -57,7 +57,7 @@ class Bytes {
     number(static_cast<std::uint32_t>(text.size()));
     raw(std::as_bytes(std::span(text)));
   }
-  /// Opcode and a length that end() fills in; where the record begins.
+  /// Writes the opcode and a length that end() fills in. Returns the offset of the record.
   std::size_t begin(Op op) {
     const std::size_t at = data_.size();
     number(static_cast<std::uint8_t>(op));
@@ -80,8 +80,7 @@ class Bytes {
   std::vector<std::byte> data_;
 };
 
-/// Takes values one after the other; what is no longer there is 0 or empty, and `good` says so ever
-/// after.
+/// Reads values in sequence. Beyond the end they are 0 or empty, and `good` stays false.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::byte> bytes) noexcept : rest_(bytes) {}
@@ -120,8 +119,7 @@ struct Record {
   Op op{};
   std::span<const std::byte> content;
 };
-/// The next of records that stand one behind the other; nothing at their end, and where the last
-/// one is not whole.
+/// The next of consecutive records; empty at the end, or if the last one is incomplete.
 inline std::optional<Record> next_record(Cursor& cursor) noexcept {
   if (cursor.left() < kRecordHead)
     return std::nullopt;

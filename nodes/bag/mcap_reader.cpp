@@ -1,6 +1,6 @@
 /// Reads MCAP files, ours and those of rosbag2_storage_mcap: chunks in zstd or uncompressed, or
-/// messages without chunks, with a summary or, where a kill left none, by looking through the whole
-/// file up to its last whole record.
+/// messages without chunks. It uses the summary. Without one, as after a kill, it scans the file up
+/// to its last complete record.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -27,7 +27,7 @@ using mcap::Cursor;
 using mcap::Op;
 
 constexpr std::uint64_t kMaxChunkBytes = std::uint64_t{1}
-                                         << 30;  // uncompressed; what claims more is damaged
+                                         << 30;  // uncompressed; a larger claim means damage
 constexpr std::uint64_t kMaxDescriptionBytes = std::uint64_t{1} << 28;  // of a summary, of a schema
 constexpr std::uint64_t kLooseBytes =
     std::uint64_t{1} << 20;  // messages without a chunk are taken together up to this size
@@ -57,7 +57,7 @@ struct Buffer {
   std::span<const std::byte> view() const noexcept { return {data.get(), size}; }
 };
 
-/// Messages that are read at once: a chunk, or some that stand in none.
+/// Messages that are read together: a chunk, or consecutive ones outside chunks.
 struct Piece {
   std::uint64_t at = 0,
                 size = 0;  ///< in the file; of a chunk's record, or of all messages' records
@@ -74,7 +74,7 @@ struct Entry {
 };
 struct DecodedPiece {
   Buffer bytes{0};
-  std::vector<Entry> entries;  ///< by time, then as they stand
+  std::vector<Entry> entries;  ///< by time, then by position in the file
 };
 
 std::int64_t time_of(std::uint64_t log_time, std::uint64_t publish_time) noexcept {
@@ -196,7 +196,7 @@ class McapReader final : public FileReader {
     return {};
   }
 
-  /// Schemas and channels, wherever they stand.
+  /// Reads schemas and channels at any position.
   void take_description(const mcap::Record& record) {
     Cursor in(record.content);
     const auto id = in.number<std::uint16_t>();
@@ -226,7 +226,7 @@ class McapReader final : public FileReader {
     }
   }
 
-  /// False where there is none that can be used.
+  /// False without a usable summary.
   bool read_summary() {
     const std::size_t tail_size = mcap::kFooterSize + mcap::kMagic.size();
     if (size_ < data_start_ + tail_size)
@@ -246,7 +246,7 @@ class McapReader final : public FileReader {
     const std::uint64_t end = size_ - tail_size;
     if (!in.good() || start < data_start_ || start >= end || end - start > kMaxDescriptionBytes)
       return false;
-    Buffer summary(end - start + mcap::kFooterSize - 4);  // what the checksum covers
+    Buffer summary(end - start + mcap::kFooterSize - 4);  // range of the checksum
     if (!read_at(start, summary))
       return false;
     if (crc != 0 &&
@@ -306,7 +306,7 @@ class McapReader final : public FileReader {
                     .start = in.number<std::uint64_t>(),
                     .end = in.number<std::uint64_t>(),
                     .loose = false};
-        const auto content = contents(piece);  // schemas and channels may stand in it
+        const auto content = contents(piece);  // it may contain schemas and channels
         if (!content && pieces_.empty())
           return std::unexpected(content.error());
         if (!content)
@@ -327,7 +327,7 @@ class McapReader final : public FileReader {
         if (loose.size == 0)
           loose = {.at = at, .size = 0, .start = time, .end = time, .loose = true};
         loose.start = std::min(loose.start, time), loose.end = std::max(loose.end, time);
-        loose.size = at + size - loose.at;  // with what stands between
+        loose.size = at + size - loose.at;  // including the records between
         if (loose.size >= kLooseBytes)
           put_loose();
       }
@@ -379,7 +379,7 @@ class McapReader final : public FileReader {
     return out;
   }
 
-  /// The last few stay: a player asks for the same chunk again and again.
+  /// Keeps the last few: a player requests the same chunk repeatedly.
   Result<std::shared_ptr<const DecodedPiece>> decoded(std::size_t ordinal) const {
     const auto kept = std::ranges::find(kept_, ordinal, [](const auto& one) { return one.first; });
     if (kept != kept_.end())
@@ -390,8 +390,8 @@ class McapReader final : public FileReader {
     auto piece = std::make_shared<DecodedPiece>();
     piece->bytes = std::move(*bytes);
     Cursor records(piece->bytes.view());
-    // Where they stand in the file is the order of arrival. Of kMaxChunkBytes each may hold less
-    // than 2^32.
+    // Their position in the file is the order of arrival. A piece of kMaxChunkBytes has fewer than
+    // 2^32 messages.
     for (std::int64_t n = pieces_[ordinal].number << 32;
          const auto record = mcap::next_record(records); ++n) {
       if (record->op != Op::kMessage)
@@ -418,7 +418,7 @@ class McapReader final : public FileReader {
   std::map<std::uint16_t, TopicInfo> schemas_;  // type and definition
   std::map<std::uint16_t, std::size_t> topic_of_;
   std::vector<Piece> pieces_;              // by start
-  std::optional<std::uint64_t> messages_;  // unknown where the summary has no statistics
+  std::optional<std::uint64_t> messages_;  // empty if the summary has no statistics
   mutable std::list<std::pair<std::size_t, std::shared_ptr<const DecodedPiece>>> kept_;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// sqlite3 as move-only handles that return what went wrong.
+/// sqlite3 as move-only handles that return errors.
 #include <sqlite3.h>
 
 #include <cstddef>

@@ -1,12 +1,12 @@
 /// A bag's file in sqlite3, schema 3, as Humble writes it and Jazzy reads it.
 ///
-/// Journal: write-ahead log while recording, as rosbag2's own resilient profile has it. Reason:
-/// rosbag2 opens bags read-only, and a read-only connection cannot undo the rollback journal that a
-/// kill in the middle of a transaction leaves behind (of 25 killed writers each, journal mode
-/// DELETE left 4 that opened, TRUNCATE 2, WAL 25), but it reads a write-ahead log. So after a kill
-/// the folder holds <name>_0.db3-wal (and -shm) next to the .db3: keep them together; the .db3
-/// alone lacks what was committed since the last checkpoint (refresh). Closing folds the log in and
-/// turns the journal back, so that a closed bag is one file that opens on read-only media too.
+/// It uses a write-ahead log while recording, as rosbag2's resilient profile. Reason: rosbag2 opens
+/// bags read-only. A read-only connection cannot undo the rollback journal that a kill during a
+/// transaction leaves, but it reads a write-ahead log. Of 25 killed writers each, journal mode
+/// DELETE left 4 readable bags, TRUNCATE 2, WAL 25. After a kill the folder has <name>_0.db3-wal
+/// (and -shm) next to the .db3: keep them together, because the .db3 lacks the commits since the
+/// last checkpoint (refresh). Closing merges the log and resets the journal mode, so a closed bag
+/// is one file that also opens on read-only media.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::int64_t kPageBytes = 4096;
 
-// rosbag2's schema 3 (Humble). ros_distro: the release whose form this is.
+// rosbag2's schema 3 (Humble). ros_distro: the release that uses this form.
 constexpr const char* kSchema = R"(
 BEGIN;
 CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL);

@@ -53,7 +53,7 @@ class SqliteReader final : public FileReader {
   }
 
   Result<std::optional<std::pair<std::int64_t, std::int64_t>>> times() const override {
-    // One at a time: only then the index alone is looked at.
+    // One query each: min and max then use the index only.
     auto rows = database_.prepare(
         "SELECT (SELECT min(timestamp) FROM messages), (SELECT max(timestamp) FROM messages), "
         "EXISTS (SELECT 1 FROM messages)");

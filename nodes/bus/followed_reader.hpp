@@ -31,7 +31,7 @@ class FollowedReader {
     }
     return false;
   }
-  /// After this many samples a loop turns to its other work.
+  /// After this many samples a loop continues with its other work.
   static constexpr int kMaxTakes = 64;
 
   Following& following() const noexcept { return *following_; }

@@ -18,7 +18,7 @@ class LatchedReader {
   LatchedReader() = default;
   LatchedReader(const Participant& participant, const qos::Topic& row, std::string_view rig)
       : following_(std::make_unique<Following>(Following::WhileUnbound::kTakeAll)),
-        // Latched QoS, but with a deep history, because all writers share it.
+        // Latched QoS, but with a deep history, because all writers use it.
         reader_(participant, row, rig, qos::profile(qos::ProfileId::kStatus), following_.get()) {}
 
   /// Calls f(const T&) if the followed writer has a value that f has not received; only the newest

@@ -42,7 +42,7 @@ void fill(std::string& text, std::string_view slot, std::string_view value) {
   text.replace(text.find(slot), slot.size(), value);
 }
 
-/// Multicast is declared as working: Linux does not report it for loopback, where it does work.
+/// Declares multicast as working: Linux does not report it for loopback, although it works.
 std::string card_xml(std::string_view key, std::string_view value) {
   return fmt::format(R"(<NetworkInterface {}="{}" multicast="true"/>)", key, value);
 }

@@ -176,8 +176,8 @@ std::string start_fault(const ParticipantOptions& options, const std::string& ca
          ". Remedy: " + (card ? card->remedy : start_remedy(cause));
 }
 
-/// A domain is configured once per process, by its first participant. Nodes composed into one
-/// process share it.
+/// The first participant of a process configures its domain. Nodes composed into one process use
+/// the same domain.
 void configure_domain(const ParticipantOptions& options) {
   static std::mutex mutex;
   static std::map<std::uint32_t, ParticipantOptions> configured;

@@ -10,8 +10,8 @@ namespace {
 
 constexpr dds_duration_t kPatience = DDS_MSECS(100);
 
-/// Announces the hash of the type, and a unique name that both endpoints share. Clients identify
-/// the server by it.
+/// Announces the hash of the type, and a unique name common to both endpoints, by which clients
+/// identify the server.
 qos::Qos service_qos(qos::Endpoint endpoint, const std::string& server, const msg::AnyType& type) {
   qos::Qos qos = qos::make_qos(qos::profile(qos::ProfileId::kService), endpoint, 0.0);
   const std::string words = "serviceid=" + server + ";typehash=" + std::string(type.hash) + ";";
@@ -26,7 +26,7 @@ Entity make_topic(const Participant& participant, const std::string& name,
       "topic " + name + " cannot be created");
 }
 
-/// Announced by a client: its participant, and the name that its two endpoints share.
+/// Announced by a client: its participant, and the common name of its two endpoints.
 struct Client {
   Guid participant{};
   std::string id;

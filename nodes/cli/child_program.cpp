@@ -71,7 +71,7 @@ void notify_listener(const ChildProgram& program, int output) {
     return;
   std::array<char, 8192> part{};
   const ssize_t size =
-      ::pread(output, part.data(), part.size(), 0);  // whose place to write on is left as it is
+      ::pread(output, part.data(), part.size(), 0);  // leaves the file position unchanged
   program.listen({part.data(), size > 0 ? static_cast<std::size_t>(size) : 0});
 }
 

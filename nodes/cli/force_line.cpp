@@ -5,7 +5,7 @@
 namespace voxtouch::cli {
 namespace {
 
-/// Less than this part of the certified stiffness is said to be less.
+/// Below this fraction of the certified stiffness the difference is reported.
 constexpr double kAlmost = 0.99;
 
 const char* words_for(device_fit::StiffnessLimit limit) {

@@ -7,13 +7,13 @@
 
 namespace voxtouch::cli {
 
-/// For a device that returns no torque: what a turn of the tool does
+/// For a device without torque: the effect of a rotation of the tool
 /// (core/rendering/latched_rotation.hpp).
 inline constexpr std::string_view kTurnsAreHeld =
     "The device returns no torque: only translation of the hand is resisted, rotation is not.";
 
-/// Where the tool rotates under the contact's lever: what is displayed at its reach; and where a
-/// body's grip is limited, by how much. Empty where neither is so.
+/// The displayed stiffness at the tool's reach if the tool rotates under the lever of the contact,
+/// and the limit of a body's grip. Empty if neither applies.
 std::string contact_line(const device_fit::ForcePreview& preview, const std::string& device);
 
 /// Both: "Certified: 371 N/m with a gain margin of 2. sim-phantom saturates at 8.5 N, 22.9 mm deep.

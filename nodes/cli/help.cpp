@@ -12,7 +12,7 @@ namespace {
 
 struct VerbHelp {
   const char* summary;  ///< one line, for the list of verbs
-  const char* details;  ///< below the options: what else to know, then examples
+  const char* details;  ///< below the options: further facts, then examples
 };
 
 const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
@@ -219,7 +219,7 @@ const std::map<std::string, VerbHelp, std::less<>> kVerbs = {
       "  voxtouch keys --out keys --revoke coupling --renew coupling    after a host was lost"}},
 };
 
-/// Options that stand in a group of their own, below those that people use first.
+/// Options with a separate group, below the most used ones.
 const std::map<std::string_view, const char*> kGroups = {
     {"--rig", "Network"},
     {"--domain", "Network"},

@@ -1,5 +1,5 @@
 #pragma once
-/// What --help prints of each verb: a summary line, details with examples, and options in groups.
+/// Output of --help for each verb: a summary line, details with examples, and options in groups.
 
 namespace CLI {
 class App;

@@ -6,9 +6,9 @@
 
 namespace voxtouch::cli {
 
-/// `sim:FILE`, a file alone, and `sim:NAME` of one that is shipped are the same here; what the file
-/// omits is reported. Throws with the known names for one that is not there, and with the place in
-/// the file for a file that will not do.
+/// `sim:FILE`, a file, and `sim:NAME` of a shipped file are equivalent; what the file omits is
+/// reported. Throws with the known names for an unknown one, and with the place in the file for an
+/// invalid file.
 coupling::design::DeviceModel find_device(const std::string& device);
 
 /// As `up --device` takes it: a file alone gets its `sim:`.

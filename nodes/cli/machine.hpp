@@ -1,22 +1,21 @@
 #pragma once
-/// Under what conditions times were measured: without them a number of microseconds says nothing.
+/// The machine on which times were measured.
 #include <string>
 
 namespace voxtouch::cli {
 
 struct Machine {
   std::string version;    ///< of voxtouch
-  std::string processor;  ///< as the system names it; "unknown" where it does not
+  std::string processor;  ///< as the system reports it, or "unknown"
   unsigned cpus = 0;      ///< that the system has online
   std::string compiler, flags;
 };
 
-/// Reads /proc/cpuinfo; never throws for what it does not find.
+/// Reads /proc/cpuinfo; never throws.
 Machine this_machine();
-/// Load average over the last minute; negative where the system does not say.
+/// Load average over the last minute; negative if unknown.
 double load_average();
-/// Processor time of the calling thread so far [s]: what a frame costs, whatever else the machine
-/// does.
+/// Processor time of the calling thread [s], independent of the machine's load.
 double thread_cpu_s();
 
 }  // namespace voxtouch::cli

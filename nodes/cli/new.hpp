@@ -10,8 +10,7 @@ namespace voxtouch::cli {
 void write_first_scene(const std::filesystem::path& part, const std::string& device,
                        const std::filesystem::path& out);
 
-/// The file of a scene as above for a mesh that is tried, in place of the one that was tried last.
-/// Throws likewise.
+/// Writes a scene as above for a mesh to try; it replaces the one tried last. Throws as above.
 std::string tried_scene(const std::filesystem::path& mesh, const std::string& device);
 /// The folder of tried scenes, which is there.
 std::filesystem::path tried_folder();

@@ -6,10 +6,9 @@
 
 namespace voxtouch::cli {
 
-/// Finds out at once whether `<file>.part` can be written, so that a folder that is not there is
-/// reported before the run and not after it, and leaves nothing there: a run that is broken off
-/// (Ctrl-C, a kill) leaves no file behind. keep() writes the text under that name and then gives it
-/// its real one, so that a full disk leaves no half file under that.
+/// Checks at once whether `<file>.part` can be written, so that a missing folder is reported before
+/// the run, and leaves no file. keep() writes the text under that name and then renames it. An
+/// aborted run leaves no file, and a full disk no partial one.
 class OutputFile {
  public:
   explicit OutputFile(std::filesystem::path file);  ///< throws std::runtime_error, a sentence

@@ -17,14 +17,13 @@
 namespace voxtouch::cli {
 namespace {
 
-/// Debian's own, whose matplotlib python3-matplotlib is; another python3 before it on PATH may have
-/// none.
+/// Debian's, for which python3-matplotlib is installed; another python3 on PATH may lack it.
 constexpr const char* kDebianPython = "/usr/bin/python3";
 
-/// What the tool says on the way, which is no part of what it says in the end.
+/// Prefix of a progress line, which is not part of the result.
 constexpr std::string_view kProgress = "progress ";
 
-/// The last of these words in what has been said so far; empty where there is none.
+/// The last progress line of the output so far; empty without one.
 std::string last_progress(std::string_view said) {
   const std::size_t at = said.rfind(kProgress),
                     end = said.find('\n', at == said.npos ? said.size() : at);
@@ -48,8 +47,8 @@ std::string without_progress(const std::string& text) {
 
 using Patience = std::optional<std::chrono::milliseconds>;
 
-/// Runs the tool with `input`, isolated (-I) from packages and settings of the user's Python, to
-/// its end or as long as there is patience; what it said.
+/// Runs the tool with `input`, isolated (-I) from packages and settings of the user's Python, until
+/// it ends or patience is over. Returns its output.
 std::optional<std::string> run_tool(const std::vector<std::string>& arguments,
                                     const std::string& input, Patience patience = std::nullopt) {
   const std::filesystem::path tool = program_folder() / "voxtouch_plot";

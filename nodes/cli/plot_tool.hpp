@@ -1,6 +1,6 @@
 #pragma once
-/// Pictures: drawn by voxtouch_plot (deploy/tools/plot.py), a Python program that stands next to
-/// this one, in a process of its own.
+/// Pictures, drawn by voxtouch_plot (deploy/tools/plot.py), a Python program next to this one, as a
+/// child process.
 #include <chrono>
 #include <filesystem>
 #include <optional>
@@ -8,14 +8,13 @@
 
 namespace voxtouch::cli {
 
-/// Throws std::runtime_error, a sentence, where no picture could be drawn at `picture`: Python,
-/// matplotlib or the folder is missing, or the name ends in something else than .png, .svg or .pdf
-/// (`may_be_page`: or .html). Before a long run, so that it is reported then and not after it.
+/// Throws std::runtime_error if no picture can be drawn at `picture`: Python, matplotlib or the
+/// folder is missing, or the suffix is not .png, .svg or .pdf (`may_be_page`: or .html). Called
+/// before a long run, so that it is reported early.
 void check_picture(const std::filesystem::path& picture, bool may_be_page = false);
 
-/// Draws `json`, what the verb `kind` (accuracy, design, identify) prints with --json. Gives the
-/// tool's sentence on what the picture shows; throws std::runtime_error, a sentence, where it was
-/// not drawn.
+/// Draws `json`, the output of the verb `kind` (accuracy, design, identify) with --json. Returns
+/// the tool's sentence about the picture. Throws std::runtime_error if it was not drawn.
 std::string draw_picture(const std::string& kind, const std::string& json,
                          const std::filesystem::path& picture);
 
@@ -23,13 +22,13 @@ std::string draw_picture(const std::string& kind, const std::string& json,
 struct Report {
   std::filesystem::path bag, page;
   std::filesystem::path compared{};  ///< a second bag; empty: none
-  std::string rig{};                 ///< empty: the one that the bag holds
+  std::string rig{};                 ///< empty: that of the bag
 };
 
-/// Writes it, and reports its progress on stderr once that takes longer than a second. Gives the
-/// tool's sentence. Throws std::runtime_error, a sentence, where it was not written. Where it takes
-/// longer than `patience`, nothing is given and the tool goes on by itself, also when this program
-/// has ended; a page is under its name only when it is whole.
+/// Writes the report, with progress on stderr after a second. Returns the tool's sentence. Throws
+/// std::runtime_error on failure. If it takes longer than `patience`, the result is empty and the
+/// tool continues in the background, also after the end of this program. The page gets its name
+/// only when it is complete.
 std::optional<std::string> write_report(
     const Report& report, std::optional<std::chrono::milliseconds> patience = std::nullopt);
 

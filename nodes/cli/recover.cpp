@@ -23,8 +23,8 @@ struct RecoverOptions {
   bool json = false;
 };
 
-/// What one node said of its lock.
-struct Lock {
+/// A fault latch that is set.
+struct Latch {
   std::string node, number, reason;
   std::uint64_t session = 0;
 };
@@ -34,16 +34,16 @@ class Recovery {
   explicit Recovery(const RecoverOptions& o)
       : participant_(o.node.participant("recover")),
         registry_(participant_, o.node.rig),
-        words_(participant_, qos::kRecover, o.node.rig, qos::profile(qos::ProfileId::kEvent)) {}
+        resets_(participant_, qos::kRecover, o.node.rig, qos::profile(qos::ProfileId::kEvent)) {}
 
-  /// Whether a node of the rig has been received; waits a second at most.
+  /// Whether a node of the rig reports its status. Waits up to 1 s for a latch.
   bool receives_from_any() {
-    return wait([this] { return !registry_.reports().empty() && !locks().empty(); },
+    return wait([this] { return !registry_.reports().empty() && !latches().empty(); },
                 std::chrono::seconds(1)) ||
            !registry_.reports().empty();
   }
-  std::vector<Lock> locks() const {
-    std::vector<Lock> all;
+  std::vector<Latch> latches() const {
+    std::vector<Latch> all;
     for (const runtime::NodeReport& report : registry_.reports())
       if (const auto number = report.values.find(faults::FaultLatch::kNumber);
           number != report.values.end()) {
@@ -53,15 +53,15 @@ class Recovery {
       }
     return all;
   }
-  /// False where it is locked as before after two seconds.
-  bool open(const Lock& lock) {
-    (void)wait([this] { return words_.matched_count() > 0; }, std::chrono::seconds(1));
-    const auto number = parse_number<std::uint64_t>(lock.number);
-    words_.write(msg::Recover{lock.session, number.value_or(0)});
+  /// Resets a latch. Returns false if it is still set after 2 s.
+  bool reset(const Latch& latch) {
+    (void)wait([this] { return resets_.matched_count() > 0; }, std::chrono::seconds(1));
+    const auto number = parse_number<std::uint64_t>(latch.number);
+    resets_.write(msg::Recover{latch.session, number.value_or(0)});
     return wait(
         [&] {
-          return std::ranges::none_of(locks(), [&](const Lock& now) {
-            return now.node == lock.node && now.number == lock.number;
+          return std::ranges::none_of(latches(), [&](const Latch& now) {
+            return now.node == latch.node && now.number == latch.number;
           });
         },
         std::chrono::seconds(2));
@@ -81,7 +81,7 @@ class Recovery {
 
   bus::Participant participant_;
   runtime::NodeRegistry registry_;
-  bus::Writer<msg::Recover> words_;
+  bus::Writer<msg::Recover> resets_;
 };
 
 int recover(const RecoverOptions& o) {
@@ -91,20 +91,20 @@ int recover(const RecoverOptions& o) {
   if (!recovery.receives_from_any())
     problems.push_back(
         fmt::format("No node of rig '{}' found on domain {}", o.node.rig, o.node.domain));
-  const std::vector<Lock> locks = recovery.locks();
-  if (problems.empty() && locks.empty())
+  const std::vector<Latch> latches = recovery.latches();
+  if (problems.empty() && latches.empty())
     problems.push_back("No fault latch is set in rig '" + o.node.rig +
                        "'; `voxtouch status` lists the nodes' states");
-  for (const Lock& lock : locks) {
-    if (!recovery.open(lock)) {
+  for (const Latch& latch : latches) {
+    if (!recovery.reset(latch)) {
       problems.push_back(
-          fmt::format("The {} is still latched after 2 s: {}", lock.node, lock.reason));
+          fmt::format("The {} is still latched after 2 s: {}", latch.node, latch.reason));
       continue;
     }
-    opened.push_back({{"node", lock.node}, {"reason", lock.reason}});
+    opened.push_back({{"node", latch.node}, {"reason", latch.reason}});
     if (!o.json)
-      console::print_result("{} reset; force ramps in. Cause of the latch: {}\n", lock.node,
-                            lock.reason);
+      console::print_result("{} reset; force ramps in. Cause of the latch: {}\n", latch.node,
+                            latch.reason);
   }
   if (o.json)
     console::print_result(

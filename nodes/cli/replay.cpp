@@ -30,7 +30,7 @@ struct ReplayVerb {
   bool json = false;
 };
 
-/// A folder of this process alone, gone with it.
+/// A private folder of this process, removed with it.
 class OwnFolder {
  public:
   OwnFolder() {
@@ -62,7 +62,7 @@ std::filesystem::path program_of(const std::filesystem::path& build) {
 
 std::string last_line(const std::string& said) { return said.substr(said.rfind('\n') + 1); }
 
-/// What the other build makes of the recording, as a bag.
+/// Replays the recording with another build, into a bag.
 void replay_by_other(const ReplayVerb& o, const std::filesystem::path& made) {
   const std::string program = program_of(o.against).string();
   ChildProgram child{

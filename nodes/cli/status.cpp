@@ -125,7 +125,7 @@ int status(const StatusOptions& o) {
       const Rows rows = rigs.rows();
       console::print_result("{}\n",
                             o.json ? to_json(rows, o.node.domain) : to_text(rows, o.node.domain));
-      console::finish_results();  // each second, so that a reader that has gone ends the watch
+      console::finish_results();  // each second, so that the watch ends with its reader
       if (!o.watch)
         return !rows.empty() && is_well(rows) ? 0 : 1;
     }

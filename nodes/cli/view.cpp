@@ -45,7 +45,7 @@ std::string propose_scene(const std::string& bytes, const std::string& ending,
   return tried_scene(mesh, device);
 }
 
-/// The page of the ring that ran before: the same address, so that browsers find it again.
+/// Uses the address of the previous ring's page, so that browsers reconnect.
 void take_over_page(view::ServerOptions& server) {
   const char* const address = std::getenv(kPageVariable);
   std::array<char, 33> token{};

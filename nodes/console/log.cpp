@@ -30,8 +30,7 @@ std::atomic<bool> progress_shown{false};
 constexpr auto kProgress = spdlog::level::debug;
 constexpr std::string_view kClearLine = "\r\033[K";
 
-/// False where the stream takes no more. Waits as long as it takes: only the writing thread calls
-/// it.
+/// Returns false if the stream does not accept more. May block: only the writing thread calls it.
 bool write_all(std::string_view text) noexcept {
   while (!text.empty()) {
     const ssize_t n = ::write(STDERR_FILENO, text.data(), text.size());
@@ -48,8 +47,7 @@ bool write_all(std::string_view text) noexcept {
   return true;
 }
 
-/// Not spdlog's own sinks: those write through stdio, whose lock `exit` takes, and would wait for a
-/// writer that waits for ever.
+/// spdlog's sinks write through stdio. `exit` takes its lock and would wait for a blocked writer.
 class StderrSink final : public spdlog::sinks::sink {
  public:
   explicit StderrSink(std::weak_ptr<spdlog::details::thread_pool> pool) : pool_(std::move(pool)) {}
@@ -110,7 +108,7 @@ struct Log {
   }
 };
 
-/// Made with the first text and never destroyed: its thread may be held by a stream for ever, and
+/// Created with the first text and never destroyed: a stream may block its thread for ever, and
 /// `exit` must not wait for it.
 Log& the_log() {
   static Log* const log = new Log;
@@ -196,7 +194,7 @@ void flush_log(std::chrono::milliseconds patience) noexcept {
         return stuck_at.store(handled.load());
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
-  } catch (...) {  // no memory: nothing was said
+  } catch (...) {  // no memory: the text is lost
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-/// What programs say to people on stderr, and what they hand over on stdout. The device goes on
-/// whether or not stderr is read.
+/// Messages on stderr and results on stdout. A blocked stderr never stalls a device.
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -13,8 +12,7 @@
 namespace voxtouch::console {
 namespace console_parts {
 
-/// Strings may come from a file or a message: made printable. The format itself is ours and stays
-/// as it is.
+/// Strings may come from a file or a message: made printable. The format itself is a constant.
 template <class T>
 decltype(auto) shown(const T& value) {
   if constexpr (std::is_convertible_v<const T&, std::string_view>)
@@ -36,9 +34,9 @@ void put(std::string_view text);
 
 }  // namespace console_parts
 
-/// Says a text on stderr. Never throws, and never waits for the stream: a thread of ordinary
-/// priority writes. Of what a stream does not take (full disk, closed, a pipe or a terminal without
-/// a reader) the newest kLinesKept texts are kept and the others are counted. Not for real-time
+/// Prints a text on stderr. Never throws, and never waits for the stream: a thread of ordinary
+/// priority writes. If the stream is blocked (full disk, closed, a pipe or terminal without a
+/// reader), the newest kLinesKept texts are queued and the others are counted. Not for real-time
 /// threads: it allocates and locks.
 template <class... Args>
 void log(fmt::format_string<Args...> format, Args&&... args) noexcept {
@@ -49,9 +47,9 @@ void log(fmt::format_string<Args...> format, Args&&... args) noexcept {
   }
 }
 
-/// Shows one line of progress on a terminal, in place of the one before; any other text of this
-/// process clears it. Prints nothing where stderr is no terminal. The text has no line feed. Never
-/// throws or blocks. Not for real-time threads: it allocates and locks.
+/// Prints one line of progress on a terminal, in place of the previous one; any other text clears
+/// it. Prints nothing if stderr is not a terminal. The text has no line feed. Never throws or
+/// blocks. Not for real-time threads: it allocates and locks.
 template <class... Args>
 void show_progress(fmt::format_string<Args...> format, Args&&... args) noexcept {
   try {
@@ -67,8 +65,7 @@ inline constexpr std::size_t kMaxTextBytes =
 /// How long the end of a process waits for a stream that takes nothing.
 inline constexpr std::chrono::milliseconds kStopTimeout{500};
 
-/// Whether stderr is systemd's journal, which keeps what it gets: it receives what changes, and no
-/// rates.
+/// Whether stderr is systemd's journal, which stores all text: it receives changes, and no rates.
 bool stderr_is_journal() noexcept;
 /// Whether stderr is a terminal: progress is shown only there.
 bool stderr_is_terminal() noexcept;
@@ -76,12 +73,12 @@ bool stderr_is_terminal() noexcept;
 /// Texts of this process that no stream took, so far.
 std::uint64_t texts_lost() noexcept;
 
-/// Waits until everything said so far is written or lost, `patience` at most. `exit` does it by
-/// itself; whoever calls `_Exit` must.
+/// Waits until all texts are written or lost, `patience` at most. `exit` does it; callers of
+/// `_Exit` must call it.
 void flush_log(std::chrono::milliseconds patience = kStopTimeout) noexcept;
 
-/// Writes a result on stdout, after what was logged before it. Waits for whoever reads; throws
-/// std::runtime_error where it cannot be written, since a lost result is a failure.
+/// Writes a result on stdout, after all earlier texts. Waits for the reader. Throws
+/// std::runtime_error if it cannot be written, since a lost result is a failure.
 template <class... Args>
 void print_result(fmt::format_string<Args...> format, Args&&... args) {
   console_parts::put(console_parts::formatted(format, console_parts::shown(args)...));
@@ -92,9 +89,9 @@ bool has_results() noexcept;
 /// Before a program that has printed results ends well; throws as `print_result`.
 void finish_results();
 
-/// First in every main. A standard stream that is closed becomes one that takes nothing: else the
-/// next file or socket opened would get its number and be written into. A file at its size limit is
-/// an error, not a signal.
+/// First call of every main. Opens a closed standard stream to /dev/null: otherwise the next file
+/// or socket would get its number and its output. A file at its size limit is an error, not a
+/// signal.
 void guard_standard_streams() noexcept;
 
 }  // namespace voxtouch::console

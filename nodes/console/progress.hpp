@@ -1,5 +1,5 @@
 #pragma once
-/// Progress of what may take long, on a terminal.
+/// Progress of long steps on a terminal.
 #include <chrono>
 #include <functional>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace voxtouch::console {
 
-/// For the progress callbacks of the core: shows "<who>: <step>" on a terminal, at most once a
+/// For the progress callbacks of the core: prints "<who>: <step>" on a terminal, at most once a
 /// second, and nothing in the first second.
 inline std::function<void(const std::string&)> log_each_second(std::string who) {
   using Clock = std::chrono::steady_clock;

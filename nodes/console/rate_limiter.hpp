@@ -1,17 +1,17 @@
 #pragma once
-/// Of an unbounded stream of texts, so many that a person can read.
+/// Limits the rate of an unbounded stream of texts.
 #include <cstdint>
 #include <mutex>
 
 namespace voxtouch::console {
 
-/// The first few of each second are said, the others counted; the count is printed with the first
-/// text of a later second. Any thread.
+/// The first few texts of each second are printed, the others counted. The first text of a later
+/// second includes the count. Any thread.
 class RateLimiter {
  public:
   struct Verdict {
     bool say = false;
-    std::uint64_t skipped = 0;  ///< before this one, and not reported yet
+    std::uint64_t skipped = 0;  ///< before this one, and not yet reported
   };
   explicit RateLimiter(int most) noexcept : most_(most) {}
 

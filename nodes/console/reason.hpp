@@ -5,8 +5,8 @@
 
 namespace voxtouch::console {
 
-/// For faults of the file system: the path, shortened, and the reason. For a thread that the system
-/// refuses: the limits to check. For all others: what() itself.
+/// For faults of the file system: the path, shortened, and the reason. For a thread that cannot be
+/// created: the limits to check. Otherwise what().
 std::string reason_of(const std::exception& error);
 
 }  // namespace voxtouch::console

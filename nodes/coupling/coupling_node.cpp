@@ -14,11 +14,11 @@ namespace {
 
 using runtime::StatusPriority;
 
-/// Node step of the coupling: answers each contact with a force command.
-/// Its cycle time is bounded by NodeHost::run and by kMaxTakes descriptions and plans. These come
-/// from the bound participants, or from any while none is bound and no force is possible. A fit
-/// takes some tenths of a second. It runs in the loop at the start of a session and, in lockstep,
-/// for a change; in real time a change is fitted in another thread.
+/// Node step of the coupling: answers each contact with a force command. Its cycle time is bounded
+/// by NodeHost::run and by kMaxTakes descriptions and plans. These come from the bound
+/// participants, or from any while none is bound and no force is possible. A fit takes tenths of a
+/// second. The loop fits at the start of a session and, in lockstep, for a change. In real time
+/// another thread fits a change.
 class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCommand> {
  public:
   CouplingNode(const Options& options, const scene::Scene& scene)
@@ -105,12 +105,12 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   }
 
   /// Runs this coupling from now on. If it must not run, the device receives no commands and fades
-  /// its force out. `anew`: start from rest, without the state of the previous coupling.
-  void adopt(device_fit::FittedCoupling fitted, bool anew = false) {
+  /// its force out. `starts_at_rest`: without the state of the previous coupling.
+  void adopt(device_fit::FittedCoupling fitted, bool starts_at_rest = false) {
     if (coupling_.runs() && !fitted.refusal.empty())
       watch_.keep("the new design or plan does not fit the device");
-    TakenUp use{host_.session_in_loop(), host_.next_sample(), anew,
-                adopted(fitted, scene_.device, fitting_.device()), coupling_.period_s()};
+    Adoption use{host_.session_in_loop(), host_.next_sample(), starts_at_rest,
+                 adopted(fitted, scene_.device, fitting_.device()), coupling_.period_s()};
     coupling_.adopt(use.coupling);
     use.coupling.runs = coupling_.runs();
     const std::optional<device_fit::ForcePreview> preview = fitting_.preview(fitted);
@@ -133,7 +133,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
     watch_.begin_sample(coupling_.counters());
     msg::ForceCommand command = coupling_.answer(contact);
     if (watch_.latched())
-      command.wrench = {}, command.status |= msg::force_command::kStatusLocked;
+      command.wrench = {}, command.status |= msg::force_command::kStatusFaultLatched;
     return command;
   }
 

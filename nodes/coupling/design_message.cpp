@@ -67,12 +67,12 @@ std::string status_word(const device_fit::FittedCoupling& fitted) {
                          : "configured";
 }
 
-void write_coupling(const TakenUp& use, msg::CouplingDesign& m) {
+void write_coupling(const Adoption& use, msg::CouplingDesign& m) {
   const coupling::CouplingSpec& spec = use.coupling.spec;
   m.session_id = use.session;
   m.from_sample = use.from_sample;
-  m.anew = use.anew;
-  m.runs = use.coupling.runs;
+  m.starts_at_rest = use.starts_at_rest;
+  m.commands_force = use.coupling.runs;
   m.kind = runtime::lend(spec.kind);
   for (const SpecNumber& one : kSpecNumbers)
     m.*one.of_message = spec.*one.of_spec;
@@ -87,9 +87,9 @@ void write_coupling(const TakenUp& use, msg::CouplingDesign& m) {
   m.sample_time_s = use.sample_time_s;
 }
 
-TakenUp taken_up(const msg::CouplingDesign& m) {
-  TakenUp use{m.session_id, m.from_sample, m.anew, {}, m.sample_time_s};
-  use.coupling.runs = m.runs;
+Adoption adoption_of(const msg::CouplingDesign& m) {
+  Adoption use{m.session_id, m.from_sample, m.starts_at_rest, {}, m.sample_time_s};
+  use.coupling.runs = m.commands_force;
   use.coupling.spec.kind = m.kind ? m.kind : "";
   for (const SpecNumber& one : kSpecNumbers)
     use.coupling.spec.*one.of_spec = m.*one.of_message;
@@ -131,7 +131,7 @@ std::vector<std::string> differences(const AdoptedCoupling& recorded, const Adop
 }
 
 void publish_design(bus::Writer<msg::CouplingDesign>& writer,
-                    const device_fit::FittedCoupling& fitted, const TakenUp& use,
+                    const device_fit::FittedCoupling& fitted, const Adoption& use,
                     const std::string& external) {
   const coupling::design::Design& design = fitted.design;
   const std::string status = status_word(fitted);
@@ -151,9 +151,9 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer,
   m.max_approach_m_per_s = design.max_approach_m_per_s;
   m.released_damping_ratio = design.swing.released;
   m.gripped_damping_ratio = design.swing.held;
-  m.released_damping_floor = design.floors.released;
-  m.gripped_damping_floor = design.floors.held;
-  m.damping_floor_cost_n_per_m = design.floors.cost_n_per_m;
+  m.released_min_damping_ratio = design.floors.released;
+  m.gripped_min_damping_ratio = design.floors.held;
+  m.min_damping_ratio_cost_n_per_m = design.floors.cost_n_per_m;
   m.passive = design.translation.passive;
   m.worst_case = runtime::lend(design.translation.worst_case_text);
   reasons.into(m.reasons);

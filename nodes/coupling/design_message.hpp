@@ -12,18 +12,18 @@ namespace voxtouch::coupling_node {
 /// "configured" for a manual coupling, otherwise the status of the designer.
 std::string status_word(const device_fit::FittedCoupling& fitted);
 
-/// Where and how a coupling was adopted.
-struct TakenUp {
+/// The first sample and the state of an adopted coupling.
+struct Adoption {
   std::uint64_t session = 0;
   std::uint64_t from_sample = 0;  ///< the first sample of the session that it may answer
-  bool anew = false;              ///< starts from rest, without the state of the previous coupling
+  bool starts_at_rest = false;    ///< without the state of the previous coupling
   AdoptedCoupling coupling;
   double sample_time_s = 0.0;
 };
 
 /// Converts to the message, which refers to the text `kind`, and back, bit-identical.
-void write_coupling(const TakenUp& use, msg::CouplingDesign& message);
-TakenUp taken_up(const msg::CouplingDesign& message);
+void write_coupling(const Adoption& use, msg::CouplingDesign& message);
+Adoption adoption_of(const msg::CouplingDesign& message);
 
 /// Every number in which two couplings or their limits differ, for example "gain 1 recorded, 0.9
 /// now".
@@ -31,7 +31,7 @@ std::vector<std::string> differences(const AdoptedCoupling& recorded, const Adop
 
 /// `external`: name of the effect that no certificate covers; empty if there is none.
 void publish_design(bus::Writer<msg::CouplingDesign>& writer,
-                    const device_fit::FittedCoupling& fitted, const TakenUp& use,
+                    const device_fit::FittedCoupling& fitted, const Adoption& use,
                     const std::string& external);
 
 }  // namespace voxtouch::coupling_node

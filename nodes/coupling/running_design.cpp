@@ -6,7 +6,7 @@
 
 namespace voxtouch::coupling_node {
 
-void RunningDesign::adopt(device_fit::FittedCoupling fitted, TakenUp use,
+void RunningDesign::adopt(device_fit::FittedCoupling fitted, Adoption use,
                           const std::optional<device_fit::ForcePreview>& preview,
                           double device_max_n_per_m, const std::string& external) {
   use_ = std::move(use);

@@ -19,11 +19,11 @@ class RunningDesign {
 
   /// Publishes and stores the design. `preview`: force displayed under it. `external`: see
   /// publish_design.
-  void adopt(device_fit::FittedCoupling fitted, TakenUp use,
+  void adopt(device_fit::FittedCoupling fitted, Adoption use,
              const std::optional<device_fit::ForcePreview>& preview, double device_max_n_per_m,
              const std::string& external);
   const device_fit::FittedCoupling& fitted() const noexcept { return fitted_; }
-  const TakenUp& use() const noexcept { return use_; }
+  const Adoption& use() const noexcept { return use_; }
 
   /// `contact_n_per_m`: largest contact stiffness so far, in W [N/m].
   void report_to(double contact_n_per_m, runtime::NodeReport& report, runtime::StatusText& status);
@@ -33,7 +33,7 @@ class RunningDesign {
 
   bus::Writer<msg::CouplingDesign> designs_;
   const scene::WorkspaceMapping& mapping_;
-  TakenUp use_;
+  Adoption use_;
   std::mutex mutex_;
   device_fit::FittedCoupling fitted_;
   std::optional<device_fit::ForcePreview> preview_;

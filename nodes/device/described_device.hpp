@@ -19,8 +19,8 @@ std::optional<scene::DeviceFile> described_device(const std::string& device);
 /// Only its description, for devices::DeviceOptions.
 std::optional<DeviceDescription> description_of(const std::string& device);
 
-/// Throws devices::DeviceOpenError, a sentence, where `file` is another device's than the one that
-/// `driver` describes (scene::other_device).
+/// Throws devices::DeviceOpenError if `file` describes another device than `driver`
+/// (scene::other_device).
 void require_same_device(const std::filesystem::path& path, const scene::DeviceFile& file,
                          const DeviceDescription& driver, std::string_view serial);
 

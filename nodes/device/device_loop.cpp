@@ -114,15 +114,15 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
 
   ++sequence_;
   progress_.counters.note(DeviceCounter::kSamples);
-  if (stood_still()) {
+  if (has_stalled()) {
     faults_.keep("a stall of the device process");
-    let_go();
+    stop_force();
     return End::kNone;
   }
   if (progress_.latch.take_reset())
     guard_.restart();
   if (progress_.latch.latched()) {
-    let_go();
+    stop_force();
     return End::kNone;
   }
   return give(command, *sample);
@@ -181,13 +181,13 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   // The guard passes no command that a driver refuses, so one of the two is faulty.
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
     progress_.latch.latch("the driver refused a command that the force guard accepted");
-  let_go();
+  stop_force();
   progress_.has_error.store(true, kRelaxed);
   gaps_.restart();  // at zero force a gap is harmless
   return End::kNone;
 }
 
-void DeviceLoop::let_go() noexcept {
+void DeviceLoop::stop_force() noexcept {
   driver_.stop();
   guard_.restart();
   progress_.start_check.restart();
@@ -209,7 +209,7 @@ void DeviceLoop::note_loss() noexcept {
 
 /// Whether this process was suspended. The last force of a simulated device must not continue after
 /// that.
-bool DeviceLoop::stood_still() noexcept {
+bool DeviceLoop::has_stalled() noexcept {
   if (settings_.lockstep)
     return false;
   const std::int64_t gap_ns = gaps_.gap_ns(runtime::monotonic_ns());
@@ -233,7 +233,7 @@ bool DeviceLoop::publish(const devices::DeviceSample& sample,
   state.buttons = sample.buttons;
   state.flags = (driver_.simulated() ? msg::device_state::kFlagSimulated : 0U) |
                 (settings_.lockstep ? msg::device_state::kFlagLockstep : 0U) |
-                (progress_.latch.latched() ? msg::device_state::kFlagLocked : 0U) |
+                (progress_.latch.latched() ? msg::device_state::kFlagFaultLatched : 0U) |
                 (guard_.fraction() > 0 ? msg::device_state::kFlagForceOn : 0U) |
                 (trusted ? 0U : msg::device_state::kFlagPoseLatched);
   seen_.state = state, seen_.answered = false;
@@ -252,8 +252,7 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
   for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
-    // The gate has a rule of its own as a second safeguard: it releases a writer only if that
-    // writer is not followed any longer.
+    // The gate has a second safeguard: it releases a writer only if that writer is not followed.
     if (gate_.writer() && *gate_.writer() != commands_.writer())
       gate_.release_writer();
     const devices::GateVerdict verdict =

@@ -175,8 +175,8 @@ class DeviceLoop {
   Vec3 next_tones(const devices::DeviceSample& sample) noexcept;
   void note_tones(const Vec3& given_n) noexcept;
   End on_device_error(devices::DeviceError error) noexcept;
-  void let_go() noexcept;
-  bool stood_still() noexcept;
+  void stop_force() noexcept;
+  bool has_stalled() noexcept;
   void note_loss() noexcept;
   void next_period() noexcept;
   void count_skipped(std::int64_t sample_ns) noexcept;

@@ -16,7 +16,7 @@ namespace {
 
 std::string differing(const identification::StartFindings& findings) {
   return fmt::format(
-      "the device is not as its file says: {}. Its certificate does not hold; measure it again "
+      "the device differs from its file: {}. Its certificate does not hold; measure it again "
       "with voxtouch identify",
       identification::differences(findings));
 }
@@ -158,7 +158,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
     late_peer_ = find_late_peer(registry);
   const bool running = progress_.started_ns.load() != 0, ended = end != End::kNone;
   report.session_id = session;
-  report.partners = peers_.participants();
+  report.lockstep_peers = peers_.participants();
   report.state = !ended ? (running ? NodeState::kRunning : NodeState::kReady)
                         : (end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                          : NodeState::kFailed);
@@ -177,10 +177,10 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
   fill(report);
   judge_start(report, status);
   progress_.latch.report_to(report, !ended);
-  status.say(StatusPriority::kLocked, std::exchange(report.message, {}));
+  status.say(StatusPriority::kFaultLatched, std::exchange(report.message, {}));
 }
 
-/// What the check at start found, for a device with a measured file.
+/// The result of the check at start, for a device with a measured file.
 void DeviceMonitor::judge_start(runtime::NodeReport& report, runtime::StatusText& status) {
   if (!start_ && progress_.start_checked.load(std::memory_order_acquire)) {
     start_ = progress_.start_check.findings();

@@ -107,8 +107,8 @@ std::unique_ptr<devices::Driver> with_joints(std::unique_ptr<devices::Driver> dr
                                        *arm, host.options().mode());
 }
 
-/// What the ring is designed for: the driver's figures, or those of a file that may be its own.
-/// Throws where the file is another device's, or of none.
+/// The description for the design: the driver's figures, or those of a measured file. Throws if the
+/// file belongs to another device.
 DeviceDescription describe_driver(const Options& options, const devices::Driver& driver) {
   DeviceDescription device = driver.description();
   device.simulated = driver.simulated();

@@ -16,7 +16,8 @@ namespace voxtouch::device_node {
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
-  std::filesystem::path device_file;  ///< measured figures of the device; empty: the driver's own
+  std::filesystem::path
+      device_file;  ///< measured figures of the device; empty: those of the driver
   /// Name of a motion in the scene; empty: rest at the start of the first motion.
   std::string motion;
   double duration_s = 0.0;              ///< in device time [s]; 0: until stopped

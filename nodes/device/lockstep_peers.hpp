@@ -23,10 +23,10 @@ class LockstepPeers {
   }
   /// The first lost peer and the reason.
   const std::string& lost() const noexcept { return lost_; }
-  const std::set<bus::Guid>& participants() const noexcept { return partners_.participants(); }
+  const std::set<bus::Guid>& participants() const noexcept { return peers_.participants(); }
 
  private:
-  runtime::PeerSet partners_{{"rendering", "coupling", "logger", "validator"}};
+  runtime::PeerSet peers_{{"rendering", "coupling", "logger", "validator"}};
   std::atomic<bool> ready_{false};
   std::string missing_, lost_;
 };

@@ -67,7 +67,7 @@ void ResetReceiver::receive(std::uint64_t session, FaultLatch& latch) {
   msg::Recover message;
   for (int n = 0; n < kMaxResets && resets_.take(message); ++n)
     if (message.session_id == session)
-      latch.reset(message.lock);
+      latch.reset(message.fault_latch);
 }
 
 }  // namespace voxtouch::faults

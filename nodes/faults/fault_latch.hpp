@@ -32,7 +32,8 @@ class FaultLatch {
   /// message.
   void report_to(runtime::NodeReport& report, bool runs = true) const;
 
-  static constexpr char kNumber[] = "lock", kReason[] = "locked_because", kCount[] = "locks";
+  static constexpr char kNumber[] = "fault_latch", kReason[] = "fault_reason",
+                        kCount[] = "fault_latches";
 
  private:
   std::uint64_t state_;  ///< state of the number generator, loop only

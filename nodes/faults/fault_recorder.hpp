@@ -22,7 +22,7 @@ class App;
 namespace voxtouch::faults {
 
 inline constexpr double kRecordedS = 2.0;
-/// Further faults are counted and not written, so that a repeating fault cannot fill the disk.
+/// Further faults are counted but not written, so that a repeating fault cannot fill the disk.
 inline constexpr std::uint64_t kMaxRecords = 8;
 
 /// Adds --fault-records DIR.

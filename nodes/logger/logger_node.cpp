@@ -93,11 +93,11 @@ class LoggerNode {
     host_.session().stop();  // the final values are set
   }
 
-  /// Records the messages that other nodes wrote until they stopped. Reliable ones have been
-  /// acknowledged by our readers; best-effort ones may still be in transit.
-  /// The time is limited, because other writers may continue: a ring that this logger only records,
-  /// or a robot whose topics are listed. Silence is counted in waits and not by the clock. A
-  /// machine that suspends this process suspends its DDS threads too.
+  /// Records the messages that other nodes wrote until they stopped. Our readers have acknowledged
+  /// the reliable ones; best-effort ones may still be in transit. The time is limited, because
+  /// other writers may continue: a ring that is only recorded, or a robot with listed topics.
+  /// Silence is counted in waits and not by the clock, because a machine that suspends this process
+  /// suspends its DDS threads too.
   void record_pending() {
     const std::int64_t end = runtime::monotonic_ns() + kMaxStopNs;
     for (int quiet = 0; quiet < 5 && runtime::monotonic_ns() < end;

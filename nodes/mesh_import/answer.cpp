@@ -7,7 +7,7 @@ namespace voxtouch::mesh_import {
 namespace {
 
 struct Head {
-  std::uint64_t mark = 0x6873656d786f7609;  ///< so that what was never written is no answer
+  std::uint64_t mark = 0x6873656d786f7609;  ///< absent in a file that was never written
   std::uint64_t refused = 0, vertices = 0, triangles = 0, text = 0;
   std::uint64_t points = 0, lines = 0;
   double spacing = 0.0, largest = 0.0;
@@ -52,7 +52,7 @@ mesh::FileTriangles decode(std::string_view answer) {
   };
   if (answer.size() >= sizeof head)
     take(&head, 1);
-  // Each by itself first, so that their sum is one.
+  // Checked individually first, so that the sum cannot overflow.
   if (head.mark != Head{}.mark ||
       std::max({head.text, head.vertices, head.triangles}) > answer.size() ||
       answer.size() !=

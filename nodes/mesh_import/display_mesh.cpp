@@ -11,7 +11,7 @@
 namespace voxtouch::mesh_import {
 namespace {
 
-/// Vertices that no triangle needs any more go.
+/// Removes unused vertices.
 void coarsen(DisplayMesh& mesh, std::size_t most) {
   constexpr float kAnyError = 1.0F;  // of the mesh's size: the number of triangles decides
   const std::size_t vertices = mesh.positions.size() / 3, stride = 3 * sizeof(float);
@@ -19,7 +19,7 @@ void coarsen(DisplayMesh& mesh, std::size_t most) {
   std::vector<unsigned> fewer(all.size());
   fewer.resize(meshopt_simplify(fewer.data(), all.data(), all.size(), mesh.positions.data(),
                                 vertices, stride, 3 * most, kAnyError));
-  if (fewer.size() > 6 * most) {  // its topology does not let it: then without regard to that
+  if (fewer.size() > 6 * most) {  // the topology prevents it: ignore the topology
     fewer.resize(all.size());
     fewer.resize(meshopt_simplifySloppy(fewer.data(), all.data(), all.size(), mesh.positions.data(),
                                         vertices, stride, 3 * most, kAnyError));

@@ -18,17 +18,17 @@ struct DisplayMesh {
   std::vector<float> positions;   ///< x y z of each vertex [m]
   std::vector<unsigned> indices;  ///< three a triangle
   std::size_t in_file = 0;        ///< triangles that the file has
-  std::string note;  ///< for people: it is drawn coarser than it is rendered, or why it is not
-                     ///< drawn at all; empty otherwise
+  std::string
+      note;  ///< sentence if it is drawn coarser than it is rendered, or not drawn; otherwise empty
   std::size_t triangles() const noexcept { return indices.size() / 3; }
 };
 
-/// The static meshes in the scene's order, then the dynamic one; small ones whole, large ones with
-/// an equal part of what these leave of kMaxDrawnTriangles, or nearly so. Reads each in a process
-/// of its own; takes as long as the files are large. The rest are empty once `stop` is set.
+/// The static meshes in the scene's order, then the dynamic one. Small ones are complete; large
+/// ones get about equal parts of the rest of kMaxDrawnTriangles. Each is read in a separate
+/// process; the time depends on the file sizes. The rest are empty once `stop` is set.
 std::vector<DisplayMesh> read_display_meshes(const scene::Scene& scene,
                                              const std::atomic<bool>& stop);
-/// What each of meshes with `counts` triangles may keep, so that they have `most` together.
+/// Triangles that each of the meshes with `counts` triangles may keep, `most` in total.
 std::vector<std::size_t> counts_of(const std::vector<std::size_t>& counts, std::size_t most);
 
 }  // namespace voxtouch::mesh_import

@@ -1,5 +1,5 @@
-/// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT HOW: what mesh_process() starts.
-/// The mesh's bytes are behind kSharedFile, and the answer takes their place.
+/// voxtouch_import_mesh PATH MAX_TRIANGLES CPU_S MEMORY_MIB PARENT HOW: started by mesh_process().
+/// The mesh's bytes are in kSharedFile, and the answer replaces them.
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   const auto number = [argv](int n) { return std::strtoull(argv[n], nullptr, 10); };
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (argc != 7 || static_cast<unsigned long long>(::getppid()) != number(5))
-    return 2;  // gone before that could be received
+    return 2;  // the parent ended earlier
   limit(RLIMIT_CPU, number(3), 1);
   limit(RLIMIT_CORE, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(VOXTOUCH_SANITIZED)
@@ -48,8 +48,7 @@ int main(int argc, char** argv) {
     } else {
       voxtouch::mesh::FileTriangles read =
           voxtouch::mesh::read_triangles(argv[1], voxtouch::mesh::read_mesh_bytes(shared), options);
-      // An STL has each vertex six times. Whoever gets them welds, and finds the same with these as
-      // with all.
+      // An STL has each vertex about six times. The receiver welds too, with an equal result.
       read.mesh = voxtouch::mesh::weld(read.mesh, 0.0);
       answer = voxtouch::mesh_import::encode(read);
     }

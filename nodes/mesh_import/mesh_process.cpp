@@ -37,12 +37,12 @@ pid_t spawn(const std::vector<std::string>& words, int shared) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_adddup2(&files, shared,
-                                   kSharedFile);  // first: it may be one of those that follow
+                                   kSharedFile);  // first: it may have one of the numbers below
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&files, STDERR_FILENO, STDOUT_FILENO);
   posix_spawn_file_actions_addclosefrom_np(&files, kSharedFile + 1);
-  // Its own group: Ctrl-C is this program's. No signal blocked, for its limits come as signals. Not
-  // the real-time priority of the caller.
+  // A new process group: Ctrl-C belongs to this program. No blocked signal, because limits arrive
+  // as signals. Not the real-time priority of the caller.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   sigset_t none;
@@ -79,7 +79,7 @@ mesh::FileTriangles read_apart(const std::filesystem::path& path, const std::str
       spawn({program, path, std::to_string(options.max_triangles), std::to_string(limits.cpu_s),
              std::to_string(limits.memory_mib), std::to_string(::getpid()), how},
             ::fileno(shared.get()));
-  int status = 127 << 8;  // where it is unknown how it ended
+  int status = 127 << 8;  // unknown exit status
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR)
     continue;
   const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;

@@ -1,16 +1,15 @@
 #pragma once
-/// Reads a mesh in a process of its own (voxtouch_import_mesh, which stands next to this program),
-/// so that a file that crashes assimp, hangs it or fills memory is refused with a sentence, and
-/// nothing else happens.
+/// Reads a mesh in a separate process (voxtouch_import_mesh, next to this program). A file that
+/// crashes assimp, hangs it or fills memory is then refused without other effects.
 #include "core/mesh/import.hpp"
 #include "core/scene/scene.hpp"
 
 namespace voxtouch::mesh_import {
 
-/// What reading one mesh may take.
+/// Limits for reading one mesh.
 struct ReadLimits {
   unsigned cpu_s = 20;              ///< CPU time; the clock may show three times as much
-  std::uint64_t memory_mib = 4096;  ///< address space; not held where a sanitizer needs it
+  std::uint64_t memory_mib = 4096;  ///< address space; not limited under a sanitizer
   std::filesystem::path program =
       {};  ///< voxtouch_import_mesh; empty: the one next to this program
 };
@@ -20,9 +19,9 @@ struct ReadLimits {
 /// caller's files it sees only the mesh's bytes and stderr. For any thread, not for the loop.
 mesh::TriangleReader mesh_process(const ReadLimits& limits = {});
 
-/// For those who let assimp read a scene's meshes in this process and without checks, as
-/// core/reference does: it reads each in a process of its own first. Throws MeshError where that
-/// crashes, hangs or fills memory. What assimp refuses passes: it will do so again.
+/// For callers that read a scene's meshes by assimp in this process and without checks, as
+/// core/reference: reads each in a separate process first. Throws MeshError if that crashes, hangs
+/// or fills memory. A refusal by assimp passes: it recurs.
 void dry_run_reading(const scene::Scene& scene);
 
 }  // namespace voxtouch::mesh_import

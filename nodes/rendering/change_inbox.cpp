@@ -102,7 +102,7 @@ void ChangeInbox::answer(const ChangeRequest& request, std::uint32_t result, std
   if (answered_.size() > kRemembered)
     answered_.pop_front();
   send(answered_.back());
-  if (request.reply && result != kResultWaiting)
+  if (request.reply && result != kResultPending)
     request.reply(result == kResultDone, sample, sentence);
 }
 

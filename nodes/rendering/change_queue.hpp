@@ -90,7 +90,8 @@ class ChangeQueue {
   bool is_acknowledged(std::uint64_t ticket) const noexcept {
     return acknowledged_.load(std::memory_order_acquire) >= ticket;
   }
-  bool is_paused_before(std::uint64_t sample) noexcept {
+  /// Publishes `sample` as the one being answered. Returns whether the loop must wait before it.
+  bool announce_sample(std::uint64_t sample) noexcept {
     answering_.store(sample, std::memory_order_seq_cst);
     return sample >= pause_.load(std::memory_order_seq_cst);
   }

@@ -67,7 +67,7 @@ void add_effect(std::vector<RosParameter>& all, const effects::EffectSpec& effec
   if (!effect.kind->everywhere) {
     all.push_back({.name = effect.name + ".on",
                    .value = effect.on,
-                   .meaning = "Effect on or off: " + std::string(effect.kind->says),
+                   .meaning = "Effect on or off: " + std::string(effect.kind->summary),
                    .effect = effect.name});
     all.push_back({.name = effect.name + ".gain",
                    .value = effect.gain,

@@ -21,8 +21,8 @@ struct Shown {
   std::int64_t stamp_ns = 0;
   std::uint64_t session = 0;
   double scene_time_s = 0.0;  ///< time of the moving objects
-  /// T in W: `hand` as requested by the operator, `object` where contact was computed. They differ
-  /// with a virtual tool or a rigid body.
+  /// T in W: `hand` as requested by the operator, `object` at which contact was computed. They
+  /// differ with a virtual tool or a rigid body.
   Pose hand, object;
   Wrench wrench;                      ///< as sent to the coupling, W axes
   Vec3 contact_force = Vec3::Zero();  ///< contact force only, W axes
@@ -50,7 +50,7 @@ class MarkerOutputs {
     latest_points_.put(points);
   }
 
-  /// Writes what is due. `fresh`: `shown` differs from the frame of the last call.
+  /// Writes what is due. `fresh`: `shown` has changed since the last call.
   void write_due(const scene::Scene& scene, const Shown& shown, bool fresh);
   /// Whether no mesh is being read, so that another scene may follow.
   bool idle() const noexcept { return !reading_.valid(); }

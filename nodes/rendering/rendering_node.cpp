@@ -72,8 +72,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       external_->begin_session(session);
   }
 
-  /// Until the scene is validated, neither the device's spring nor the coupling exists, so no force
-  /// is lost.
+  /// Samples are refused until the scene is validated for the device. Neither the spring nor the
+  /// coupling exists before, so no force is lost.
   bool ready() const noexcept override {
     return updates_.published().is_validated(host_.session_in_loop());
   }
@@ -109,15 +109,14 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       renderer_.live().finish();
   }
 
-  /// Applies due changes between two samples.
-  /// In lockstep it waits for what the answer to sample `next` needs. That is the plan of a change,
-  /// which readers must receive first, or a scene that is being built.
+  /// Applies due changes between two samples. In lockstep it waits for what sample `next` needs:
+  /// the plan of a change, which readers must receive first, or a scene that is being built.
   void apply_changes(std::uint64_t next, bool at_sample) noexcept {
     const bool lockstep = host_.options().lockstep;
     if (lockstep && at_sample)
-      host_.sleep_while([&] { return change_queue_.is_paused_before(next); });
+      host_.sleep_while([&] { return change_queue_.announce_sample(next); });
     if (!lockstep)
-      (void)change_queue_.is_paused_before(next);
+      (void)change_queue_.announce_sample(next);
     change_queue_.apply_due(renderer_.live(), next, at_sample);
     if (lockstep)
       host_.sleep_while([&] { return !change_queue_.is_acknowledged(change_queue_.applied()); });
@@ -169,13 +168,13 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   RosOutputs ros_;
   SceneUpdateServer updates_;
   runtime::ParticipantCounts change_requests_;
-  std::optional<DescribedDevice> described_;  ///< kept until the session that it names begins
+  std::optional<DescribedDevice> described_;  ///< received, its session has not begun
   FrameCounters counters_;
 };
 
 std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene,
                                              const std::atomic<bool>& stop) {
-  const runtime::AtOrdinaryPriority while_no_sample_waits;
+  const runtime::AtOrdinaryPriority ordinary_priority;  // no sample waits yet
   const auto go_on = [&stop] {
     if (stop.load())
       throw std::runtime_error("stopped before the scene was built");

@@ -21,7 +21,7 @@ namespace voxtouch::rendering_node {
 
 enum class RosOutput : std::uint8_t { kTf, kTfStatic, kClock, kPose, kWrench, kMarkers };
 
-/// Frames: `world` = W. `<rig>/device` = D (fixed). `<rig>/tool` = T where contact was computed.
+/// Frames: `world` = W. `<rig>/device` = D (fixed). `<rig>/tool` = T at which contact was computed.
 /// `<rig>/hand` = T as requested by the operator (with a virtual tool). `<rig>/object/<name>` for
 /// each moving object.
 class RosOutputs {

@@ -34,7 +34,7 @@ msg::ContactState SampleRenderer::answer(const msg::DeviceState& state) noexcept
     refused_in_a_row_ = 0;
   } else {
     if (++refused_in_a_row_ > kMaxRepeats)
-      frame_ = {}, live_.lose_tool();
+      frame_ = {}, live_.reset_virtual_tool();
   }
   return message(state, good, fading);
 }

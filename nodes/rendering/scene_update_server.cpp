@@ -146,7 +146,7 @@ void SceneUpdateServer::receive_effects(std::span<const msg::EffectChange> chang
     if (!why.empty())
       inbox_.refuse(request, why);
     else if (const std::uint64_t sample = pending_.last_sample(); sample > 0)
-      inbox_.answer(request, result::kResultWaiting, sample, wait_text(request));
+      inbox_.answer(request, result::kResultPending, sample, wait_text(request));
   }
 }
 
@@ -178,7 +178,7 @@ void SceneUpdateServer::receive_reload(const msg::EffectChange& m, ChangeRequest
     why = fmt::format("sample {} has passed", request.from_sample);
   if (!why.empty())
     return inbox_.refuse(request, why);
-  inbox_.answer(request, result::kResultWaiting, request.from_sample,
+  inbox_.answer(request, result::kResultPending, request.from_sample,
                 "building the scene in the background");
   reloader_.start(std::move(request), validator_.scene(), m.voxel_size_m, m.model ? m.model : "");
 }

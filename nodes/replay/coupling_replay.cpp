@@ -4,13 +4,13 @@
 
 #include <fmt/format.h>
 
-#include "nodes/replay/loop_arithmetic.hpp"
+#include "nodes/replay/flush_denormals_guard.hpp"
 
 namespace voxtouch::replay {
 
 device_fit::FittedCoupling CouplingReplay::fit(const rendering::StiffnessBounds& bounds,
                                                const device_fit::SceneRequirements& demand) const {
-  const LoopArithmetic arithmetic;
+  const FlushDenormalsGuard arithmetic;
   return device_fit::fit_coupling(scene_, device_, bounds, demand);
 }
 
@@ -50,18 +50,18 @@ void CouplingReplay::contact_displays(const rendering::StiffnessBounds& bounds,
 }
 
 void CouplingReplay::adopt(const device_fit::FittedCoupling& fitted) {
-  const LoopArithmetic arithmetic;
+  const FlushDenormalsGuard arithmetic;
   coupling_.adopt(coupling_node::adopted(fitted, scene_.device, device_));
   if (!coupling_.runs())
     notes_.push_back("No force is commanded: " + fitted.refusal);
 }
 
-void CouplingReplay::take_up(const coupling_node::TakenUp& design) {
-  if (design.anew)
+void CouplingReplay::adopt(const coupling_node::Adoption& design) {
+  if (design.starts_at_rest)
     coupling_.begin_session(device_.timing);
   coupling_.adopt(design.coupling);
   if (!session_->described_anew)
-    compare(design.coupling);  // else the bag does not say what it was fitted to
+    compare(design.coupling);  // otherwise the bag does not contain what it was fitted to
 }
 
 /// This program must make the same of the recorded device and contact.
@@ -87,10 +87,10 @@ std::optional<msg::ForceCommand> CouplingReplay::answer(const msg::ContactState&
   const auto& designs = session_->designs;
   while (as_recorded_ && next_design_ < designs.size() &&
          designs[next_design_].from_sample <= contact.sequence_number)
-    take_up(designs[next_design_++]);
+    adopt(designs[next_design_++]);
   if (!coupling_.runs())
     return std::nullopt;
-  const LoopArithmetic arithmetic;
+  const FlushDenormalsGuard arithmetic;
   return coupling_.answer(contact);
 }
 

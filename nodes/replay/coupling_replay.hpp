@@ -1,6 +1,5 @@
 #pragma once
-/// The coupling of a recorded run once more: what was designed, from which sample on, and each
-/// contact through it.
+/// Repeats the coupling of a recorded run: the designs, their first samples, and each contact.
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,9 +10,8 @@
 
 namespace voxtouch::replay {
 
-/// Through the recorded scene the recorded designs run, each from the sample that it names on. They
-/// are fitted again as well, to compare. Through another scene what is fitted to that one runs,
-/// from the sample on that calls for it.
+/// With the recorded scene the recorded designs run, each from its first sample on. They are also
+/// fitted again, to compare. With another scene the designs fitted to that scene run.
 class CouplingReplay {
  public:
   CouplingReplay(const scene::Scene& scene, bool recorded_scene)
@@ -21,26 +19,26 @@ class CouplingReplay {
         recorded_scene_(recorded_scene),
         coupling_(scene.device) {}
 
-  /// `session` outlives it, or lives up to the next one's beginning. Throws std::invalid_argument
-  /// where a design cannot run.
+  /// `session` must outlive this object, or last until the next session begins. Throws
+  /// std::invalid_argument if a design cannot run.
   void begin_session(const RecordedSession& session, const rendering::StiffnessBounds& bounds,
                      const device_fit::SceneRequirements& demand);
-  /// What the plan says from the next contact on.
+  /// Bounds of the plan for the next contacts.
   void contact_displays(const rendering::StiffnessBounds& bounds,
                         const device_fit::SceneRequirements& demand);
-  /// Nothing where no coupling may run. Throws as begin_session does.
+  /// Empty if no coupling may run. Throws as begin_session does.
   std::optional<msg::ForceCommand> answer(const msg::ContactState& contact);
 
   std::uint64_t compared() const noexcept { return compared_; }  ///< recorded designs
   std::uint64_t differ() const noexcept { return differ_; }      ///< of these, that no fit gives
-  /// What differs, and what could not be compared, a sentence each.
+  /// Differences, and what could not be compared, a sentence each.
   const std::vector<std::string>& notes() const noexcept { return notes_; }
 
  private:
   device_fit::FittedCoupling fit(const rendering::StiffnessBounds& bounds,
                                  const device_fit::SceneRequirements& demand) const;
   void adopt(const device_fit::FittedCoupling& fitted);
-  void take_up(const coupling_node::TakenUp& design);
+  void adopt(const coupling_node::Adoption& design);
   void compare(const coupling_node::AdoptedCoupling& recorded);
 
   const scene::Scene& scene_;

@@ -102,7 +102,7 @@ constexpr MessageField kCommandFields[] = {VOXTOUCH_FIELD(Command, session_id),
                                            VOXTOUCH_FIELD(Command, injected_n)};
 #undef VOXTOUCH_FIELD
 
-/// The fields stand side by side and are the whole message: one that is new is not left out.
+/// The fields are adjacent and cover the whole message, so a new field is not omitted.
 template <std::size_t N>
 constexpr bool whole(const MessageField (&fields)[N], std::size_t size) {
   std::size_t at = 0;

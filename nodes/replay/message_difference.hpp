@@ -17,7 +17,7 @@ struct FieldDifference {
       by;  ///< the size of the difference; of numbers of equal value, that their bits differ
 };
 
-/// In the order of the message. Also where numbers are equal and their bits differ.
+/// In the order of the message. Includes equal numbers with different bits, such as -0.
 std::vector<FieldDifference> differences(const msg::ContactState& recorded,
                                          const msg::ContactState& replayed);
 std::vector<FieldDifference> differences(const msg::ForceCommand& recorded,
@@ -40,7 +40,7 @@ class Comparison {
 
   std::uint64_t compared = 0, differ = 0;
   std::optional<T> first;               ///< the recorded one of the first pair that differs ...
-  std::vector<FieldDifference> fields;  ///< ... and in what
+  std::vector<FieldDifference> fields;  ///< and in these fields
   Most force_n, torque_nm;              ///< largest difference
 };
 

@@ -52,7 +52,7 @@ constexpr KindOfTopic kKinds[] = {
     {qos::kNodeStatus, Kind::kStatus},    {qos::kExternalSample, Kind::kExternal},
     {qos::kEffectMade, Kind::kMade}};
 
-/// The rig of a topic "/<rig>/<path>", empty where it is none.
+/// The rig of a topic "/<rig>/<path>"; empty for other topics.
 std::string rig_in(const std::string& name, std::string_view path) {
   const std::string end = "/" + std::string(path);
   return name.size() > end.size() + 1 && name.ends_with(end)
@@ -143,7 +143,7 @@ class Collector {
                             return one.second.state.has_value();
                           })->second;
       out_.lockstep = (first.state->flags & msg::device_state::kFlagLockstep) != 0;
-      for (coupling_node::TakenUp& design : designs_)
+      for (coupling_node::Adoption& design : designs_)
         if (design.session == session.id)
           session.designs.push_back(std::move(design));
     }
@@ -209,7 +209,7 @@ class Collector {
   }
 
   void design(const msg::CouplingDesign& m) {
-    designs_.push_back(coupling_node::taken_up(m));
+    designs_.push_back(coupling_node::adoption_of(m));
     const coupling_node::AdoptedCoupling& design = designs_.back().coupling;
     if (!design.runs)
       return;
@@ -229,8 +229,8 @@ class Collector {
             .voxel_size_m = m.voxel_size_m};
   }
 
-  /// The rendering's own record of what it made: where a bag has this topic nothing else counts, or
-  /// a change would be made once for each topic that it stands on.
+  /// The rendering's record of its changes. If a bag has this topic, the others are ignored, so
+  /// that each change is made once.
   void made(const msg::EffectChange& m) {
     RecordedChange done = requested_by(m);
     done.session = m.session_id, done.from_sample = m.from_sample;
@@ -251,13 +251,13 @@ class Collector {
       nameless_.push_back(std::move(requested));
   }
 
-  /// A change that was requested twice is answered twice and applied once. Without a number of its
-  /// own the answers come in the order of the questions.
+  /// A repeated request is answered twice and applied once. Requests without a number are answered
+  /// in their order.
   void changed(const msg::EffectChanged& m) {
     using namespace msg::effect_changed;
     if (records_changes_)
       return;
-    if (m.result == kResultWaiting || (m.request != 0 && !answered_.insert(m.request).second))
+    if (m.result == kResultPending || (m.request != 0 && !answered_.insert(m.request).second))
       return;
     RecordedChange made;
     if (m.request == 0 && !nameless_.empty()) {
@@ -299,7 +299,7 @@ class Collector {
   std::map<std::uint64_t, DeviceDescription> devices_;
   std::map<std::uint64_t, std::vector<std::byte>> described_;  ///< the first description's bytes
   std::set<std::uint64_t> anew_, answered_;
-  std::vector<coupling_node::TakenUp> designs_;
+  std::vector<coupling_node::Adoption> designs_;
   std::map<std::uint64_t, RecordedChange> requests_;  ///< by request
   std::deque<RecordedChange> nameless_;
   std::uint64_t doubled_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-/// What of a bag a replay is made from: the samples by number, and the other messages.
+/// Input of a replay from a bag: the samples by number, and the other messages.
 #include <array>
 #include <filesystem>
 #include <map>
@@ -22,7 +22,7 @@ struct RecordedSample {
   std::optional<msg::ForceCommand> command;
   std::vector<msg::ForceCommand> again;  ///< the same sample's, once more: DDS gave the coupling
                                          ///< its contact twice, or the command to the recorder
-  std::optional<msg::ExternalSample> external;  ///< what the effect `external` was given with it
+  std::optional<msg::ExternalSample> external;  ///< the wrench of the effect `external` in it
   /// Whether the rendering answered it: in real time it and the coupling leave samples out. A
   /// contact that the recorder lost shows by its command.
   bool rendered() const noexcept { return contact || command || external; }
@@ -40,7 +40,7 @@ struct RecordedChange {
   double voxel_size_m = 0.0;
 };
 
-/// What the rendering said of the scene that runs from a sample on.
+/// The plan of the scene from a sample on.
 struct RecordedPlan {
   std::uint64_t session = 0, from_sample = 0;
   std::string scene_hash{};
@@ -51,12 +51,12 @@ struct RecordedSession {
   std::map<std::uint64_t, RecordedSample> samples{};  ///< by sequence number
   std::optional<DeviceDescription> device{};          ///< the first that it was described as
   bool described_anew = false;
-  std::vector<coupling_node::TakenUp> designs{};  ///< in the order that they were taken up
+  std::vector<coupling_node::Adoption> designs{};  ///< in the order that they were taken up
 };
 
 struct Recording {
   std::string rig;
-  std::filesystem::path scene_file;  ///< as the rendering named it; empty where it did not
+  std::filesystem::path scene_file;  ///< as the rendering reported it, or empty
   std::string scene, scene_hash;     ///< as the rendering named them first
   bool lockstep = false;
   std::vector<RecordedSession> sessions;  ///< in the order that their first samples were recorded
@@ -67,13 +67,13 @@ struct Recording {
   std::map<std::string, std::set<std::uint32_t>> processes;  ///< of each node, by its statuses
   std::vector<std::string>
       losses;  ///< data that the bag's metadata states and its files do not hold
-  std::vector<std::string> warnings;  ///< what was not as it should be, and was read all the same
+  std::vector<std::string> warnings;  ///< irregularities that did not prevent reading
 };
 
-/// Reads `path`, a bag's folder or one of its files, of the rig named, or of the one that it holds
-/// where `rig` is empty. Throws std::runtime_error, a sentence, where nothing can be replayed: no
-/// bag, a damaged one, one of another program or version, without device samples or a device's
-/// description. Holds the whole run in memory, about 1 MB for each second of it.
+/// Reads `path`, a bag's folder or one of its files, of the given rig, or of the only one if `rig`
+/// is empty. Throws std::runtime_error if nothing can be replayed: no bag, a damaged one, one of
+/// another program or version, without device samples or description. Keeps the whole run in
+/// memory, about 1 MB for each second.
 Recording read_recording(const std::filesystem::path& path, const std::string& rig);
 
 }  // namespace voxtouch::replay

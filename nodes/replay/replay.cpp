@@ -39,8 +39,8 @@ scene::Scene scene_of(const ReplayOptions& options, const Recording& recording) 
   return scene::load_scene(recording.scene_file);
 }
 
-/// Where the recorder came late, the first contact that it has states when the session began;
-/// nothing where that contact is the first.
+/// If the recorder started late, its first contact states when the session began; empty if there is
+/// no earlier contact.
 std::optional<std::int64_t> begin_of(const RecordedSession& session) {
   const auto first = std::ranges::find_if(session.samples, [](const auto& one) {
     return one.second.contact &&
@@ -110,7 +110,7 @@ class Run {
           runtime::seconds_between(first->state->sample_time_ns, last->state->sample_time_ns);
   }
 
-  /// All that hold from this sample of the session on; without one those that were made before it
+  /// Applies all changes from this sample of the session on; without a sample those made before it
   /// began.
   void change(std::uint64_t session, std::optional<std::uint64_t> sample) {
     for (; next_change_ < recording_.changes.size(); ++next_change_) {
@@ -130,8 +130,8 @@ class Run {
         coupling_.contact_displays(rendering_.bounds(), rendering_.demand());
     }
   }
-  /// Of a session that has ended in the bag before its change was reached, or that was over when
-  /// the recorder came.
+  /// Whether the sample is of a session that ended before its change applied, or before the
+  /// recorder started.
   bool sample_of_other(std::uint64_t of, std::uint64_t now) const {
     const auto place = [&](std::uint64_t id) {
       return std::ranges::find(recording_.sessions, id, &RecordedSession::id);
@@ -140,7 +140,7 @@ class Run {
            (place(of) == recording_.sessions.end() || place(of) < place(now));
   }
 
-  /// The first of those that hold from the same sample on.
+  /// Applies the first of the changes for the same sample.
   void apply(std::span<const RecordedChange> together) {
     const RecordedChange& made = together.front();
     ++out_.changes;
@@ -191,7 +191,7 @@ class Run {
     if (!sample.contact && sample.command)
       ++out_.lost_contacts;
     if (!contact)
-      contact = sample.contact;  // the coupling need not suffer from what the rendering lacks
+      contact = sample.contact;  // a missing rendering does not affect the coupling
     if (!contact || (!sample.command && !recording_.lockstep))
       return;  // in lockstep every contact is answered
     const std::optional<msg::ForceCommand> command = coupling_.answer(*contact);
@@ -244,8 +244,8 @@ class Run {
     said_ = true;
   }
 
-  /// What the nodes counted and the bag does not hold. Where no message states the sample, it is
-  /// not known which one it was.
+  /// Reports messages that the nodes counted and the bag lacks. If no message states the sample, it
+  /// is unknown.
   void say_what_is_lost() {
     Held contacts, commands;
     for (const RecordedSession& session : recording_.sessions)
@@ -286,8 +286,8 @@ class Run {
     const std::uint64_t made = runtime::as_count(runtime::value_of(figures->second, "samples"));
     if (made <= held.count)
       return;
-    // A node counts from its own begin: of one session the first sample that it answered is the
-    // bag's first as well, or the recorder came too late.
+    // A node counts from its start. In the first session its first answered sample is the bag's
+    // first one, unless the recorder started late.
     const std::uint64_t began =
         runtime::as_count(runtime::value_of(figures->second, "first_sample"));
     const bool came_late =
@@ -330,7 +330,8 @@ class Run {
                       recorded, made));
   }
 
-  /// What a process began with in the middle of a session no message says.
+  /// Reports restarts: no message contains the initial state of a process that started during a
+  /// session.
   void say_restarts() {
     for (const std::string node : {"rendering", "coupling"})
       if (const auto processes = recording_.processes.find(node);
@@ -352,8 +353,8 @@ class Run {
       out_.notes.push_back(fmt::format("The logger refused {} records of other writers.", refused));
   }
 
-  /// What the effect `external` was given and the bag does not hold. The rendering counts those of
-  /// a ring, the bag has those of its sessions.
+  /// Reports missing values of the effect `external`. The rendering counts those of a ring, the bag
+  /// has those of its sessions.
   void say_external() {
     std::uint64_t held = 0;
     for (const RecordedSession& session : recording_.sessions)
@@ -380,8 +381,8 @@ class Run {
   std::size_t next_change_ = 0;
   std::optional<std::int64_t> begin_ns_;
   bool said_ = false;
-  /// Every command in the bag is one that the coupling made. Else DDS was given the same one twice,
-  /// which is no second answer.
+  /// Every command in the bag was made by the coupling. Otherwise DDS delivered one twice, which is
+  /// not a second answer.
   bool each_was_made_ = false;
   bool follows_ = false;  ///< the springs that the recorded answers name
 };

@@ -1,6 +1,6 @@
 #pragma once
-/// A recorded run through rendering and coupling once more, and what comes of it compared with what
-/// was recorded.
+/// Repeats rendering and coupling of a recorded run and compares the results with the recorded
+/// ones.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -13,7 +13,7 @@ namespace voxtouch::replay {
 struct ReplayOptions {
   std::filesystem::path bag,
       scene;            ///< `scene` instead of the recorded one; empty: the file that the bag names
-  std::string rig;      ///< empty: the one that the bag holds
+  std::string rig;      ///< empty: that of the bag
   bool curves = false;  ///< keep them
   bool answers = false;  ///< keep them
 };
@@ -55,16 +55,15 @@ struct Replayed {
   Comparison<msg::ContactState> contact;
   Comparison<msg::ForceCommand> command;
   std::uint64_t designs = 0,
-                designs_differ =
-                    0;  ///< recorded ones that were compared with what this build designs
+                designs_differ = 0;   ///< recorded designs that were compared with this build's
   ForcesCompared rendered, returned;  ///< by the rendering; by the coupling, to the hand
   Answers answers;
   std::string
-      other_build;  ///< whose answers stand in the place of the recorded ones; empty: none's
+      other_build;  ///< another build, with answers that replace the recorded ones; empty: none
   ForceCurves rendered_curves, returned_curves;
-  std::vector<std::string> notes;  ///< what was found out, or is as it should not be
+  std::vector<std::string> notes;  ///< findings and irregularities
   std::vector<std::string>
-      missing;  ///< what the bag does not say, and from which sample on bits may differ for it
+      missing;  ///< missing data of the bag, with the first sample from which bits may differ
   std::vector<std::string>
       losses;  ///< data that the bag's metadata states and its files do not hold
   bool equal() const noexcept {
@@ -72,8 +71,8 @@ struct Replayed {
   }
 };
 
-/// Throws std::runtime_error, a sentence, where the bag cannot be replayed; as scene files and
-/// meshes do where the scene cannot be built.
+/// Throws std::runtime_error if the bag cannot be replayed, and as scene files and meshes do if the
+/// scene cannot be built.
 Replayed replay(const ReplayOptions& options);
 
 }  // namespace voxtouch::replay

@@ -1,5 +1,5 @@
 #pragma once
-/// What a replay has shown, for people and as JSON.
+/// The result of a replay, as text and as JSON.
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -8,10 +8,10 @@
 
 namespace voxtouch::replay {
 
-/// For a person, and for a machine.
+/// As text, and as JSON.
 std::string to_text(const Replayed& replayed);
 nlohmann::ordered_json to_json(const Replayed& replayed);
-/// What the plotting tool draws: the curves, and what stands next to them.
+/// Input of the plotting tool: the curves with their texts.
 nlohmann::ordered_json to_plot(const Replayed& replayed);
 
 }  // namespace voxtouch::replay

@@ -56,8 +56,7 @@ class Answerer {
     if (made == answers_.commands.end())
       return std::nullopt;
     std::size_t& next = given_[key];
-    const std::size_t this_one =
-        std::min(next, made->second.size() - 1);  // one that DDS gave twice was made once
+    const std::size_t this_one = std::min(next, made->second.size() - 1);  // DDS delivered it twice
     ++next;
     return bytes_of(made->second[this_one], recorded);
   }

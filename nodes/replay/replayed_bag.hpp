@@ -1,6 +1,5 @@
 #pragma once
-/// A recording with this build's answers in place of the recorded ones: what another build, or a
-/// later one, is compared with.
+/// A copy of a recording with this build's answers, for the comparison with another build.
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -12,16 +11,16 @@
 
 namespace voxtouch::replay {
 
-/// What a replay made, by session and sample: of each command as many as the bag has of it.
+/// Results of a replay, by session and sample; as many of each command as in the bag.
 struct Answers {
   using Key = std::pair<std::uint64_t, std::uint64_t>;
   std::map<Key, msg::ContactState> contacts;
   std::map<Key, std::vector<msg::ForceCommand>> commands;
 };
 
-/// Copies `bag` to the new folder `folder`, with each contact and command of `rig` as `answers` has
-/// it; those that were not made again are left out, all else stays as it was recorded. Throws
-/// std::runtime_error, a sentence: the folder exists, or the disk refuses.
+/// Copies `bag` to the new folder `folder`, with each contact and command of `rig` replaced by that
+/// of `answers`. Contacts and commands without an answer are omitted; all other messages are
+/// copied. Throws std::runtime_error: the folder exists, or the disk refuses.
 void write_replayed(const std::filesystem::path& bag, const std::string& rig,
                     const Answers& answers, const std::filesystem::path& folder);
 

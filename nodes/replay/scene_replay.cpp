@@ -5,7 +5,7 @@
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
 #include "nodes/rendering/effect_action.hpp"
-#include "nodes/replay/loop_arithmetic.hpp"
+#include "nodes/replay/flush_denormals_guard.hpp"
 #include "nodes/runtime/convert.hpp"
 #include "nodes/scene_build/build_here.hpp"
 
@@ -82,7 +82,7 @@ std::string SceneReplay::reload(const RecordedChange& change) {
         rendering::carried_over(scene_.effects, settled_, next.effects);
     built->scene_renderer().effects() = effects::EffectChain(effects);
     renderer_.live()
-        .finish();  // over, where the bag is whole: the loop takes no scene while another fades in
+        .finish();  // finished, if the bag is complete: the loop accepts no scene during a fade
     renderer_.live().swap_to(*built);
     built_.push_back(std::move(built));
     scene_ = std::move(next), settled_ = std::move(effects);
@@ -94,11 +94,11 @@ std::string SceneReplay::reload(const RecordedChange& change) {
 
 void SceneReplay::take_external(const msg::ExternalSample& sample,
                                 const msg::DeviceState& next) noexcept {
-  const LoopArithmetic arithmetic;
+  const FlushDenormalsGuard arithmetic;
   renderer_.take_external(runtime::from_msg(sample.wrench), next);
 }
 
-/// Which of those that were found: the last one, or the one that the recorded answer names.
+/// Selects a result of the search: the last one, or that of the recorded answer.
 void SceneReplay::take_springs(const msg::ContactState* recorded) noexcept {
   if (!recorded) {
     in_use_ = found_.size() - 1;
@@ -117,7 +117,7 @@ void SceneReplay::take_springs(const msg::ContactState* recorded) noexcept {
 
 msg::ContactState SceneReplay::answer(const msg::DeviceState& state,
                                       const msg::ContactState* recorded) noexcept {
-  const LoopArithmetic arithmetic;
+  const FlushDenormalsGuard arithmetic;
   take_springs(recorded);
   return renderer_.answer(state);
 }

@@ -13,8 +13,7 @@
 
 namespace voxtouch::replay {
 
-/// What the node's loop and its update server do in two threads, in one, each at the sample for
-/// which it holds.
+/// Performs the work of the node's loop and of its update server in one thread, each at its sample.
 class SceneReplay {
  public:
   /// Builds `scene`. Throws as rendering::build_scene and mesh readers do.
@@ -25,9 +24,9 @@ class SceneReplay {
   /// `begin_ns`: as SampleRenderer::begin_session.
   void begin_session(const coupling::design::DeviceModel& device,
                      std::optional<std::int64_t> begin_ns);
-  /// The first of `changes`, which hold from the same sample on. They may have been made together:
-  /// it is judged by where all of them lead. A sentence why it could not be made; empty: it was.
-  /// Builds the scene if requested.
+  /// Applies the first of `changes`, which have the same first sample. They may be combined:
+  /// validated by the state after all of them. Returns why it was refused, or an empty text. Builds
+  /// the scene if requested.
   std::string apply(std::span<const RecordedChange> changes);
   /// The effect `external` is given this, and `next` is the first sample to see it.
   void take_external(const msg::ExternalSample& sample, const msg::DeviceState& next) noexcept;
@@ -36,8 +35,8 @@ class SceneReplay {
   msg::ContactState answer(const msg::DeviceState& state,
                            const msg::ContactState* recorded) noexcept;
 
-  /// What contact and effects can show and ask for as they are set now, in W: what the plan reports
-  /// to the coupling.
+  /// Bounds and requirements of contact and effects with their present values, in W, as the plan
+  /// reports them to the coupling.
   const rendering::StiffnessBounds& bounds() const noexcept { return bounds_; }
   device_fit::SceneRequirements demand() const;
   const std::string& scene_hash() const noexcept { return scene_.hash; }
@@ -56,8 +55,8 @@ class SceneReplay {
 
   scene::Scene scene_;
   std::vector<std::unique_ptr<rendering::BuiltScene>>
-      built_;  ///< all that have run: the renderer points into the last two
-  std::vector<effects::EffectSpec> settled_;  ///< the effects as they are set now
+      built_;  ///< all scenes so far: the renderer refers to the last two
+  std::vector<effects::EffectSpec> settled_;  ///< the effects with their present values
   rendering::StiffnessBounds bounds_;
   device_fit::DeviceCompatibility on_device_;
   std::vector<Springs>

@@ -152,7 +152,7 @@ std::optional<ChangeClient::Message> ChangeClient::request_one(
       if (m.request == request)
         answer = Message{m.result, m.session_id, m.from_sample, m.sentence};
     });
-    return leave() || (answer && answer->result != msg::effect_changed::kResultWaiting);
+    return leave() || (answer && answer->result != msg::effect_changed::kResultPending);
   };
   // The first message may be sent while the other end has not discovered this participant. A
   // repeated request is answered and not applied again.
@@ -162,9 +162,9 @@ std::optional<ChangeClient::Message> ChangeClient::request_one(
   }
   if (!answer)
     return answer;
-  if (answer->result == msg::effect_changed::kResultWaiting)
+  if (answer->result == msg::effect_changed::kResultPending)
     waits(answer->sentence);
-  while (answer->result == msg::effect_changed::kResultWaiting && changes_.matched_count() > 0 &&
+  while (answer->result == msg::effect_changed::kResultPending && changes_.matched_count() > 0 &&
          !leave())
     until(milliseconds(200), look);
   return answer;

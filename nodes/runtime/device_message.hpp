@@ -30,7 +30,7 @@ void copy_device_numbers(const From& from, To& to) noexcept {
   to.orientation_resolution_rad = from.orientation_resolution_rad;
   to.max_stiffness_nm_per_rad = from.max_stiffness_nm_per_rad;
   to.jitter = from.jitter;
-  to.lost_in_a_row = from.lost_in_a_row;
+  to.consecutive_losses = from.consecutive_losses;
   to.input_dof = from.input_dof;
   to.output_dof = from.output_dof;
   to.simulated = from.simulated;

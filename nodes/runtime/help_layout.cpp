@@ -8,7 +8,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-constexpr std::size_t kNameColumns = 30;  // of CLI11: where descriptions begin
+constexpr std::size_t kNameColumns = 30;  // column of descriptions in CLI11
 
 /// Joins the words of `text` and breaks it before column `columns`.
 std::string wrapped(const std::string& text, std::size_t columns) {

@@ -17,14 +17,16 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// Options of earlier versions and their current names.
+/// Retired options and their replacements.
 struct Renamed {
   std::string_view old_name, name;
 };
-constexpr std::array kRenamed{
-    Renamed{"--beside", "--compare-with"}, Renamed{"--damper-share", "--damping-force-ratio"},
-    Renamed{"--grip-harder-at", "--grip-change-time"}, Renamed{"--held", "--gripped"},
-    Renamed{"--let-go-at", "--release-time"}};
+constexpr std::array kRenamed{Renamed{"--beside", "--compare-with"},
+                              Renamed{"--damper-share", "--damping-force-ratio"},
+                              Renamed{"--damping-floor", "--min-damping-ratio"},
+                              Renamed{"--grip-harder-at", "--grip-change-time"},
+                              Renamed{"--held", "--gripped"},
+                              Renamed{"--let-go-at", "--release-time"}};
 
 }  // namespace
 

@@ -159,7 +159,7 @@ void NodeMonitor::watch_others(NodeReport& report) {
     report.message += "; " + hung.sentence;
     // Unauthorised participants are reported by the name that they give, but no node waits for
     // them.
-    const bool is_waited_for = partners_.contains(hung.participant) && hung.node != node_;
+    const bool is_waited_for = lockstep_peers_.contains(hung.participant) && hung.node != node_;
     const bool too_long = hung.for_s * 1e9 >= static_cast<double>(kGivenUpNs);
     if (is_waited_for && had_session_ && too_long && !report.final() && lost_.empty())
       lost_ =
@@ -182,10 +182,10 @@ void NodeMonitor::set_publishing(const NodeReport& report) {
 
 void NodeMonitor::cycle() {
   registry_.update(
-      [this](const NodeReport& report) { return partners_.contains(report.participant); });
+      [this](const NodeReport& report) { return lockstep_peers_.contains(report.participant); });
   NodeReport report = last_;
   look_(registry_, report);
-  partners_ = report.partners;
+  lockstep_peers_ = report.lockstep_peers;
   report.figures["refused_statuses"] = {registry_.refused(), "statuses"};
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
     report.values["warning_" + std::to_string(i + 1)] = options_.warnings[i];

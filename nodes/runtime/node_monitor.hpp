@@ -84,7 +84,7 @@ class NodeMonitor {
   RateLine rate_line_;
   bool had_session_ = false;
   /// Participants that this node waits for, as last set by `look`.
-  std::set<bus::Guid> partners_;
+  std::set<bus::Guid> lockstep_peers_;
   bool has_received_ = false;
   std::string reception_fault_;  ///< message about missing reception; empty if no fault is known
   std::int64_t reception_checked_ns_ = 0;

@@ -50,7 +50,7 @@ struct NodeReport {
   /// Time of arrival, by the watch clock of the receiving registry.
   std::int64_t received_ns = 0;
   /// lockstep: participants that the node waits for; local, not published.
-  std::set<bus::Guid> partners{};
+  std::set<bus::Guid> lockstep_peers{};
   /// Whether no further report is expected.
   bool final() const noexcept {
     return state == NodeState::kStopped || state == NodeState::kFailed;

@@ -1,5 +1,5 @@
 #pragma once
-/// Threads for the builders in core, which have no threads of their own.
+/// Threads for the builders in core, which create none.
 #include "core/types/parallel.hpp"
 
 namespace voxtouch::runtime {

@@ -1,5 +1,5 @@
 #pragma once
-/// The six parameter services of every ROS node, for a node's own parameters.
+/// The six parameter services of every ROS node, for a node's parameters.
 #include <atomic>
 #include <cstdint>
 #include <functional>

@@ -16,7 +16,7 @@ class ParticipantCounts {
   /// The count of `participant`, to be added to or set. The zero GUID holds the counts of departed
   /// participants.
   std::uint64_t& of(const bus::Guid& participant);
-  /// Looks up the current names. A name is kept after its participant leaves.
+  /// Queries the current names. A name is kept after its participant leaves.
   void name(const NodeRegistry& registry);
   /// For example "721 of NAME and 3 of NAME"; empty without counts.
   std::string text() const;

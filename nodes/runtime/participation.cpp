@@ -84,8 +84,8 @@ std::string Session::report_to(NodeReport& report, const NodeOptions& options,
     missing = missing_links(options, registry, links);
   const bool ready = missing.empty(),
              ready_for_device = id == 0 && missing_links(options, registry, links, false).empty();
-  partners_.update(options, registry, links, id);
-  report.partners = partners_.participants();
+  lockstep_peers_.update(options, registry, links, id);
+  report.lockstep_peers = lockstep_peers_.participants();
   report.session_id = ready ? id : 0;
   report.state = stopped() ? NodeState::kStopped
                  : !ready  ? (ready_for_device ? NodeState::kReady : NodeState::kStarting)

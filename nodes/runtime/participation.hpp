@@ -100,7 +100,7 @@ class Session {
  private:
   std::atomic<std::uint64_t> id_{0}, count_{0};
   std::atomic<bool> stopped_{false};
-  PeerSet partners_{{"device", "rendering", "coupling", "logger", "validator"}};
+  PeerSet lockstep_peers_{{"device", "rendering", "coupling", "logger", "validator"}};
 };
 
 }  // namespace voxtouch::runtime

@@ -15,7 +15,7 @@ void RoleBinding::update(const NodeRegistry& registry, std::optional<std::uint64
   if (participant_ && !registry.is_here(*participant_)) {
     if (!registry.is_claimed())
       lost_session_ = session.value_or(session_.load(std::memory_order_relaxed));
-    let_go();
+    release();
   }
   conflicting_.clear();
   if (!participant_) {
@@ -70,7 +70,7 @@ void RoleBinding::bind(const bus::Guid& participant) {
   bound_now_.store(true, std::memory_order_release);
 }
 
-void RoleBinding::let_go() {
+void RoleBinding::release() {
   for (bus::Following* input : inputs_)
     input->follow_none();
   participant_.reset();

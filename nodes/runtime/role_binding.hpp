@@ -55,7 +55,7 @@ class RoleBinding {
   std::vector<bus::Guid> claimants(const NodeRegistry& registry,
                                    std::optional<std::uint64_t> session) const;
   void bind(const bus::Guid& participant);
-  void let_go();
+  void release();
   void follow_again();
   void note_refused(const NodeRegistry& registry);
   void note_others(const NodeRegistry& registry);

@@ -31,7 +31,7 @@ class SpscQueue {
   void pop() noexcept {
     begin_.store(begin_.load(std::memory_order_relaxed) + 1, std::memory_order_release);
   }
-  /// Called by the pushing thread: number of values that fit for certain.
+  /// Called by the pushing thread: a lower bound of the free places.
   std::size_t room() const noexcept {
     return kCapacity -
            (end_.load(std::memory_order_relaxed) - begin_.load(std::memory_order_acquire));

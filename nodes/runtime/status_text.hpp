@@ -15,7 +15,7 @@ enum class StatusPriority : std::uint8_t {
   kNetwork,
   kFault,
   kEnded,
-  kLocked,
+  kFaultLatched,
   kRefused,
 };
 

@@ -1,6 +1,6 @@
 #pragma once
-/// How programs build a scene: each mesh is read in a process of its own, all processors work, and
-/// progress is reported.
+/// Builds a scene in a program: each mesh is read in a separate process, all processors are used,
+/// and progress is reported.
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,7 +16,7 @@ struct BuildHow {
   std::optional<contact::ContactModelKind> model = {};
   ParallelFor loop = runtime::threaded_for();
   std::function<void()> go_on =
-      {};  ///< asked before each piece of work, from any thread; throws where the build is to end
+      {};  ///< called before each step, from any thread; throws to end the build
   bool reports_progress = true;
 };
 

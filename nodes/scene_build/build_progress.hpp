@@ -25,9 +25,9 @@ struct StepSoFar {
 /// so far".
 std::string in_words(const StepSoFar& step);
 
-/// Shows "<who>: <step>" on a terminal once a second, and nothing in the first second; from a
-/// thread of its own, so that a step without an end is shown too. The progress callback and loops
-/// of one build.
+/// Prints "<who>: <step>" on a terminal once a second, and nothing in the first second, from a
+/// separate thread, so that a step without an end is visible. Has the progress callback and the
+/// loops of one build.
 class BuildProgress {
  public:
   explicit BuildProgress(std::string who);

@@ -28,7 +28,7 @@ constexpr long kDay = 24 * 60 * 60;
 /// call has an effect, so no thread waits for a second.
 [[maybe_unused]] const int kNoCleanUpAtExit = OPENSSL_init_crypto(OPENSSL_INIT_NO_ATEXIT, nullptr);
 
-/// Of what OpenSSL should never refuse.
+/// For calls that OpenSSL should never refuse.
 void require(bool worked, std::string_view what) {
   if (worked)
     return;
@@ -60,7 +60,9 @@ std::string written(std::string_view what, Write&& write) {
 template <class Owner, class Read>
 Owner read(const std::string& pem, const std::filesystem::path& from, std::string_view what,
            Read&& read) {
-  const auto no_password = [](char*, int, int, void*) { return -1; };  // never asks on the terminal
+  const auto no_password = [](char*, int, int, void*) {
+    return -1;
+  };  // never prompts on the terminal
   Owner owner(read(reading(pem).get(), nullptr, no_password, nullptr));
   ERR_clear_error();
   if (!owner)
@@ -181,8 +183,8 @@ bool is_revoked(X509_CRL& list, X509& certificate) {
 }
 
 std::string sign(const Signer& authority, const std::string& text) {
-  // Not detached: a participant shows its permissions to every other before they share a key, and
-  // this way they do not pass as plain text.
+  // Not detached: a participant shows its permissions to all others before they have a common key.
+  // In this form they are not plain text.
   const Pkcs7 signed_text(PKCS7_sign(authority.certificate.get(), authority.key.get(), nullptr,
                                      reading(text).get(), PKCS7_TEXT));
   require(signed_text != nullptr, "a signature");

@@ -1,6 +1,6 @@
 #pragma once
-/// Keys, certificates and signed texts: what of OpenSSL is needed, behind owners that free it.
-/// Every function throws Error, a sentence.
+/// Keys, certificates and signed texts, with owners that free OpenSSL's objects. Every function
+/// throws Error.
 #include <filesystem>
 #include <memory>
 #include <stdexcept>
@@ -11,8 +11,8 @@
 
 namespace voxtouch::security {
 
-/// Files that are missing, broken, expired, of another owner or open to others; what it says is
-/// where and what to do.
+/// Missing, damaged or expired files, or files of another owner or with open rights. The text has
+/// the path and the remedy.
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -30,7 +30,7 @@ Key make_key();  ///< elliptic curve prime256v1
 std::string to_pem(EVP_PKEY& key);
 std::string to_pem(X509& certificate);
 std::string to_pem(X509_CRL& list);
-/// `from` is named where the text holds none.
+/// `from` is named if the text has no key.
 Key key_of(const std::string& pem, const std::filesystem::path& from);
 Certificate certificate_of(const std::string& pem, const std::filesystem::path& from);
 RevocationList revocation_list_of(const std::string& pem, const std::filesystem::path& from);
@@ -53,10 +53,10 @@ bool is_revoked(X509_CRL& list, X509& certificate);
 
 /// S/MIME as DDS Security has it: the text and its signature in one.
 std::string sign(const Signer& authority, const std::string& text);
-/// The text that `authority` signed; `from` is named where it did not.
+/// The text signed by `authority`; `from` is named if the signature is invalid.
 std::string verified(const std::string& smime, X509& authority, const std::filesystem::path& from);
 
-/// Empty where it has none.
+/// Empty if there is none.
 std::string common_name_of(X509& certificate);
 /// "2026-01-31T12:00:00Z".
 std::string to_text(const ASN1_TIME& time);

@@ -9,7 +9,7 @@
 namespace voxtouch::security {
 namespace {
 
-/// The role's bit in the table's columns; kNone where it is no node of the ring.
+/// The role's bit in the table's columns; kNone if it is not a node of the ring.
 qos::Nodes node_of(std::string_view role) {
   for (qos::Nodes bit = 1; bit & qos::kEveryNode; bit = static_cast<qos::Nodes>(bit << 1U))
     if (qos::names_of(bit).front() == role)
@@ -58,9 +58,9 @@ std::string common_name(std::string_view role, std::string_view rig) {
 
 /// Domains 231 and 232 are not to be had: the parser of Cyclone DDS takes none above 230.
 std::string governance() {
-  // One protection is enough for a message, and the one of submessages covers its header too: who
-  // has not its keys can neither read it nor forge a heartbeat or a gap of its writer, which
-  // protection of the payload alone would leave open. qos/README.md has the costs.
+  // Protection of submessages suffices for a message and covers its header too: without the keys
+  // it cannot be read, and no heartbeat or gap can be forged. Protection of the payload only would
+  // allow forged ones. qos/README.md has the costs.
   return R"(<?xml version="1.0" encoding="UTF-8"?>
 <dds><domain_access_rules><domain_rule>
   <domains><id_range><min>0</min><max>230</max></id_range></domains>

@@ -1,19 +1,18 @@
 #pragma once
-/// Who may do what on the network, as DDS Security wants it written: derived from the table of
-/// topics (qos/topics.hpp).
+/// Governance and permissions of DDS Security, derived from the table of topics (qos/topics.hpp).
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace voxtouch::security {
 
-/// In addition to the nodes of the ring: `voxtouch up`, which has a status of its own, and
-/// everything that only looks or asks for changes.
+/// In addition to the nodes of the ring: `voxtouch up`, which has a status, and all programs that
+/// only read or request changes.
 inline constexpr std::string_view kLauncher = "up", kTool = "tool";
 
 /// Each has a certificate: the nodes of the ring, kLauncher, kTool.
 std::vector<std::string> roles();
-/// Of a participant called `name`: its own name where that is a role, else kTool.
+/// Role of a participant called `name`: the name if it is a role, otherwise kTool.
 std::string role_of(std::string_view name);
 
 /// Common name of a certificate: "haptic.device"; of the authority that signs them:
@@ -21,13 +20,13 @@ std::string role_of(std::string_view name);
 std::string common_name(std::string_view role, std::string_view rig);
 inline constexpr std::string_view kAuthority = "authority";
 
-/// What holds for every participant: no unknown participant; participants and endpoints are
-/// encrypted, and so is every message.
+/// Rules for every participant: no unknown participant; participants, endpoints and messages are
+/// encrypted.
 std::string governance();
 
-/// What `role` may write and read, everything else being denied, between two times such as
-/// "2026-01-31T12:00:00Z". Nodes of the ring write and read as the table says; the logger, `up` and
-/// tools read all; `up` writes what every node writes, a tool what no node does.
+/// Topics that `role` may write and read, all others denied, between two times such as
+/// "2026-01-31T12:00:00Z". Nodes of the ring follow the table. The logger, `up` and tools read all.
+/// `up` writes what every node writes, a tool what no node writes.
 std::string permissions(std::string_view role, std::string_view rig, std::string_view from,
                         std::string_view until);
 

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The plugins belong to the DDS library that runs: they stand next to it, or in a folder there
-/// that is called as it (Debian).
+/// The plugins belong to the DDS library in use: they are next to it, or in a folder of its name
+/// there (Debian).
 fs::path plugin(const std::string& name) {
   Dl_info found{};
   if (dladdr(reinterpret_cast<const void*>(&dds_create_participant), &found) == 0 ||

@@ -11,13 +11,13 @@
 
 namespace voxtouch::security {
 
-/// What DDS is given: names and values of a participant's properties.
+/// Names and values of a participant's DDS properties.
 using Properties = std::vector<std::pair<std::string, std::string>>;
 
-/// Judges every file that `role` of `rig` needs, as strictly as DDS will, and returns what DDS is
-/// to be given. Reads files; not for the loop. Throws Error, one sentence with the file and what to
-/// do, where one is missing, unreadable, expired, revoked, of another authority, role, rig or
-/// version of voxtouch, or where a private key is open to others.
+/// Validates every file that `role` of `rig` needs, as strictly as DDS, and returns the DDS
+/// properties. Reads files; not for the loop. Throws Error with the file and the remedy: a file is
+/// missing, unreadable, expired, revoked, of another authority, role, rig or version of voxtouch,
+/// or a private key has open rights.
 Properties properties_of(const std::filesystem::path& folder, std::string_view role,
                          std::string_view rig);
 

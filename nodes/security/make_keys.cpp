@@ -24,8 +24,7 @@ constexpr mode_t kPrivate = 0600, kPublic = 0644;
   throw Error(fmt::format("Cannot write {} ({})", path.string(), std::strerror(errno)));
 }
 
-/// Whole or not at all, also where it takes the place of an older one; never for an instant open to
-/// more than `mode` says.
+/// Atomic, also if it replaces a file; its rights never exceed `mode`.
 void write_file(const fs::path& file, const std::string& text, mode_t mode) {
   fs::path fresh = file;
   fresh += ".new";

@@ -1,24 +1,23 @@
 #pragma once
-/// What `voxtouch keys` does with a folder: makes it, renews what is in it, revokes a certificate.
-/// All throw Error, a sentence.
+/// Key folders of `voxtouch keys`: create, renew, revoke. All throw Error.
 #include <filesystem>
 #include <string>
 
 namespace voxtouch::security {
 
-/// Where it is made: `authority/ca.key.pem` signs everything and leaves this machine never.
+/// On the machine that creates it: `authority/ca.key.pem` signs everything and must stay there.
 inline constexpr char kAuthorityKey[] = "authority/ca.key.pem";
 
-/// A whole folder (mode 0700; private keys 0600): an authority that holds for `10 * days`, and for
-/// each role key, certificate and permissions that hold for `days`. Nothing is overwritten; what
-/// fails leaves nothing.
+/// Creates a folder (mode 0700; private keys 0600): an authority valid for `10 * days`, and for
+/// each role key, certificate and permissions valid for `days`. Overwrites nothing; a failure
+/// leaves nothing.
 void make_keys(const std::filesystem::path& folder, const std::string& rig, int days);
 
 /// A new key, certificate and permissions of `role`, or of "all", and the governance of this
 /// version. Returns the rig.
 std::string renew_keys(const std::filesystem::path& folder, const std::string& role, int days);
 
-/// Puts the certificate that stands in the folder of `role` into crl.pem.
+/// Adds the certificate in the folder of `role` to crl.pem.
 void revoke_keys(const std::filesystem::path& folder, const std::string& role);
 
 }  // namespace voxtouch::security

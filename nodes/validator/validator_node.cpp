@@ -60,7 +60,7 @@ constexpr auto kValidatorTable = [] {
   using enum runtime::Counting;
   return std::to_array<runtime::CounterRow<ValidatorCounter>>({
       {kFirstChecked, "first_checked", "sample number", kFirst},
-      {kExcused, "excused", "samples"},  // due since the first, but of a kind that is not judged
+      {kExcused, "excused", "samples"},  // due since the first, but of a kind that is not evaluated
       {kSkipped, "skipped", "samples"},  // due since the first, but missed: the validator was busy
   });
 }();
@@ -86,7 +86,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   int run(const std::atomic<bool>& stop) { return host_.run(*this, contacts_, reports_, stop); }
 
  private:
-  /// What the validation uses of a plan.
+  /// The part of a plan that the validation uses.
   struct Built {
     std::uint64_t session = 0, from_sample = 0;
     std::string scene, hash;
@@ -97,8 +97,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     }
   };
 
-  /// A plan of the session that runs reports a change: it is followed where its first sample
-  /// comes.
+  /// A plan of the current session reports a change: it applies from its first sample on.
   void take(const msg::ScenePlan& plan) {
     Built built{plan.session_id, plan.from_sample,  plan.scene,
                 plan.scene_hash, plan.voxel_size_m, plan.largest_shell_gap_m};
@@ -119,8 +118,8 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     return settings;
   }
 
-  /// The plan says what the rendering built: another scene file is a disagreement before the first
-  /// sample.
+  /// The plan states what the rendering built: another scene file is a disagreement before the
+  /// first sample.
   void start_session(Built built) {
     if (built.hash != scene_.hash)
       console::log(
@@ -136,8 +135,8 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     host_.session().begin(built_.session);
   }
 
-  /// The rendering runs another scene from here on. Where that is another file, it is read again;
-  /// one that cannot be had as the rendering has it is not judged by the old one.
+  /// The rendering uses another scene from here on. Another file is read again. If it cannot be
+  /// built as in the rendering, samples are not evaluated.
   void follow_change() {
     const bool another_file = next_->hash != built_.hash, another = !next_->same_scene(built_);
     built_ = std::move(*next_);
@@ -214,9 +213,8 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     last_due_ = sequence;
   }
 
-  /// Flags of a contact that cannot be judged. While one scene fades into another, what is
-  /// displayed is neither's. A virtual tool that is reported with a refused sample is that of
-  /// another one.
+  /// Flags of a contact that cannot be evaluated. During a fade the displayed contact belongs to
+  /// neither scene. The virtual tool reported with a refused sample is that of another one.
   std::uint32_t unlike() const {
     return msg::contact_state::kFlagFading |
            (scene_.virtual_tool() ? msg::contact_state::kFlagRefusedSample : 0U);
@@ -328,13 +326,13 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
   bus::LatchedReader<msg::ScenePlan> plans_;
   bus::FollowedReader<msg::ContactState> contacts_;
   bus::Writer<msg::ValidationReport> reports_;
-  runtime::RoleBinding rendering_;  ///< only its samples are judged
+  runtime::RoleBinding rendering_;  ///< only its samples are evaluated
   std::unique_ptr<reference::ContactValidator> validator_;
   reference::Validation validation_;  ///< of the sample that is answered
-  Built built_;                       ///< what is judged
+  Built built_;                       ///< reference in use
   std::optional<Built> next_;         ///< from its first sample on
   std::uint64_t last_due_ = 0;        ///< sequence number of the last sample that was due
-  bool blind_ = false;                ///< the rendering runs what this node has no reference for
+  bool blind_ = false;                ///< no reference for the rendering's scene
   std::atomic<bool> unread_ = false;  ///< the verdicts had no reader when the last one was due
   runtime::Counters<kValidatorTable> counters_;
   std::mutex mutex_;

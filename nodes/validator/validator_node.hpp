@@ -1,6 +1,6 @@
 #pragma once
-/// The validator's process: an independent reference judges every n-th contact while the verdicts
-/// have a reader.
+/// The validator: an independent reference evaluates every n-th contact while the verdicts have a
+/// reader.
 #include <atomic>
 #include <cstdint>
 
@@ -12,7 +12,7 @@ struct Options : runtime::NodeOptions {
   std::uint64_t every = 20;  ///< check samples whose sequence number is a multiple of this
 };
 
-/// Judges until `stop`, while its verdicts have a reader. Throws while starting only.
+/// Runs until `stop`. Throws while starting only.
 int run(const Options& options, const std::atomic<bool>& stop);
 
 }  // namespace voxtouch::validator

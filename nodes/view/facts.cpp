@@ -37,7 +37,7 @@ json effect_json(const effects::EffectSpec& effect) {
                           {"value", values_of(p, effect.values.at(n))}});
   }
   return {{"name", effect.name},
-          {"says", effect.kind->says},
+          {"says", effect.kind->summary},
           {"on", effect.on},
           {"gain", rounded(effect.gain)},
           {"fixed", effect.kind->everywhere},
@@ -99,7 +99,7 @@ void Facts::take(const msg::EffectChanged& a) {
                       {"from_sample", a.from_sample}});
   if (answers_.size() > kMaxAnswers)
     answers_.pop_front();
-  if (a.result == msg::effect_changed::kResultWaiting)
+  if (a.result == msg::effect_changed::kResultPending)
     return;
   const auto change = unanswered_.extract(a.request);
   if (change && a.result == msg::effect_changed::kResultDone)

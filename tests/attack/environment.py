@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
-"""Programs in environments that are not as they should be: each ends, or goes on, with a sentence
-and never by a signal.
+"""Programs in faulty environments: each ends, or continues, with a sentence and never by a signal.
 
     tests/attack/environment.py --build build --domain 68
 
-Rows that need root (no /proc, an address that goes) are left out without it, and named. Exit status
-1 if something did not hold.
+Without root, rows that need it (no /proc, a removed address) are skipped and named. Exit status 1
+if a check failed.
 """
 
 import argparse

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""A ring that feels the cup while a program attacks it from next to.
+"""A ring in contact with the cup while a program attacks it.
 
     tests/attack/ring_under.py --build build --domain 64 -- build/bin/some_attack --domain 64
     --seconds 10
 
-Starts `voxtouch up`, waits until the hand feels the contact, runs the program, lets the ring come
-to its end, and judges: `up` ends by itself, no process is lost, the device never gets more force
-than the contact gives, and exit status and named problems agree. The program has to end with 0.
-Exit status 1 if something did not hold.
+Starts `voxtouch up`, waits for contact, runs the program, waits for the end of the ring, and
+checks: `up` ends by itself, no process is lost, the device never gets more force than the contact
+gives, and exit status and reported problems agree. The program must end with 0. Exit status 1 if a
+check failed.
 """
 
 import argparse
@@ -48,7 +48,7 @@ def arguments():
 
 
 def figure(summary, key):
-    """The first number of this name, wherever it stands in the summary."""
+    """The first number of this name, anywhere in the summary."""
     for name, value in summary.items():
         if name == key and isinstance(value, (int, float)):
             return value

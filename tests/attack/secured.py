@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""A ring under --security next to each attack of the network, GUIDs of its own nodes forged among
-them: nothing reaches the loop, and no start fails.
+"""A ring under --security next to each network attack, including forged GUIDs of its own nodes:
+nothing reaches the loop, and no start fails.
 
     tests/attack/secured.py --build build --domain 68
 
-For each attack: a ring runs in contact, the attack begins, the ring comes to its end; a second ring
-starts while the attack goes on. Counts foreign samples that any reader of a node had, starts that
-were refused, and runs that had a problem. The forger at last attacks a plain ring, which has to
-suffer: else it would prove nothing. Exit status 1 if something did not hold.
+For each attack: a ring runs in contact, the attack begins, the ring ends; a second ring starts
+during the attack. Counts foreign samples received by any node, refused starts, and runs with a
+problem. Finally the forger attacks a plain ring, which must fail: otherwise the test would prove
+nothing. Exit status 1 if a check failed.
 """
 
 import argparse
@@ -31,7 +31,7 @@ LIFTED = [
     "recorded_ratio=0",
     "silence_s=inf",
     "force_losses=inf",
-]  # what other work on a machine costs
+]  # effects of a busy machine
 
 
 def attacks(ask):
@@ -105,7 +105,7 @@ def errors(*rings):
 
 
 def naming_strangers(ask, keys):
-    """Nodes that say they refuse a person's samples; None: no node is received."""
+    """Nodes that report a refusal of foreign samples; None: no node is received."""
     status = subprocess.run(
         [
             ask.build / "bin/voxtouch",

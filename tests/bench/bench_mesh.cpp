@@ -85,7 +85,7 @@ std::uint32_t pieces_around(const Profile& profile, double step) {
                   static_cast<std::uint32_t>(std::lround(2.0 * std::numbers::pi * widest / step)));
 }
 
-/// Edge of a quad that two triangles share [voxels], for about so many of them.
+/// Edge [voxels] of a quad of two triangles, for about so many triangles.
 double step_for(double surface, std::size_t triangles) {
   return std::sqrt(2.0 * surface / static_cast<double>(triangles));
 }

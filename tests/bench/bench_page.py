@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""bench_page.py FOLDER: what deploy/bench measured (query.json, meshes.json, build.json,
-instructions.json, ring.json, as far as they are there) as one page, FOLDER/bench.md, with two
-pictures next to it where matplotlib is there."""
+"""bench_page.py FOLDER: writes the results of deploy/bench (query.json, meshes.json, build.json,
+instructions.json, ring.json, as far as they exist) as one page, FOLDER/bench.md, with two
+pictures if matplotlib is installed."""
 
 import json
 import pathlib
@@ -18,7 +18,7 @@ UNITS = {"ns": 1.0, "us": 1e3, "ms": 1e6, "s": 1e9}
 
 
 class Medians:
-    """Of one program of Google Benchmark: rows are called what/place/size."""
+    """Of one program of Google Benchmark, with rows named what/place/size."""
 
     def __init__(self, result):
         self.context, self.rows, self.skipped = result["context"], {}, {}
@@ -369,7 +369,7 @@ def ring_part(ring):
 
 
 def goals_part(query, meshes, build, ring):
-    """Figures against what was set out to be reached."""
+    """Figures compared with their targets."""
     rows = []
 
     def row(what, most, value, at_least=False):

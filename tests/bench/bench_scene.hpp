@@ -14,8 +14,8 @@ inline constexpr double kEdge = 0.0005;  ///< voxel edge [m]
 /// A cup 100 mm high with walls of 4 mm, its axis that of z.
 voxmap::Voxmap cup();
 
-/// Where the tool is: far off; within the cup and touching nothing; on its floor with 1 % of the
-/// points; a plug that fills it, a fifth of whose points lie in the wall.
+/// Position of the tool: far away; inside the cup without contact; on its floor with 1 % of the
+/// points; a plug that fills it, with a fifth of its points in the wall.
 enum class Place { kFar, kNear, kLight, kHeavy };
 std::string name_of(Place place);
 
@@ -25,7 +25,7 @@ pointshell::Pointshell tool(Place place, std::size_t points);
 
 /// Poses of a closed path about the place, less than half a voxel apart.
 std::vector<Pose> path(Place place);
-/// Its first five there and back again, so that they too can be gone round without a jump.
+/// The first five poses forward and back, so that the cycle has no jump.
 std::vector<Pose> eight_poses(Place place);
 
 }  // namespace voxtouch::bench

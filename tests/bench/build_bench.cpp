@@ -1,5 +1,5 @@
-// What a mesh takes until it can be displayed, in one thread, next to OpenVDB's signed distances of
-// the same mesh on a grid of the same edge. deploy/bench writes it down.
+// Time from a mesh to a displayable scene, in one thread, compared with OpenVDB's signed distances
+// of the same mesh on an equal grid. Run by deploy/bench.
 #include <map>
 
 #include "core/pointshell/build_shell.hpp"

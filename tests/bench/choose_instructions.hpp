@@ -9,8 +9,8 @@
 
 namespace voxtouch::bench {
 
-/// The kernels of a lesser processor than this one: --instructions=any, avx2, avx512 as the first
-/// option, which is taken off the command line. What is used stands in the benchmarks' context.
+/// Selects the kernels of an older processor: --instructions=any, avx2, avx512 as the first option,
+/// which is removed from the command line. The benchmarks' context has the choice.
 inline void choose_instructions(int& argc, char**& argv) {
   using contact::Instructions;
   const std::map<std::string_view, Instructions> kinds = {

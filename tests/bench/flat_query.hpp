@@ -1,7 +1,7 @@
 #pragma once
-/// The query without its tree, in plain loops: each point is put into its voxel in single precision
-/// and looked up; next to the voxels' faces doubles decide, so the hits are ours. What culling
-/// saves is reported against it.
+/// The query without its tree, in plain loops: each point is assigned to its voxel in single
+/// precision and looked up; next to the voxels' faces doubles decide, so the hits are equal to
+/// ours. It is the baseline for culling.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -89,8 +89,8 @@ class FlatQuery {
         const float u = m.turn[0] * x + m.turn[1] * y + m.turn[2] * z + m.shift[0];
         const float v = m.turn[3] * x + m.turn[4] * y + m.turn[5] * z + m.shift[1];
         const float w = m.turn[6] * x + m.turn[7] * y + m.turn[8] * z + m.shift[2];
-        // Truncated above zero only: what lies less than a voxel before the table would be taken
-        // for its first.
+        // Truncation is correct above zero only: less than a voxel before the table would count as
+        // its first voxel.
         const auto i8 = static_cast<std::int32_t>(u + 8.0F),
                    j8 = static_cast<std::int32_t>(v + 8.0F),
                    l8 = static_cast<std::int32_t>(w + 8.0F);

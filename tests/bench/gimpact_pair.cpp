@@ -12,9 +12,9 @@ namespace voxtouch::bench {
 namespace {
 
 constexpr double kMillimetres =
-    1e3;  // its numbers are single-precision, and it has tolerances of its own below 1e-4 of a unit
+    1e3;  // single precision, with absolute tolerances below 1e-4 of a unit
 
-/// The mesh in Bullet's own arrays, which its shapes look into.
+/// The mesh in Bullet's arrays, which its shapes refer to.
 class Shape {
  public:
   explicit Shape(const mesh::TriangleMesh& mesh) {

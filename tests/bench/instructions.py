@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""instructions.py BUILD RESULT.json: instructions of a frame by place and what is done, as
-callgrind counts them (query_frames): it shows programs a processor with AVX2 at most. The
-processor's own counters would be exact too, and virtual machines rarely have them."""
+"""instructions.py BUILD RESULT.json: instructions of a frame by place and step, counted by
+callgrind (query_frames), which emulates a processor with AVX2 at most. The processor's
+counters would be exact too, but virtual machines rarely have them."""
 
 import json
 import os

@@ -1,6 +1,6 @@
-// A query of our contact next to those of FCL and Bullet, on the same two meshes at the same poses,
-// by the number of their triangles. What each gives differs: ours forces of all points to a voxel,
-// FCL pairs of triangles, Bullet the same in single precision. deploy/bench writes it down.
+// Time of our contact query and of FCL and Bullet, on the same two meshes at the same poses, by the
+// number of triangles. The results differ: ours has forces of all points, FCL pairs of triangles,
+// Bullet pairs in single precision. Run by deploy/bench.
 #include <map>
 
 #include "core/contact/contact_renderer.hpp"
@@ -13,7 +13,7 @@
 namespace voxtouch::bench {
 namespace {
 
-/// What a place has of either library, made once.
+/// Data of a place for either library, built once.
 struct Pair {
   mesh::TriangleMesh still, moving;
   voxmap::Voxmap ground;

@@ -11,7 +11,7 @@ namespace voxtouch::bench {
 #if VOXTOUCH_OPENVDB
 namespace {
 
-/// The mesh as OpenVDB asks for it: in voxels.
+/// The mesh in OpenVDB's interface, in voxels.
 struct MeshOfVoxels {
   const mesh::TriangleMesh& mesh;
   double edge_m;

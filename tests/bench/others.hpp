@@ -1,6 +1,6 @@
 #pragma once
-/// What is measured next to: the same meshes in libraries of others. A file for each, so that one
-/// which is missing is left out.
+/// The same meshes in other libraries, for comparison. One file each, so that a missing library is
+/// skipped.
 #include <cstddef>
 #include <memory>
 
@@ -8,12 +8,12 @@
 
 namespace voxtouch::bench {
 
-/// A mesh that stands and one that moves, in another library.
+/// A static and a moving mesh in another library.
 class OtherPair {
  public:
   virtual ~OtherPair() = default;
-  /// With the second mesh at `pose`: contacts where the library counts them; 1 or 0; or the
-  /// distance [m].
+  /// With the second mesh at `pose`: the number of contacts if the library counts them; or 1 or 0;
+  /// or the distance [m].
   virtual double ask(const Pose& pose) = 0;
 };
 
@@ -23,13 +23,13 @@ enum class FclQuestion { kBoolean, kAllContacts, kDistance };
 std::unique_ptr<OtherPair> fcl_pair(const mesh::TriangleMesh& still,
                                     const mesh::TriangleMesh& moving, FclQuestion question);
 
-/// Bullet's GImpact without margins, all contacts: they are counted where it would put four of them
-/// into a manifold. Null where Bullet is missing.
+/// Bullet's GImpact without margins, with all contacts: counted before it reduces them to manifolds
+/// of four. Null without Bullet.
 std::unique_ptr<OtherPair> gimpact_pair(const mesh::TriangleMesh& still,
                                         const mesh::TriangleMesh& moving);
 
-/// OpenVDB's signed distances of the mesh, single-threaded, to `band` voxels on both sides (its own
-/// default is 3): bytes of the grid. 0 where OpenVDB is missing.
+/// OpenVDB's signed distances of the mesh, single-threaded, to `band` voxels on both sides (default
+/// 3): bytes of the grid. 0 without OpenVDB.
 std::size_t openvdb_distances(const mesh::TriangleMesh& mesh, double edge_m, double band);
 
 }  // namespace voxtouch::bench

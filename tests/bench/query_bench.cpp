@@ -1,6 +1,6 @@
-// Times of the contact query and of what comes after its hits, by place and number of points,
-// next to reading 12 bytes a point: what any query that looks at every point costs at least. Ratios
-// are what counts; deploy/bench writes them down.
+// Times of the contact query and of the steps after its hits, by place and number of points,
+// compared with reading 12 bytes per point, the lower bound of any query that visits every point.
+// Ratios count; run by deploy/bench.
 #include <numbers>
 
 #include "core/contact/contact_renderer.hpp"
@@ -21,8 +21,8 @@ const voxmap::Voxmap& ground() {
   return map;
 }
 
-/// The same cup out of a mesh: `field` and the virtual tool look up distances. Its surface has
-/// other voxels, so it has rows of its own.
+/// The cup from a mesh, for `field` and the virtual tool, which query distances. It has other
+/// surface voxels, so it has separate rows.
 struct Ground {
   voxmap::Voxmap map;
   voxmap::DistanceField field;
@@ -94,8 +94,8 @@ void render(benchmark::State& state, const voxmap::Voxmap& map, Place place, std
   count(state, points, tested, hit);
 }
 
-/// The hand's ball goes round on the cup's floor at 0.1 m/s, 2 mm too deep, and there and back
-/// again, so that no frame is a jump.
+/// The hand's ball circles on the cup's floor at 0.1 m/s, 2 mm too deep, forward and back, so that
+/// no frame is a jump.
 std::vector<Pose> slide(double too_deep_voxels) {
   constexpr double kRound = 16.0, kStep = 0.2;  // [voxels]
   std::vector<Pose> out;

@@ -1,5 +1,5 @@
-// What the query's speed rests on, counted and not timed: points tested, bytes, allocations,
-// instructions. A quarter and more of slack.
+// Counts behind the query's speed: points tested, bytes, allocations, instructions. With a slack of
+// a quarter or more.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -40,7 +40,7 @@ Counts counts(Place place, std::size_t points) {
   return out;
 }
 
-/// What the tree is measured against finds the same.
+/// The baseline of the tree has equal hits.
 TEST(QueryCounts, FlatLoopsFindTheSamePoints) {
   for (const Place place : {Place::kFar, Place::kNear, Place::kLight, Place::kHeavy}) {
     const pointshell::Pointshell shell = tool(place, 20'000);

@@ -1,6 +1,6 @@
-// Coarse ratios of CPU time, in turns within one thread, about twice what a quiet machine shows:
-// they find a loop that has lost its kernel or a frame that does its work twice, whatever else the
-// machine does. Fine ones are deploy/bench's.
+// Coarse ratios of CPU time, in turns within one thread, with limits of about twice the values of a
+// quiet machine. They detect a loop without its kernel or a frame that works twice, under any load.
+// deploy/bench measures precisely.
 #include <gtest/gtest.h>
 
 #include <ctime>

@@ -1,5 +1,5 @@
 #pragma once
-/// Reading 12 bytes a point and no more: what any query that looks at every point costs at least.
+/// Reads 12 bytes per point only: the lower bound of any query that visits every point.
 #include <vector>
 
 namespace voxtouch::bench {
@@ -11,8 +11,7 @@ struct ReadFloor {
   float read() const { return add_up(x) + add_up(y) + add_up(z); }
 
  private:
-  /// Four vectors of sums, so that no addition waits for the one before: as fast as memory gives
-  /// the numbers.
+  /// Four independent vectors of sums, so the memory limits the speed.
   using Floats = float __attribute__((vector_size(16)));
   static Floats load(const float* from) {
     Floats out;

@@ -1,8 +1,8 @@
-// A bare ring of Cyclone DDS, for ours to be compared with: the same three topics with their types,
-// QoS and network settings, the same scheduling, and nothing that is computed or checked. Three
-// processes, or three participants in one; nodes are woken by wait sets, as ours are, or answer in
-// DDS's own thread. Prints one JSON object. With --watch it prints the same of our ring.
-// tests/bench/ring_turns.py runs it next to our ring, in turns.
+// A bare ring of Cyclone DDS for comparison: the same three topics with their types, QoS and
+// network settings, the same scheduling, and no computation or checks. Three processes, or three
+// participants in one. Nodes are woken by wait sets, as ours, or answer in DDS's thread. Prints one
+// JSON object. With --watch it prints that of our ring. tests/bench/ring_turns.py runs both in
+// turns.
 #include <sys/prctl.h>
 
 #include <csignal>
@@ -131,7 +131,7 @@ int in_three(const Options& o) {
   return device(o);
 }
 
-/// What the device of our ring reports of its latency, until it has stopped.
+/// Prints the latency reported by our device until it stops.
 int watch(const Options& o) {
   const bus::Participant participant({.domain = o.domain, .name = "watch"});
   runtime::NodeRegistry registry(participant, o.watched);
@@ -142,7 +142,7 @@ int watch(const Options& o) {
   for (const auto until = std::chrono::steady_clock::now() + std::chrono::seconds(60);
        !report && std::chrono::steady_clock::now() < until;
        std::this_thread::sleep_for(std::chrono::milliseconds(20))) {
-    registry.update(stopped);  // kept, although who said it has gone since
+    registry.update(stopped);  // kept, although its writer has left
     for (const runtime::NodeReport& one : registry.reports())
       if (stopped(one))
         report = one;

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """ring_turns.py --build BUILD --out RESULT.json: our ring next to bare rings of Cyclone DDS
-(ring_bench), in turns, so that what else the machine does meets all alike. Times are of a whole
-round, which is three hops. Told, not judged: the machine decides more than the program."""
+(ring_bench), in turns, so that the machine's load affects all equally. Times are of a whole
+round, which is three hops. Results depend on the machine and are only printed."""
 
 import argparse
 import json
@@ -130,8 +130,8 @@ def calls_in_a_second(pid):
 
 
 def system_calls(ask):
-    """{ring: {role: {name: calls in a second}}}, ours and the bare one with wait sets; nothing
-    where strace is missing or may not look.
+    """{ring: {role: {name: calls in a second}}}, ours and the bare one with wait sets; empty if
+    strace is missing or not permitted.
     """
     if not shutil.which("strace"):
         return {}
@@ -211,7 +211,7 @@ def main():
     for turn in range(ask.turns):
         for kind in (
             KINDS if turn % 2 == 0 else reversed(KINDS)
-        ):  # who comes second finds the machine as the first left it
+        ):  # the second one finds the machine as the first left it
             rounds[kind].append(KINDS[kind](ask))
         print(
             f"turn {turn + 1}, load {os.getloadavg()[0]:.1f}: "
@@ -219,7 +219,7 @@ def main():
             + " us",
             flush=True,
         )
-        write(ask, rounds, {})  # what is broken off keeps its turns
+        write(ask, rounds, {})  # an aborted run keeps its turns
     write(ask, rounds, system_calls(ask))
 
 

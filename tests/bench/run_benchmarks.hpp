@@ -3,8 +3,7 @@
 
 namespace voxtouch::bench {
 
-/// Runs what is registered, as the benchmark library's options on the command line say. The
-/// program's exit status.
+/// Runs the registered benchmarks with the options of the command line. Returns the exit status.
 inline int run_benchmarks(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv))

@@ -1,6 +1,6 @@
-// What grows with the scene: a frame, a map, distances and a shell over the number of triangles (to
-// 1e7) and over the resolution (to 2048^3), each with what it takes: bytes a surface voxel, points
-// tested, the process's largest memory meanwhile. One run of all takes some minutes and 4 GB.
+// Growth with the scene: a frame, a map, distances and a shell, by the number of triangles (to 1e7)
+// and the resolution (to 2048^3), with bytes per surface voxel, points tested, and peak memory. All
+// rows take some minutes and 4 GB.
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -24,8 +24,7 @@ struct Size {
   bool operator==(const Size&) const = default;
 };
 
-/// The last one asked for: rows of one size come one after the other, and two of the largest would
-/// not fit.
+/// The last one: rows of one size are consecutive, and two of the largest would not fit.
 struct Ground {
   Size size;
   mesh::TriangleMesh mesh;

@@ -1,5 +1,5 @@
-// What a frame and a map cost when the scene grows: points tested, spheres looked at, bytes; no
-// clock. Triangles to 1e6 and grids to 1024^3 here, farther in scale_bench.
+// Cost of a frame and a map as the scene grows: points tested, spheres visited, bytes; no clock.
+// Triangles to 1e6 and grids to 1024^3 here, larger ones in scale_bench.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -64,7 +64,7 @@ TEST(Scale, CostStaysFlatAndMemoryScalesWithTheSurface) {
                 map.surface_count(), bytes_a_voxel(map), table);
     EXPECT_LE(bytes_a_voxel(map), 1.4 * bytes_at_256) << resolution;
     EXPECT_LE(table, 0.5) << resolution;
-    // Without the table of small maps, whose bytes are bounded: blocks and pages grow as the
+    // Without the table of small maps, which has a fixed limit: blocks and pages grow as the
     // surface.
     if (map.arrays().table == nullptr) {
       EXPECT_LE(table, 0.2) << resolution;
@@ -74,8 +74,8 @@ TEST(Scale, CostStaysFlatAndMemoryScalesWithTheSurface) {
       print("resolution", resolution, kPlaces[n], counts);
       if (resolution == 256)
         at_256[n] = cost(counts);
-      // A coarser grid reports less about what is near. Near, where next to nothing is tested, 1 %
-      // of the points is still nothing.
+      // A coarser grid resolves less. At kNear almost nothing is tested, and 1 % of the points is
+      // the tolerance.
       EXPECT_LE(cost(counts), kPlaces[n] == Place::kNear
                                   ? 0.01 * kPoints
                                   : (resolution < 256 ? 1.5 : 1.1) * at_256[n])
@@ -84,8 +84,7 @@ TEST(Scale, CostStaysFlatAndMemoryScalesWithTheSurface) {
   }
 }
 
-/// Bricks stand near the surface only: as many bytes a surface voxel as walls are deep that they
-/// hold, however far the volume goes.
+/// Bricks are near the surface only: bytes per surface voxel do not depend on the volume.
 TEST(Scale, DistancesGrowAsTheSurface) {
   for (const auto& [resolution, most] : {std::pair{128, 60.0}, {256, 70.0}, {512, 90.0}}) {
     const voxmap::Voxmap map = map_of(10'000, resolution);
@@ -98,8 +97,7 @@ TEST(Scale, DistancesGrowAsTheSurface) {
   }
 }
 
-/// In a table whose free distances are of larger cells, every kernel finds what doubles say of
-/// every point.
+/// With free distances of larger cells, every kernel agrees with doubles for every point.
 TEST(Scale, HitsInALargeTableEqualBruteForce) {
   const voxmap::Voxmap map = map_of(1'000, 1024);
   ASSERT_GT(map.arrays().free_shift, voxmap::free_distance::kMinShift);

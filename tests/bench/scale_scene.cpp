@@ -11,8 +11,7 @@
 namespace voxtouch::bench {
 namespace {
 
-/// Groups of spheres that a look-up looks at, from the group of `level` that begins at `first`
-/// downwards.
+/// Groups of spheres that a query visits, from the group of `level` at `first` downwards.
 double groups_below(const contact::Lookup& lookup,
                     const std::vector<contact::SphereTree::Level>& levels, std::size_t level,
                     std::size_t first) {
@@ -28,7 +27,7 @@ double groups_below(const contact::Lookup& lookup,
   return groups;
 }
 
-/// How many groups of spheres a look-up at this pose looks at.
+/// Number of groups of spheres that a query visits at this pose.
 double looked_at(const contact::ContactQuery& query, const Pose& pose) {
   contact::HitSource source;
   source.edge = query.voxmap().grid().edge;
@@ -43,7 +42,7 @@ double looked_at(const contact::ContactQuery& query, const Pose& pose) {
     return 0.0;
   const contact::QueryData data{&query.voxmap(), query.shell().size(),
                                 &query.tree(),   nullptr,
-                                nullptr,         nullptr};  // no point is looked at
+                                nullptr,         nullptr};  // no point is visited
   const auto& levels = query.tree().levels();
   return levels.empty()
              ? 0.0

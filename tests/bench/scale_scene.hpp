@@ -1,6 +1,6 @@
 #pragma once
-/// The cup as a mesh at any number of triangles and any resolution, and what a frame over it costs,
-/// counted: no clock.
+/// The cup as a mesh at any number of triangles and any resolution, and the counted cost of a
+/// frame.
 #include <cstddef>
 
 #include "core/voxmap/voxmap.hpp"

@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Measures what the two commands of the README take from nothing, and writes a page of it.
+"""Measures the two commands of the README from scratch, and writes a page.
 
 usage: times.py OUT
 
-`deploy/demo` and `deploy/test`, each in a clone of its own of the last commit, in a temporary
-folder and without a compiler cache. Of each the wall time, the processor time of all its
-processes, and how well the remaining time that it prints after the first minute foretells the
-rest.
+`deploy/demo` and `deploy/test`, each in a separate clone of the last commit, in a temporary folder
+and without a compiler cache. For each the wall time, the processor time of all its processes, and
+the accuracy of the remaining time that it prints after the first minute.
 """
 
 import datetime

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kFrames = 300;
 
-/// What the program printed and how many instructions callgrind counted in `counted_frame`.
+/// Output of the program, and instructions of `counted_frame` by callgrind.
 struct Counted {
   nlohmann::json printed;
   double instructions = 0.0;

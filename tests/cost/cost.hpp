@@ -9,10 +9,10 @@ namespace voxtouch::test {
 struct FrameCost {
   double instructions = 0.0;  ///< a frame
   double live_bytes = 0.0, peak_bytes = 0.0, plan_bytes = 0.0;
-  double force = 0.0;  ///< sum over the frames: zero where nothing was touched
+  double force = 0.0;  ///< sum over the frames: zero without contact
 };
 
-/// `mode`: see frame_cost.cpp. Throws with what valgrind said where it did not run.
+/// `mode`: see frame_cost.cpp. Throws with valgrind's output if it fails.
 FrameCost cost_of(const std::filesystem::path& scene, const std::string& motion,
                   const std::string& mode);
 
@@ -21,7 +21,7 @@ struct TumblingCost {
   int frames = 0;             ///< counted
   double work = 0.0;          ///< of these, in units of exact::Work
 };
-/// Of the frames that tumbling_cost.cpp says. Throws likewise.
+/// Cost of the frames of tumbling_cost.cpp. Throws as cost_of.
 TumblingCost tumbling_cost();
 
 }  // namespace voxtouch::test

@@ -1,14 +1,16 @@
 // Renders frames of a scene in one of several ways, for callgrind to count and for the heap to be
-// weighed. Counted is `counted_frame` alone: building is not.
+// weighed. Only `counted_frame` is counted, not building.
 //
-//   frame_cost SCENE MOTION FRAMES scene     what the ring runs: contact and the effects that the
-//   scene lists frame_cost SCENE MOTION FRAMES contact   contact alone, built by hand without
-//   build_scene: it has never received of effects frame_cost SCENE MOTION FRAMES touch     contact
-//   alone of what build_scene made, whatever the scene's model and meshes are frame_cost SCENE
-//   MOTION FRAMES effects   the effects alone; the contact that they look at is rendered uncounted
+//   frame_cost SCENE MOTION FRAMES MODE
 //
-// Prints `{"live": bytes, "peak": bytes, "plan": bytes, "sum": force}`: heap taken for what was
-// built and while building it.
+// Modes:
+//   scene    as in the ring: contact, and the effects of the scene
+//   contact  contact alone, built by hand without build_scene
+//   touch    contact alone of build_scene, for any model and meshes
+//   effects  the effects alone; their contact is rendered uncounted
+//
+// Prints `{"live": bytes, "peak": bytes, "plan": bytes, "sum": force}`: heap in use after the
+// build, and its maximum during it.
 #include <array>
 #include <cstdlib>
 #include <cstring>
@@ -34,9 +36,8 @@ std::size_t live_bytes = 0, peak_bytes = 0;
 constexpr std::size_t kHeader = 16;  ///< keeps the alignment that malloc gives
 }  // namespace
 
-// What was asked for stands before each block: what malloc rounds it up to depends on what was
-// there before. Not inlined: the compiler would hold the one against the other and see malloc meet
-// delete.
+// The requested size is stored before each block, because malloc's rounding depends on earlier
+// blocks. Not inlined: otherwise the compiler warns about malloc with delete.
 __attribute__((noinline)) void* operator new(std::size_t size) {
   auto* p = static_cast<unsigned char*>(std::malloc(size + kHeader));
   if (p == nullptr)
@@ -67,7 +68,7 @@ extern "C" __attribute__((noinline)) void counted_frame(const std::function<void
 namespace voxtouch::test {
 namespace {
 
-/// What build_scene makes for a scene that knows contact only.
+/// A scene for contact only.
 struct HandBuilt {
   explicit HandBuilt(const scene::Scene& scene) {
     const auto mesh = [&](const scene::MeshSpec& spec) {
@@ -113,7 +114,7 @@ class Hand {
   std::mt19937 random_;
 };
 
-/// What the ring hands on of a frame, from a contact that knows nothing of effects.
+/// The ring's result of a frame, for contact without effects.
 __attribute__((noinline)) rendering::SceneFrame contact_frame(
     contact::ContactRenderer& contact, const rendering::ToolState& tool) noexcept {
   rendering::SceneFrame frame;
@@ -138,8 +139,7 @@ int run(const std::string& file, const std::string& motion, int frames, const st
   else
     built = rendering::build_scene(scene, serial_for());
   const std::size_t live = live_bytes - before, peak = peak_bytes - before;
-  CALLGRIND_START_INSTRUMENTATION;  // what was built until here need not be watched, which would
-                                    // take most of the time
+  CALLGRIND_START_INSTRUMENTATION;  // not needed before, where it would take most of the time
   double sum = 0.0;
   for (int n = 0; n < frames; ++n) {
     const rendering::ToolState tool = hand.at(n);

@@ -1,5 +1,5 @@
-/// What a scene does not name costs nothing: no instruction of a frame, no byte. Counted, not
-/// timed.
+/// Features that a scene does not use cost nothing: no instruction of a frame, no byte. Counted,
+/// not timed.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -16,8 +16,8 @@ constexpr double kFraction = 0.005;
 /// Building frame and sum of the effects, and the spring between hand and forces of position, which
 /// neither the contact nor a single effect has.
 constexpr double kGlue = 450.0;
-/// Checks for effects, a virtual tool, a simulated body and springs in series, where a frame out of
-/// contact has 1,800 instructions.
+/// Checks for effects, a virtual tool, a simulated body and springs in series, in a frame out of
+/// contact of 1,800 instructions.
 constexpr double kAsking = 50.0;
 const std::filesystem::path kScenes = std::string(VOXTOUCH_DEPLOY) + "/scenes";
 
@@ -120,8 +120,8 @@ TEST_F(FrameCostTest, EachEffectKindCostsContactPlusEffect) {
   for (const effects::EffectKind* kind : effects::effect_kinds()) {
     const auto words = effects.find(std::string(kind->name));
     if (words == effects.end()) {
-      // A body's contact is found where it lies, not where the hand is; distances take a minute to
-      // build under valgrind.
+      // The contact of a body is where it lies, not at the hand. Distances take a minute to build
+      // under valgrind.
       EXPECT_TRUE(kind->name == "body" || kind->name == "proximity")
           << kind->name << " is not counted here";
       continue;
@@ -142,8 +142,8 @@ TEST_F(FrameCostTest, EachEffectKindCostsContactPlusEffect) {
   }
 }
 
-/// Frames of the virtual tool that take much work: what a counted unit costs. The limit of a frame
-/// is a time only as far as this holds.
+/// Frames of the virtual tool with much work: cost of a counted unit. The work limit bounds the
+/// time only if this holds.
 TEST(TumblingCostTest, OfAUnitOfWorkIsBounded) {
   const TumblingCost cost = tumbling_cost();
   const double a_unit = cost.instructions * cost.frames / cost.work;

@@ -1,6 +1,6 @@
-// Frames of a box that tumbles at 3 m/s in and out of the cup (`virtual_tool_runs tumble`), for
-// callgrind to count those in contact that take much work. The same motion runs twice: first to
-// find these frames, then to count them. Prints `{"frames": counted, "work": of them}`.
+// Frames of a box that tumbles at 3 m/s in and out of the cup (`virtual_tool_runs tumble`).
+// callgrind counts the frames in contact with much work. The same motion runs twice: first to find
+// these frames, then to count them. Prints `{"frames": counted, "work": of them}`.
 #include <fmt/format.h>
 #include <valgrind/callgrind.h>
 

@@ -1,6 +1,6 @@
-// A bag's folder. First byte odd: the rest is its metadata.yaml; even: its file, in SQLite or MCAP,
-// which its first bytes say. What is read is counted as it is handed out, hashes twice the same,
-// and messages of the ring are read into their types, or are none.
+// A bag's folder. First byte odd: the rest is its metadata.yaml. Even: its file, in SQLite or MCAP
+// by its first bytes. Messages are counted, hashes are computed twice and compared, and messages of
+// the ring are decoded or refused.
 #include "tests/fuzz/wire.hpp"
 #include "tests/support/bag_hash.hpp"
 #include "tests/support/whole_bag.hpp"

@@ -1,5 +1,5 @@
 // ContactStates from the network, through the coupling as its node runs it: every command is finite
-// and within what the device gives.
+// and within the device's limits.
 #include "core/rendering/device_mapping.hpp"
 #include "nodes/coupling/ring_messages.hpp"
 #include "tests/fuzz/wire.hpp"

@@ -1,5 +1,5 @@
-// Device files for the coupling's designer: text to numbers that the design's own entrance takes,
-// or a sentence.
+// Device files for the coupling's designer: text to numbers that the design's checks accept, or a
+// sentence.
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/loop_parts.hpp"
 #include "core/device_fit/design_problem.hpp"
@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const coupling::design::LoopTiming& timing = device.timing;
     FUZZ_REQUIRE(timing.period_s >= 1e-5 && timing.period_s <= 1.0 && timing.delay_s >= 0.0 &&
                  timing.delay_s <= 1.0);
-    FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.lost_in_a_row >= 0);
+    FUZZ_REQUIRE(timing.jitter >= 0.0 && timing.jitter <= 10.0 && timing.consecutive_losses >= 0);
     scene::Scene scene;
     scene.voxel_size_m = 0.002;
     const coupling::design::DesignProblem problem =

@@ -1,5 +1,5 @@
-// DeviceStates from the network, as the rendering takes them: a sample that is let through places
-// the tool at a finite pose, and every effect of a scene gives a finite force there.
+// DeviceStates from the network, as the rendering receives them: an accepted sample gives a finite
+// tool pose and a finite force of every effect.
 #include <memory>
 
 #include "core/effects/effect_chain.hpp"

@@ -1,4 +1,4 @@
-// EffectChanges from the network, as the update server judges them: what is let through leaves
+// EffectChanges from the network, as the update server validates them: an accepted change leaves
 // every effect within its ranges and its force finite.
 #include "core/effects/effect_chain.hpp"
 #include "tests/fuzz/effects.hpp"

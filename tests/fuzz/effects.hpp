@@ -1,6 +1,5 @@
 #pragma once
-/// One of each kind of effect that needs no scene around it, and what must hold of them whatever
-/// was changed.
+/// One effect of each kind that needs no scene, and the invariants after any change.
 #include <array>
 #include <string>
 #include <vector>

@@ -1,9 +1,8 @@
-// What a Franka arm sends, or whoever answers in its place.
-// First byte: which version of the four, and what the rest is. Below 128: a stream of the command
-// channel, cut as the next byte says; messages never hold more than they brought. Else: states,
-// each the last one with a few bytes patched, through decoder, session and torque ramp: no number
-// that is none, no force outside torque control, no torque beyond a joint's limit or a step,
-// whatever the robot claims to have been reported.
+// Messages of a Franka arm, or of an impostor. First byte: one of four versions, and the kind of
+// the rest. Below 128: a stream of the command channel, cut as the next byte selects; no message
+// exceeds its data. Otherwise: states, each the previous one with some bytes patched, through
+// decoder, session and torque ramp: no NaN or infinity, no force outside torque control, no torque
+// beyond a joint's limit or a step, whatever the robot reports as last received.
 #include <algorithm>
 #include <array>
 #include <vector>

@@ -1,6 +1,5 @@
-// ForceCommands from the network, through the gate and the guard before a device: what goes on is
-// finite, within force, torque and slew limits, and the last check before the wire has nothing to
-// refuse.
+// ForceCommands from the network, through gate and guard before a device: the output is finite,
+// within force, torque and slew limits, and the last check of the driver accepts it.
 #include "devices/command_gate.hpp"
 #include "devices/force_guard.hpp"
 #include "devices/limits.hpp"
@@ -52,7 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     else
       cycle({});
   });
-  // Nobody speaks any more: zero after three periods and the fade.
+  // No more commands: zero after three periods and the fade.
   for (int n = 0; n < 26; ++n)
     cycle({});
   FUZZ_REQUIRE(last.zero());

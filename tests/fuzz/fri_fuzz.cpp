@@ -1,9 +1,8 @@
-// FRI datagrams in both directions.
-// First byte odd: the rest is one datagram for both decoders; what they take is the same bytes
-// again. Even: a controller that follows the handshake talks to the driver, and the input patches
-// what it sends: every answer is a command that the decoder takes, without push outside command
-// mode, within the joints' torques and the step that the arm may make. The network is this file's
-// own: it stands in for udp_socket.cpp, so that nothing depends on time or ports.
+// FRI datagrams in both directions. First byte odd: the rest is one datagram for both decoders; an
+// accepted one re-encodes to the same bytes. Even: a controller that follows the handshake sends to
+// the driver, and the input patches its datagrams. The decoder accepts every answer; without push
+// outside command mode, within the joints' torques and the arm's step limit. This file replaces
+// udp_socket.cpp, so that nothing depends on time or ports.
 #include <deque>
 #include <memory>
 #include <vector>
@@ -19,7 +18,7 @@ constexpr voxtouch::arm::UdpEndpoint kController{0x7F000001, 49939};
 struct Network {
   std::deque<std::string> to_driver;
   std::vector<std::string> to_controller;
-  std::atomic<bool> quiet{false};  // the driver is not to wait for what never comes
+  std::atomic<bool> quiet{false};  // the driver must not wait for missing datagrams
 } g_network;
 
 }  // namespace
@@ -86,8 +85,8 @@ class Controller {
     msr_.data.cart_pos = lwr::fri::to_wire(lwr::LwrArm().flange(lwr::lwr_rest_posture()));
   }
 
-  /// One byte: patches to come, whether they stay, and whether the datagram is cut; each patch:
-  /// where, how long, what.
+  /// One byte: number of patches, whether they persist, and whether the datagram is cut; each
+  /// patch: offset, length, content.
   void send(fuzz::Bytes& in) {
     const auto choice = in.take<std::uint8_t>();
     ++msr_.header.send_seq;
@@ -118,7 +117,7 @@ class Controller {
   lwr::fri::MsrPacket msr_ = lwr::fri::empty_msr();
 };
 
-/// All answers since, each judged; the controller follows them.
+/// Checks all new answers; the controller follows them.
 void receive_at(Controller& controller, const lwr::LwrDriver* driver,
                 const lwr::LwrOptions& options) {
   for (const std::string& bytes : std::exchange(g_network.to_controller, {})) {

@@ -1,7 +1,6 @@
 #pragma once
-/// What the fuzz targets share. A target is one file with LLVMFuzzerTestOneInput: bytes from
-/// outside go through the project's own reader and checks, and what these let through must keep
-/// what is promised of it.
+/// Common parts of the fuzz targets. A target is one file with LLVMFuzzerTestOneInput: foreign
+/// bytes pass the project's reader and checks, and accepted values must keep its guarantees.
 #include <unistd.h>
 
 #include <cmath>
@@ -16,8 +15,7 @@
 #include <string>
 #include <string_view>
 
-/// What must hold for every input that was let through. Ends the process, which is how libFuzzer
-/// learns of it.
+/// A condition for every accepted input. A failure ends the process, which libFuzzer reports.
 #define FUZZ_REQUIRE(condition)                                 \
   do {                                                          \
     if (!(condition))                                           \
@@ -31,7 +29,7 @@ namespace voxtouch::fuzz {
   std::abort();
 }
 
-/// The input, taken from its front. Numbers that are not there any more are zero.
+/// The input, consumed from its front. Beyond its end numbers are zero.
 class Bytes {
  public:
   Bytes(const std::uint8_t* data, std::size_t size)
@@ -56,7 +54,7 @@ class Bytes {
   std::string_view left_;
 };
 
-/// A folder of this process for readers that want a file; it goes with the process.
+/// A folder of this process for readers of files; removed with the process.
 class Folder {
  public:
   Folder() {

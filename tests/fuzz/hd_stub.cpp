@@ -1,4 +1,4 @@
-// Stands where the vendor's library stands, and is as hostile as the input says.
+// Replaces the vendor's library; its answers come from the input.
 #include "tests/fuzz/hd_stub.hpp"
 
 #include <algorithm>
@@ -50,7 +50,7 @@ std::size_t count_of(HDenum name) {
   }
 }
 
-/// One byte says how: left as it was, whole doubles from the input, or a plausible value with the
+/// The first byte selects: unchanged, whole doubles from the input, or a plausible value with the
 /// input's noise.
 void answer(HDenum name, double* values) {
   const std::size_t count = count_of(name);

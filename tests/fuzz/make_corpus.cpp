@@ -1,6 +1,5 @@
-// make_corpus FOLDER: a few good inputs of every fuzz target, by the project's own writers where it
-// has some. Inputs that a fuzzer has found stand next to them under names that begin with `found_`;
-// this leaves them alone.
+// make_corpus FOLDER: some valid inputs of every fuzz target, written by the project's writers
+// where possible. Inputs found by a fuzzer are stored there as `found_*` and are not changed.
 #include <array>
 #include <cstdio>
 #include <filesystem>
@@ -162,7 +161,7 @@ void scenes(const fs::path& deploy) {
       "50\n"
       "rotation: {inertia_kg_m2: [1e-4, 2e-4], damping_nms_per_rad: 0.001, coulomb_friction_nm: 0, "
       "orientation_resolution_rad: 1e-4, "
-      "max_stiffness_nm_per_rad: 1}\njitter: 0.2\nlost_in_a_row: 2\ngrip: arm\n");
+      "max_stiffness_nm_per_rad: 1}\njitter: 0.2\nconsecutive_losses: 2\ngrip: arm\n");
 }
 
 msg::ForceCommand command(std::uint64_t n) {
@@ -248,7 +247,7 @@ void plans() {
   d.rate_hz = 1000.0, d.max_force_n = 8.5, d.max_stiffness_n_per_m = 800.0;
   d.mass_min_kg = 0.05, d.mass_max_kg = 0.1, d.damping_ns_per_m = 0.01,
   d.position_resolution_m = 3e-5;
-  d.delay_s = 1e-3, d.force_bandwidth_hz = 1e9, d.jitter = 0.2, d.lost_in_a_row = 1,
+  d.delay_s = 1e-3, d.force_bandwidth_hz = 1e9, d.jitter = 0.2, d.consecutive_losses = 1,
   d.simulated = true;
   msg::ScenePlan p{};
   p.session_id = 7, p.scene = p.scene_hash = p.contact_model = runtime::lend(text);

@@ -1,6 +1,6 @@
-// Mesh files of every format, through the checks and assimp in a process of their own, and what is
-// made of the result; and answers as such a process might give them. First byte: the format, or an
-// answer; second: options.
+// Mesh files of every format, through the checks and assimp in a separate process, and the
+// following steps; and possible answers of such a process. First byte: the format, or an answer;
+// second: options.
 #include <algorithm>
 #include <array>
 

@@ -1,5 +1,5 @@
-// Numbers and files that a command line brings: the rest after the first byte, read as one of them.
-// What is let through is finite and in its range, and a hand's file reads back to what was written.
+// Numbers and files of a command line: the rest after the first byte, read as one of them. An
+// accepted value is finite and in its range, and a hand's file reads back unchanged.
 #include <sstream>
 
 #include "devices/driver.hpp"

@@ -1,5 +1,4 @@
-// Texts behind the options of a command line: the check that the project adds, then what CLI11
-// makes of them.
+// Texts of command-line options: the project's check, then CLI11.
 #include <sched.h>
 
 #include <CLI/CLI.hpp>
@@ -31,7 +30,7 @@ void command_line(const std::string& text) {
     FUZZ_REQUIRE(!options.realtime.cpu ||
                  (*options.realtime.cpu >= 0 && *options.realtime.cpu < CPU_SETSIZE));
     FUZZ_REQUIRE(options.network_interface.find_first_of("<>&\"'/ \n") ==
-                 std::string::npos);  // it goes into XML
+                 std::string::npos);  // part of an XML text
     for (const std::string& peer : options.discovery_peers)
       FUZZ_REQUIRE(peer.find_first_of("<>&\"'/ \n") == std::string::npos);
     const std::string rig = options.rig;

@@ -1,6 +1,6 @@
-// What the vendor's library hands over, through session, servo half and driver of the Phantom:
-// whatever it says, a sample that is let through is finite, and what is set is finite and within
-// the limits that the driver itself has described.
+// Values of the vendor's library, through session, servo half and driver of the Phantom: an
+// accepted sample is finite, and output is finite and within the limits of the driver's
+// description.
 #include "devices/limits.hpp"
 #include "devices/phantom/phantom_driver.hpp"
 #include "tests/fuzz/fuzz.hpp"

@@ -1,6 +1,5 @@
-// DeviceDescription and ScenePlan from the network, as the coupling's node fits a coupling to them:
-// a refusal with a sentence, or one that its loop can be started with and that answers with numbers
-// within the limits.
+// DeviceDescription and ScenePlan from the network, as the coupling node fits a coupling to them: a
+// refusal with a sentence, or a coupling that starts and answers within the limits.
 #include "core/coupling/running_coupling.hpp"
 #include "core/device_fit/design_problem.hpp"
 #include "core/device_fit/fit_coupling.hpp"
@@ -41,8 +40,8 @@ void check(const scene::Scene& scene, coupling_node::Fitting& fitting) {
 
 }  // namespace
 
-/// First byte: whether the scene lets the coupling be designed (slow), and how long the description
-/// is; then both messages.
+/// First byte: whether the coupling is designed (slow), and the length of the description; then
+/// both messages.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   static fuzz::Wire<msg::DeviceDescription> descriptions;
   static fuzz::Wire<msg::ScenePlan> plans;

@@ -40,7 +40,7 @@ void check(const Motion& motion) {
     FUZZ_REQUIRE(point.allFinite());
   if (motion.repeat_from)
     FUZZ_REQUIRE(*motion.repeat_from + 1 < motion.path.size());
-  // What the hand is led by must be numbers at any time.
+  // The hand's motion must be finite at any time.
   for (const double time_s : {0.0, 1e-3, 1.0, 1e3, 1e15, 1e300}) {
     const MotionPoint point = motion_at(motion, time_s);
     FUZZ_REQUIRE(point.position.allFinite() && point.velocity.allFinite());

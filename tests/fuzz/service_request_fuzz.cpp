@@ -1,6 +1,6 @@
-// Requests of the rendering's services, as clients send them: what is stored at all is bounded,
-// what is answered is of the parameters that there are, what is let through leaves every effect
-// within its ranges, and what is refused changes nothing and says why in words that can be printed.
+// Requests of the rendering's services, as clients send them. Storage is bounded, answers refer to
+// existing parameters, an accepted request leaves every effect within its ranges, and a refused one
+// changes nothing and gives a printable reason.
 #include "nodes/rendering/effect_action.hpp"
 #include "nodes/rendering/effect_parameters.hpp"
 #include "nodes/runtime/request_limits.hpp"
@@ -19,14 +19,13 @@ using runtime::all_of, runtime::change_fits, runtime::names_fit, runtime::parame
 std::string_view view(const char* text) { return text ? text : ""; }
 
 void require_sentence(const std::string& sentence) {
-  constexpr std::size_t kLongest =
-      4096;  // of names that are known, and 64 characters of one that is not
+  constexpr std::size_t kLongest = 4096;  // known names, and 64 characters of an unknown one
   FUZZ_REQUIRE(!sentence.empty() && sentence.size() < kLongest);
   for (const char c : sentence)
     FUZZ_REQUIRE(static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
 }
 
-/// The rendering without its threads: how its effects are set, and the way of every change to them.
+/// The rendering without its threads: its effects' values and the path of every change.
 class Rendering {
  public:
   std::vector<RosParameter> parameters() const { return parameters_of(scene_, effects_); }
@@ -118,7 +117,7 @@ class Rendering {
   std::vector<effects::EffectSpec> effects_ = fuzz::all_effects();
 };
 
-/// Calls f(request) where DDS would have stored it.
+/// Calls f(request) if DDS would store it.
 template <class Service, class Fits, class F>
 void receive(std::string_view cdr, Fits&& fits_in, F&& f) {
   static fuzz::Wire<typename Service::Request> wire;
@@ -158,8 +157,7 @@ void receive(Rendering& rendering, Asked asked, std::string_view cdr) {
 
 }  // namespace
 
-/// Requests one after the other, each behind a byte that names the service and two that say its
-/// length.
+/// Consecutive requests, each after a byte for the service and two for its length.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   Rendering rendering;
   fuzz::Bytes in(data, size);

@@ -1,6 +1,5 @@
 #pragma once
-/// Messages as they come from the network: Cyclone DDS reads whatever bytes there are into the type
-/// as for any sender, or drops them.
+/// Messages from the network: Cyclone DDS decodes the bytes as for any sender, or drops them.
 #include <dds/dds.h>
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace voxtouch::fuzz {
 
-/// One participant that meets none: a domain of its own without multicast.
+/// An isolated participant: a separate domain without multicast.
 inline dds_entity_t participant() {
   static const dds_entity_t it = [] {
     constexpr dds_domainid_t kDomain = 191;
@@ -33,8 +32,8 @@ inline dds_entity_t participant() {
 template <class T>
 class Wire {
  public:
-  /// `cdr`: encapsulation header and body. Calls f(const T&) where it can be read as a T; false
-  /// where not.
+  /// `cdr`: encapsulation header and body. Calls f(const T&) if it decodes as a T; otherwise
+  /// returns false.
   template <class F>
   bool through(std::string_view cdr, F&& f) {
     return form_.read(cdr, f);
@@ -48,7 +47,7 @@ class Wire {
 /// its header.
 template <class T, class F>
 void each_message(Wire<T>& wire, const std::uint8_t* data, std::size_t size, F&& f) {
-  constexpr std::size_t kMaxPieces = 64;  // more say no more, and take time
+  constexpr std::size_t kMaxPieces = 64;  // more add no coverage, only time
   Bytes in(data, size);
   for (std::size_t n = 0; n < kMaxPieces && !in.empty(); ++n) {
     std::string cdr("\0\1\0\0", 4);

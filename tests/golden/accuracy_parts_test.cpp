@@ -1,5 +1,4 @@
-/// `voxtouch accuracy` on parts of one's own, with nothing said but the part: every setting, within
-/// a minute of one core.
+/// `voxtouch accuracy` on users' parts with defaults: every setting, within a minute of one core.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
-/// `voxtouch accuracy` from the command line: the table, JSON and CSV of a small scene, and what it
-/// refuses. Pictures: plot_test.py.
+/// `voxtouch accuracy` from the command line: table, JSON and CSV of a small scene, and refusals.
+/// Pictures: plot_test.py.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -16,7 +16,7 @@ const std::string kScene = (kData / "scenes/sphere__cylinder__exact.yaml").strin
 const std::string kPoses = (kVectors / "poses/sphere__cylinder__exact.csv").string();
 const std::string kMesh = (kVectors / "meshes/sphere.obj").string();
 
-/// `says`: what the sentence must hold, so that a person knows which of the arguments was wrong.
+/// `says`: part of the sentence that identifies the wrong argument.
 void expect_refused(const std::vector<std::string>& arguments, const std::string& says) {
   const Finished run = voxtouch(arguments);
   std::string call;
@@ -51,6 +51,8 @@ TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
 TEST_F(BadCall, WithARenamedOptionNamesTheNewOne) {
   expect_refused({"design", "--held"}, "--held; its name is --gripped");
   expect_refused({"up", "cup", "--let-go-at=2"}, "--let-go-at; its name is --release-time");
+  expect_refused({"design", "--damping-floor", "0"},
+                 "--damping-floor; its name is --min-damping-ratio");
   expect_refused({"report", "bag", "--beside", "bag"}, "--beside; its name is --compare-with");
 }
 
@@ -142,7 +144,7 @@ TEST(Environment, WithAFaultyDomainOnlyStopsWhatJoinsOne) {
   }
 }
 
-/// DDS's own line stands in the sentence, with the setting to change.
+/// The sentence includes DDS's message and the setting to change.
 TEST(Environment, OfDdsThatDoesNotStartNamesTheCause) {
   struct Case {
     const char* configuration;

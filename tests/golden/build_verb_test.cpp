@@ -15,7 +15,7 @@ namespace voxtouch::test {
 namespace {
 
 struct Case {
-  std::string file, mesh;  ///< as it is built, and the name of its vectors
+  std::string file, mesh;  ///< file name of the built part, and of its vectors
 };
 void PrintTo(const Case& c, std::ostream* out) { *out << c.file; }
 

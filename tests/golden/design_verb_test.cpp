@@ -1,4 +1,4 @@
-/// `voxtouch design`: the report, its JSON, and what it refuses. The stable region and its picture:
+/// `voxtouch design`: the report, its JSON, and refusals. The stable region and its picture:
 /// plot_test.py.
 #include <gtest/gtest.h>
 

@@ -15,7 +15,7 @@ namespace voxtouch::test {
 inline const std::filesystem::path kData = VOXTOUCH_TEST_DATA;
 inline const std::filesystem::path kVectors = kData / "vectors";
 
-/// A CSV file with a header; cells as they stand in the file.
+/// A CSV file with a header; cells as text.
 class Table {
  public:
   static Table read(const std::filesystem::path& file);  ///< throws if the file cannot be read

@@ -1,4 +1,4 @@
-/// `voxtouch new`: the file that it writes runs as it is.
+/// `voxtouch new`: the file that it writes runs unchanged.
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>

@@ -70,8 +70,8 @@ TEST(PlanVerb, MeasuresEachPartNextToItsEstimate) {
     EXPECT_TRUE(part(j, name)["measured_ns"].is_null()) << name;
 }
 
-/// A hand at rest or on its way straight in keeps the rows of the frame before: such frames say
-/// nothing of what a virtual tool takes.
+/// A hand at rest or moving straight in keeps the rows of the previous frame: such frames do not
+/// measure the cost of a virtual tool.
 TEST(PlanVerb, TimesAVirtualToolDuringASlidingMotion) {
   const TemporaryFolder folder;
   std::string text = file_text(kScenes + "/cup_virtual_tool.yaml");

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Pictures: drawn by the verbs through voxtouch_plot and by the tool itself, whole, with what was
-measured on them; refusals in a sentence.
+"""Pictures drawn by the verbs through voxtouch_plot and by the tool itself: complete, with measured
+values; refusals with a sentence.
 
 usage: plot_test.py BIN DEPLOY [arguments of unittest]
 """
@@ -77,7 +77,7 @@ def with_matplotlib_from(file, *words):
 
 
 def tool_alone(*words, **more):
-    """The tool as a process of its own."""
+    """The tool as a child process."""
     return subprocess.run(
         [DEPLOY / "tools" / "plot.py", *map(str, words)], capture_output=True, text=True, **more
     )
@@ -427,7 +427,7 @@ class Pictures(unittest.TestCase):
             "refused.svg",
         )
 
-    # -------------------- what a reader sees
+    # -------------------- visible content
     def judge(self, figure):
         """Every text lies within the figure, and no legend covers a curve or a mark."""
         with plot.matplotlib.rc_context(plot.STYLE):

@@ -38,7 +38,7 @@ class RefusedScene : public testing::Test {
         voxel_m, mesh, more, (kMeshes / "sphere.obj").string());
     return folder_ / "scene.yaml";
   }
-  /// What is thrown on the way from the file to a built scene; empty if nothing is.
+  /// The exception from reading the file to a built scene, as text; empty without one.
   static std::string refusal(const std::filesystem::path& file) {
     try {
       rendering::build_scene(scene::load_scene(file), serial_for());
@@ -79,8 +79,8 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
   std::filesystem::copy_file(kMeshes / "cup.obj", folder_ / "locked.obj");
   chmod((folder_ / "locked.obj").c_str(), 0);
   std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
-  // Nobody may not even reach the project's own folder: all that the scene names stands in the
-  // test's.
+  // The user nobody may not reach the project's folder: all files of the scene are in the test's
+  // folder.
   std::filesystem::copy_file(kMeshes / "sphere.obj", folder_ / "sphere.obj");
   const std::filesystem::path locked = folder_ / "locked.yaml";
   std::ofstream(locked) << "scene: locked\nvoxel_size: 0.002\nstatic: [{mesh: "

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""voxtouch replay: recorded runs give bit-identical results again, what was planted is found at its
-sample, and what cannot be replayed gets a sentence.
+"""voxtouch replay: recorded runs repeat bit-identically, a planted change is found at its sample,
+and an unusable recording gives a sentence.
 
 usage: replay_test.py BIN DEPLOY [arguments of unittest]
 """
@@ -29,7 +29,7 @@ ASKED, MADE = "/haptic/rendering/change", "/haptic/rendering/made"
 HEADER, NUMBER = (
     4,
     12,
-)  # bytes of CDR's encapsulation; where the sequence number of a ring's message stands
+)  # bytes of CDR's encapsulation; offset of the sequence number in a ring's message
 POSE = 28  # and a device state's pose
 
 
@@ -71,9 +71,7 @@ def database(bag):
 
 
 def edit(bag, sql, *values):
-    """Changes the messages and what metadata.yaml counts: the bag is as if it had been
-    recorded so.
-    """
+    """Changes the messages and the counts in metadata.yaml, as if the bag had been recorded so."""
     count = "SELECT COUNT(*) FROM messages"
     with sqlite3.connect(database(bag)) as connection:
         before = connection.execute(count).fetchone()[0]
@@ -108,8 +106,8 @@ def message_of(bag, topic, number):
 
 
 def gain_of(design):
-    """Where in a CouplingDesign's bytes the gain stands: behind session, sample, two bools, two
-    texts and two numbers.
+    """Offset of the gain in a CouplingDesign: after session, sample, two bools, two texts and two
+    numbers.
     """
     at = HEADER + 20
     for _ in range(2):
@@ -119,7 +117,7 @@ def gain_of(design):
 
 
 def scene_of(folder, name, *replacements):
-    """A shipped scene in a folder of its own, with some words replaced."""
+    """A shipped scene in a temporary folder, with some words replaced."""
     text = (DEPLOY / f"scenes/{name}.yaml").read_text().replace("../meshes", str(DEPLOY / "meshes"))
     for old, new in replacements:
         assert old in text, old
@@ -234,9 +232,8 @@ class Replay(unittest.TestCase):
             self.assertRegex(text, fact)
 
     def other_build(self, *lines):
-        """A build's folder whose program is this build's, and what it wrote is changed by `lines`
-        of Python.
-        """
+        """A build folder with this build's program, whose output is changed by `lines` of
+        Python."""
         program = self.folder / "other/bin/voxtouch"
         program.parent.mkdir(parents=True)
         program.write_text(
@@ -277,7 +274,7 @@ class Replay(unittest.TestCase):
             (status, said["ok"], said["other_build"], said["bag"]),
             (0, True, str(BIN.parent), str(self.cup)),
         )
-        bag = self.copy()  # what was recorded does not count
+        bag = self.copy()  # the recorded answers are not used
         row, data = message_of(bag, COMMAND, 900)
         edit(
             bag,
@@ -436,9 +433,8 @@ class Replay(unittest.TestCase):
         )
 
     def test_surplus_record_is_reported(self):
-        """As in a bag of `ros2 bag record`, which takes a stranger's record too: our recorder
-        refuses it (tests/ring/forged_record_test.cpp).
-        """
+        """As in a bag of `ros2 bag record`, which also records an unauthorised record: our
+        recorder refuses it (tests/ring/forged_record_test.cpp)."""
         bag = self.copy()
         session = struct.unpack_from("<Q", message_of(bag, STATE, 0)[1], HEADER)[0]
         forged = b"\0\1\0\0" + struct.pack(
@@ -509,7 +505,7 @@ class Replay(unittest.TestCase):
         self.assertIn("used 2 designs, recorded: 1", " ".join(said["missing"]))
 
     def real_time(self, bag):
-        """Equal where the bag says all; else what is missing is said."""
+        """Equal if the bag is complete; otherwise the missing parts are reported."""
         status, said, err = replay(bag)
         self.assertGreater(said["contact"]["compared"], 1000, f"{said} {err}")
         self.assertGreater(said["command"]["compared"], 1000, f"{said} {err}")
@@ -587,8 +583,8 @@ class Replay(unittest.TestCase):
         self.assertIn(
             "effects_wrench.force.y", [f["field"] for f in said["contact"]["first"]["fields"]]
         )
-        # 50 ms until it is late, 20 ms of fade from 1 N with 50 N/s; the hand rests, so that it is
-        # given no energy.
+        # 50 ms until it is late, 20 ms of fade from 1 N with 50 N/s; the hand rests, so that it
+        # gets no energy.
         self.assertTrue(68 <= said["contact"]["differ"] <= 74, said)
 
     def test_one_bit_of_a_recorded_answer_is_found(self):

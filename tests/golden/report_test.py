@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """The page of a recorded run: by `voxtouch up`, by `voxtouch report` and by the tool itself. Its
-figures are those of the run, counted here once more from the bytes of the bag; of every bag that is
-not whole, not ours or empty it says a sentence.
+figures are those of the run, counted independently from the bytes of the bag. For a damaged,
+foreign or empty bag it prints a sentence.
 
 usage: report_test.py BIN DEPLOY [arguments of unittest]
 """
@@ -109,9 +109,7 @@ def rows(bag, topic):
 
 
 class Page(html.parser.HTMLParser):
-    """What a browser would find: texts by section, attributes, and whether every element is
-    closed.
-    """
+    """Content as in a browser: texts by section, attributes, and unclosed elements."""
 
     VOID = {"meta", "br", "link", "img", "input", "hr"}
 
@@ -468,9 +466,8 @@ class Reports(unittest.TestCase):
 
     # -------------------- bags of any kind
     def test_page_lists_faults_with_their_times(self):
-        """Three stretches without an answer, a command that the coupling held and a contact that
-        the reference disputes.
-        """
+        """Three stretches without an answer, a latched command and a contact that the reference
+        disputes."""
         bag = self.copy(
             "faulty",
             *(

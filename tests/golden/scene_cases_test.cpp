@@ -1,5 +1,4 @@
-/// The same scene reported in other ways gives the same forces: another unit in the file, another
-/// size, another place.
+/// Equivalent scenes give equal forces: another unit in the file, another size, another place.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -16,7 +15,7 @@ scene::Scene shipped(const std::string& name) {
   return scene::load_scene(std::filesystem::path(VOXTOUCH_DEPLOY) / "scenes" / (name + ".yaml"));
 }
 
-/// Where the motions of a scene take the tool, every 20 ms for 10 s.
+/// Tool poses of a scene's motions, every 20 ms for 10 s.
 std::vector<Pose> poses_of(const scene::Scene& scene) {
   std::vector<Pose> poses;
   for (const auto& [name, motion] : scene.motions)
@@ -44,7 +43,7 @@ struct Difference {
   double torque_ratio_m2 = 0.0;
 };
 
-/// `b` against `a`, once `b`'s forces and torques are divided by what they should be larger.
+/// `b` compared with `a`, after `b`'s forces and torques are divided by their expected ratio.
 Difference difference(const std::vector<contact::ContactResult>& a,
                       const std::vector<contact::ContactResult>& b, double forces_larger = 1.0,
                       double torques_larger = 1.0) {

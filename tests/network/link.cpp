@@ -1,10 +1,10 @@
-/// emulated_link: a network switch between cards with delay and loss, in user space. A frame that
-/// comes in at one card leaves after the delay, in order, at the card behind which its receiver was
-/// last received, or at all others; each is lost with the probability, by a seeded generator. Lines
-/// on stdin change it while it runs: "cut" loses all, "heal" ends that (it says when each began,
-/// Unix time), "no multicast" loses what is multicast from then on (broadcasts, by which hosts find
-/// each other's cards, pass), "end" ends the program, which then says how many frames it carried
-/// and lost. usage: emulated_link DELAY_MS LOSS SEED CARD CARD...
+/// emulated_link: a network switch between cards with delay and loss, in user space. A received
+/// frame is forwarded after the delay, in order, to the card behind which its receiver was last
+/// seen, or to all others. Each is lost with the probability, by a seeded generator. Lines on stdin
+/// change it at run time. "cut" loses all frames and "heal" ends that; both print their Unix time.
+/// "no multicast" loses multicast from then on (not broadcasts, which resolve addresses). "end"
+/// ends the program, which prints the numbers of forwarded and lost frames. usage: emulated_link
+/// DELAY_MS LOSS SEED CARD CARD...
 #include <arpa/inet.h>
 #include <net/ethernet.h>
 #include <net/if.h>
@@ -177,7 +177,7 @@ int main(int argc, char** argv) {
   }
   const sched_param first{.sched_priority = 60};
   sched_setscheduler(0, SCHED_FIFO,
-                     &first);  // where it is allowed: the link is no part of what is measured
+                     &first);  // if permitted: the link is not part of the measurement
   try {
     Link(std::atof(argv[1]), std::atof(argv[2]), std::strtoull(argv[3], nullptr, 10),
          {argv + 4, argv + argc})

@@ -1,18 +1,18 @@
 """A ring on three hosts, over a network with delay, loss and cuts: device and logger on one,
-rendering and coupling on one each, in network namespaces of the test's own with `emulated_link` as
-the switch between them.
+rendering and coupling on one each, in private network namespaces with `emulated_link` as the
+switch.
 
 usage: network_test.py CASE|all BIN [TIMES]
-plain           the network as it is: all nodes meet within 2 s, and a good ring
-peers           the same where the switch carries no multicast, with --discovery-peer
-secured         a good ring without multicast, with --security
-delay_2, _10    milliseconds of each way: named where the coupling was not designed for them; with
-                --network-delay felt, or refused with a sentence
+plain           the plain network: all nodes connect within 2 s, and the run passes
+peers           the same with a switch without multicast, with --discovery-peer
+secured         the run passes without multicast, with --security
+delay_2, _10    milliseconds in each direction: reported if the coupling was not designed for them;
+                with --network-delay the contact is displayed, or refused with a sentence
 loss_1, _5, _10 percent of the frames, without multicast: stable, no step above the ramp
-cut_0.5         seconds without a frame: zero within 30 ms of the device's own samples, back within
+cut_0.5         seconds without a frame: zero within 30 ms of the device's samples, back within
                 0.5 s of healing
-cut_3, _5       beyond DDS's lease of 2 s: zero likewise, the session ends with a sentence, and a
-                device that is started anew is displayed
+cut_3, _5       beyond DDS's lease of 2 s: zero as above, the session ends with a sentence, and a
+                restarted device has force
 cut_peers       3 s without multicast
 Exit status 77, with a sentence: this machine allows no network namespaces.
 """
@@ -34,7 +34,7 @@ import time
 
 REPOSITORY = pathlib.Path(__file__).resolve().parents[2]
 SCENE = REPOSITORY / "deploy/scenes/press_virtual_tool.yaml"
-LEASE_S = 2.0  # after which DDS takes a participant for gone
+LEASE_S = 2.0  # after which DDS treats a participant as lost
 HEADER = 4
 failures = []
 RINGS = []
@@ -79,7 +79,7 @@ class Host:
                 text=True,
             ).stdout
         )[0]["address"]
-        # What leaves a veth has no checksum yet: frames that are carried by a program need one.
+        # Frames of a veth have no checksum yet; frames forwarded by a program need one.
         run(
             *self.inside(
                 sys.executable,
@@ -132,8 +132,8 @@ class Ring:
             name: Host(name, f"10.78.0.{n}")
             for n, name in enumerate(("device", "rendering", "coupling"), 1)
         }
-        # A kernel asks for the hardware address of another host once a second, which is not what is
-        # tried here: it is written down.
+        # A kernel requests the hardware address of another host once a second, which is not tested
+        # here: it is set.
         for own in self.hosts.values():
             for other in self.hosts.values():
                 if other is not own:
@@ -218,9 +218,8 @@ class Ring:
         return (pathlib.Path(self.folder.name) / f"{node}.txt").read_text()
 
     def refusal(self):
-        """Of the coupling, or of the rendering, where no spring of a virtual tool could be
-        shown.
-        """
+        """Of the coupling, or of the rendering, if no spring of a virtual tool could be
+        displayed."""
         return next(
             (
                 line
@@ -232,7 +231,7 @@ class Ring:
         )
 
     def kill(self):
-        """What is left where a case ended in the middle."""
+        """Removes what an aborted case left."""
         for process in (
             *self.nodes.values(),
             self.link,
@@ -256,9 +255,8 @@ class Ring:
         return next((node for rig in nodes for node in rig if node["node"] == "device"), {})
 
     def wait_for_answers(self, patience_s=40.0):
-        """A busy machine builds the scene and finds the coupling later. Not for ever: of a coupling
-        that is refused none come.
-        """
+        """A busy machine builds the scene and finds the coupling later. The wait is limited: a
+        refused coupling sends none."""
         end = time.monotonic() + patience_s
         while (
             time.monotonic() < end
@@ -268,7 +266,7 @@ class Ring:
             pass
 
     def wait_until_all_have_joined(self, patience_s=30.0):
-        """Each says what it waits for once it has built what it needs and has joined."""
+        """Each reports what it waits for once it has built what it needs and has joined."""
         end = time.monotonic() + patience_s
         while time.monotonic() < end and not all(
             "waiting for" in self.said(node) for node in ("rendering", "coupling")
@@ -282,7 +280,8 @@ class Ring:
         self.link.stdin.flush()
 
     def report_at(self, word):
-        """Of "cut" and "heal": when it began, however late this program receives of it [s]."""
+        """Unix time at which "cut" or "heal" began [s], independent of when this program
+        receives it."""
         self.report(word)
         said, when = self.link.stdout.readline().split()
         assert said == word, said
@@ -315,7 +314,7 @@ def topic(bag, name):
 
 
 def states(bag):
-    """(when it was taken here [s], the device's time [s], force on) of each sample of the device,
+    """(time of reception here [s], the device's time [s], force on) of each sample of the device,
     whose clock falls behind with each overrun.
     """
     out = []
@@ -327,8 +326,8 @@ def states(bag):
 
 
 def behind_s(samples, at):
-    """By how much the device's clock is behind this one about then: as the sample says that was
-    taken with the least delay, for a busy machine takes some late."""
+    """Lag of the device's clock at about this time, from the sample received with the least
+    delay, because a busy machine receives some late."""
     return min(taken - t for taken, t, _ in samples if abs(taken - at) < 0.5)
 
 
@@ -356,8 +355,8 @@ def statuses(bag):
 
 
 def received_again(bag, healed_at):
-    """What is received first of each other host, of the coupling also that it is ready for the
-    session; and when [s].
+    """The first messages of each other host, including the coupling's readiness for the session;
+    with times [s].
     """
 
     def first(times):
@@ -377,7 +376,7 @@ def received_again(bag, healed_at):
     yield "commands", first(t for t, _ in topic(bag, "/haptic/coupling/command"))
 
 
-# A command is held for three periods: the next one that comes is at most so many samples younger.
+# A command is repeated for three periods: the next one is at most so many samples younger.
 HELD = 4
 
 
@@ -401,8 +400,8 @@ RAMP_N = 0.6
 
 
 def expect_met(ring, healed_at):
-    """From the first frame that passed to the statuses by which all know each other, and to the
-    first command, which comes when the coupling is designed.
+    """From the first forwarded frame to the statuses of all nodes, and to the first command, which
+    is sent when the coupling is designed.
     """
     received = statuses(ring.bag)
     session = next(s for _, node, s in received if node == "device" and s)
@@ -428,8 +427,8 @@ def expect_met(ring, healed_at):
 
 
 def steady(bin_folder, meet=False, seconds=3.0, **network):
-    """What the device said in the end, the fraction of samples with force in the contact, the
-    commands, and why the coupling refused.
+    """The device's last message, the fraction of samples with force in the contact, the commands,
+    and the coupling's reason for a refusal.
     """
     ring = Ring(bin_folder, cut=meet, **network)
     if meet:
@@ -474,7 +473,7 @@ def case_plain(bin_folder, meet=True, **network):
 
 
 def case_delay(bin_folder, delay_ms):
-    """Three ways make a round."""
+    """Three one-way delays make a round."""
     device, fraction, _, _ = steady(bin_folder, delay_ms=delay_ms)
     sentence = device.get("sentence", "")
     expect(
@@ -501,9 +500,8 @@ def case_loss(bin_folder, percent):
 
 
 def expect_ended(ring):
-    """Nodes that were started by hand keep no role beyond the lease: who comes back could be
-    another.
-    """
+    """Nodes without `up` keep no role beyond the lease: the participant that returns could be
+    another one."""
     try:
         status = ring.nodes["device"].wait(timeout=5)
     except subprocess.TimeoutExpired:

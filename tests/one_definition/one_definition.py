@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Fails where one name has two definitions in what is built: the linker takes one of them without a
-word.
+"""Fails if a name has two definitions in the built code: the linker silently takes one of them.
 
 usage: one_definition.py headers BUILD   quick, a test: all headers of core, devices, nodes and qos
                                          compiled as one unit, which finds a type or an inline
@@ -12,8 +11,8 @@ usage: one_definition.py headers BUILD   quick, a test: all headers of core, dev
                                          -ffat-lto-objects (deploy/sanitize odr): types by -Wodr
                                          over all objects, functions by nm: a name that is strong in
                                          one and weak in another, strong in two source files, or
-                                         weak from two source files. This also finds what only
-                                         source files define.
+                                         weak from two source files. This also covers names
+                                         defined in source files only.
 Exit status 1 and a sentence for each finding.
 """
 
@@ -55,8 +54,8 @@ class Build:
         self.entries = []  # (source relative to the root, object, flags)
         for entry in json.loads((self.folder / "compile_commands.json").read_text()):
             source = pathlib.Path(entry["file"])
-            # Files that are compiled together stand in one unit of the build folder; the unit then
-            # counts as the source.
+            # Files compiled together are in one unit of the build folder; the unit then counts as
+            # the source.
             home = self.folder if source.is_relative_to(self.folder) else self.root
             if source.suffix not in (".cpp", ".cxx") or not source.is_relative_to(home):
                 continue
@@ -134,7 +133,7 @@ def check_headers(build):
             pathlib.Path(folder, "all_headers.o"),
         )
         unit.write_text("".join(f'#include "{h}"\n' for h in headers))
-        # -O0 and kept: every inline function leaves a symbol. (Templates do so where they are used:
+        # -O0 and kept: every inline function leaves a symbol. (Templates do when they are used:
         # they cannot be strong.)
         made = run(
             [
@@ -166,7 +165,7 @@ def check_headers(build):
         for path, letter, name, _ in symbols(list(objects)):
             if letter in STRONG:
                 strong[name].add(objects[pathlib.Path(path)])
-        # A test may compile a source by itself that stands in a unit as well: it is one definition.
+        # A test may compile a source separately that is also in a unit: it is one definition.
         for places in strong.values():
             places -= {
                 source for source, unit in build.together if source in places and unit in places
@@ -174,7 +173,7 @@ def check_headers(build):
         weak = {
             name: {"a header"} for _, letter, name, _ in symbols([unit_object]) if letter in WEAK
         }
-        if strong.keys() & weak.keys():  # which header takes half a minute to ask
+        if strong.keys() & weak.keys():  # finding the header takes half a minute
             for _, _, name, place in symbols([unit_object], "-l"):
                 weak[name] = {short(place, build.root) or "a header"}
     print(
@@ -185,7 +184,7 @@ def check_headers(build):
 
 
 def short(place, root):
-    """The path under the root; empty for what is not ours."""
+    """The path below the root; empty for foreign files."""
     path = pathlib.Path(place)
     path = pathlib.Path(*[p for p in path.parts if p != "."])
     if not path.is_absolute() or not path.is_relative_to(root):
@@ -235,7 +234,7 @@ def check_objects(build):
                         other,
                     )
                 )
-        plain = {}  # without the plugin's view: nm reads the machine code's own symbols and lines
+        plain = {}  # without the plugin's view: nm reads the symbols and lines of the machine code
         for number, (path, source) in enumerate(objects.items()):
             copy = pathlib.Path(folder, f"{number}.o")
             run(["objcopy", "-R", ".gnu.lto_*", "-R", ".gnu.debuglto_*", path, copy])

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Plants each kind of second definition in a small project and sees that the checks find it, and
-nothing where there is none.
+"""Plants each kind of second definition in a small project and checks that it is found, and nothing
+without one.
 
 usage: planted_test.py COMPILER
 """
@@ -31,7 +31,7 @@ SOUND = {
     ),
 }
 TWO_INCLUDES = '#include "devices/two.hpp"\n'
-PLANTED = {  # name: (changed files, which checks find it, what they name)
+PLANTED = {  # name: (changed files, the checks that find it, reported names)
     "nothing": ({}, [], ""),
     "a type in two headers": (
         {

@@ -3,9 +3,9 @@
 
 usage: check_code_words.py ROOT
 
-Reads C++, Python and message files in core, devices, nodes, idl, qos and deploy. code_words.txt
-lists the words and the exceptions. Prints one sentence for each fault; exit status 1 if there is
-one.
+Reads C++, Python, message, CMake, YAML and shell files in core, devices, nodes, idl, qos and
+deploy. code_words.txt lists the words and the exceptions. Prints one sentence for each fault; exit
+status 1 if there is one.
 """
 
 import pathlib
@@ -21,8 +21,12 @@ CPP = re.compile(
 PYTHON = re.compile(
     r'"""(?:\\.|[^\\])*?"""|#[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|\w+', re.DOTALL
 )
-MESSAGE = re.compile(r"#[^\n]*|\w+")
-TOKENS = {".cpp": CPP, ".hpp": CPP, ".h": CPP, ".inc": CPP, ".py": PYTHON, ".msg": MESSAGE}
+HASH = re.compile(r"#[^\n]*|\w+")  # languages with comments from # to the end of the line
+TOKENS = {
+    **dict.fromkeys((".cpp", ".hpp", ".h", ".inc"), CPP),
+    ".py": PYTHON,
+    **dict.fromkeys((".msg", ".srv", ".cmake", ".yaml", ".sh", ".bash", ".txt", ".conf"), HASH),
+}
 WORDS = pathlib.Path(__file__).parent / "code_words.txt"
 
 
@@ -33,7 +37,7 @@ def words(text):
             pattern, use = line.rsplit(" | ", 1)
             pattern, _, files = pattern.partition(" : ")
             kind, pattern = pattern.split(" ", 1)
-            full = rf"^(?:{pattern})$" if kind == "name" else pattern
+            full = pattern if kind == "comment" else rf"^(?:{pattern})$"
             yield kind, re.compile(full, re.IGNORECASE), use, files.split()
 
 
@@ -43,23 +47,36 @@ def parts(name):
 
 
 def texts(tokens, content):
-    """(kind, text, line) of comments and strings, and of the words of identifiers."""
+    """(kind, text, line) of comments and strings, and of identifiers and their words."""
     for match in tokens.finditer(content):
         token, line = match[0], content.count("\n", 0, match.start()) + 1
         if re.match(r"\w+$", token):
+            yield "identifier", token, line
             yield from (("name", part, line) for part in parts(token))
         elif " " in token:
             yield "comment", re.sub(r"`[^`]*`", "", token), line
+
+
+def tokens_of(file):
+    """How to split a file, by its suffix, or by the first line of a script without one."""
+    if file.suffix or not file.is_file():
+        return TOKENS.get(file.suffix)
+    with file.open("rb") as stream:
+        first = stream.readline(200)
+    if not first.startswith(b"#"):
+        return None
+    return PYTHON if b"python" in first else HASH
 
 
 def faults(root, table):
     rows = list(words(table))
     for folder in FOLDERS:
         for file in sorted((root / folder).rglob("*")):
-            if file.suffix not in TOKENS or "ros" in file.relative_to(root).parts[1:2]:
+            tokens = tokens_of(file)
+            if not tokens or "ros" in file.relative_to(root).parts[1:2]:
                 continue
             name = str(file.relative_to(root))
-            for kind, text, line in texts(TOKENS[file.suffix], file.read_text(encoding="utf-8")):
+            for kind, text, line in texts(tokens, file.read_text(encoding="utf-8")):
                 for of, pattern, use, files in rows:
                     if of == kind and name not in files and (found := pattern.search(text)):
                         yield f"{name}:{line} has '{found[0]}', which code does not use: {use}."

@@ -41,6 +41,8 @@ def language_of(file):
         return LANGUAGES.get(file.suffix)
     with file.open("rb") as stream:
         first = stream.readline(200)
+    if first.startswith(b"# shellcheck shell="):
+        return "shell"
     if not first.startswith(b"#!"):
         return None
     return next((name for word, name in SHEBANGS.items() if word.encode() in first), None)

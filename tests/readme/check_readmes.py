@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""What a README names must be there: links, pictures, paths, commands and their options.
+"""Names in READMEs must exist: links, pictures, paths, commands and their options.
 
 usage: check_readmes.py ROOT BIN       BIN: the build's folder of programs, with `voxtouch` in it
 
-Looks at every .md file below ROOT that is no build's. In code and in backticks, a word that begins
-with a folder of the top level is a path; `voxtouch VERB --option` and `build/bin/X --option` are
-looked up in --help; `build/bin/X` may also be a target that is not built yet. Times of
-`deploy/demo` and `deploy/test` in the top README are held to deploy/results/times.md, if there is
-one. Prints one sentence for each fault; exit status 1 where there is one.
+Checks every .md file below ROOT except in build folders. In code and in backticks, a word that
+begins with a folder of the top level is a path; `voxtouch VERB --option` and `build/bin/X --option`
+are looked up in --help; `build/bin/X` may also be a target that is not built yet. Times of
+`deploy/demo` and `deploy/test` in the top README are compared with deploy/results/times.md, if it
+exists. Prints one sentence for each fault; exit status 1 if there is one.
 """
 
 import functools
@@ -82,7 +82,7 @@ def bad_paths(root, folder, words):
 
 
 def bad_script_options(root, words):
-    """Options of a script of the repository: its own text must know them."""
+    """Options of a script of the repository: its text must contain them."""
     script = root / words[0] if words else root
     if script.is_file() and words[0].split("/")[0] in TOP:
         text = script.read_text(encoding="utf-8", errors="replace")
@@ -92,7 +92,7 @@ def bad_script_options(root, words):
 
 
 class Programs:
-    """What is built, or would be, and what it says of itself."""
+    """Built programs, or targets, and their --help."""
 
     def __init__(self, folder):
         self.folder = folder

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the units of systemd, deploy/compose.yaml and deploy/Containerfile name is there: options of
+"""Names in the units of systemd, deploy/compose.yaml and deploy/Containerfile exist: options of
 programs, settings, folders.
 
 usage: check_services.py ROOT BIN       BIN: the build's folder of programs
@@ -16,9 +16,7 @@ def options(text):
 
 
 def calls(root):
-    """(file, program, text behind it) of every program that is started, with what stands in
-    rig.conf for it.
-    """
+    """(file, program, the text after it) of every started program, with its values in rig.conf."""
     settings = dict(
         re.findall(
             r"^#?([A-Z_]+)=(.*)", (root / "deploy/services/rig.conf").read_text(), re.MULTILINE

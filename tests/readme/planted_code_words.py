@@ -10,6 +10,8 @@ import check_code_words
 GOOD = {
     "core/law.cpp": '// The displayed force.\nint displayed = 1;\nauto text = "it reports";\n',
     "idl/msg/Law.msg": "float64 force # displayed\n",
+    "deploy/tool": "#!/usr/bin/env bash\nx=1  # reported\n",
+    "core/CMakeLists.txt": "add(law)  # displayed\n",
     "deploy/tool.py": '"""Prints the force."""\nreported = 1  # once\n',
     "tests/law.cpp": "// It is felt.\n",
 }
@@ -24,6 +26,9 @@ PLANTED = {  # fault: (file, text, part of the sentence)
     "comment of a message": ("idl/msg/Law.msg", "float64 a # beside b\n", "has 'beside'"),
     "docstring": ("deploy/tool.py", '"""As told before."""\n', "has 'told'"),
     "Python": ("deploy/tool.py", "told = 1\n", "has 'told'"),
+    "shell": ("deploy/tool", "#!/usr/bin/env bash\nx=1  # told\n", "has 'told'"),
+    "CMake": ("core/CMakeLists.txt", "add(law)  # beside it\n", "has 'beside'"),
+    "whole identifier": ("core/law.cpp", "void lose_tool();\n", "has 'lose_tool'"),
 }
 
 

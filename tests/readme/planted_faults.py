@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The check of READMEs finds each fault that is planted into a small tree, and none where there is
-none.
+"""The check of READMEs finds each fault planted in a small tree, and none in the tree without
+faults.
 
 usage: planted_faults.py BIN
 """
@@ -26,7 +26,7 @@ deploy/run --fast
 |---|---|
 | `voxtouch schema` | short |
 """
-PLANTED = {  # fault: (what stands there, what stands there instead, a word of the sentence)
+PLANTED = {  # fault: (original text, planted text, a word of the sentence)
     "link": ("core/README.md#law", "core/README.txt", "leads nowhere"),
     "anchor": ("README.md#law", "README.md#lore", "no heading"),
     "picture": ("deploy/force.svg", "deploy/farce.svg", "leads nowhere"),

@@ -42,6 +42,11 @@ PLANTED = {  # fault: (file, text, part of the sentence)
     "long C++": ("core/law.cpp", f"// {LONG}\n", "core/law.cpp:1 has 104 columns"),
     "long Python": ("deploy/tool.py", f"# {LONG}\n", "deploy/tool.py:1 has 103 columns"),
     "long shell": ("deploy/script", f"#!/bin/sh\n# {LONG}\n", "deploy/script:2 has 103 columns"),
+    "long sourced shell": (
+        "deploy/sourced",
+        f"# shellcheck shell=bash\n# {LONG}\n",
+        "deploy/sourced:2 has 103 columns",
+    ),
     "long YAML": ("deploy/cup.yaml", f"scene: {LONG}\n", "deploy/cup.yaml:1 has 108 columns"),
     "long Markdown": ("README.md", f"a {LONG}\n", "README.md:1 has 103 columns"),
     "more than excepted": ("tests/mesh.cpp", f"// {LONG}\n" * 2, "tests/mesh.cpp:2 has"),

@@ -1,5 +1,5 @@
-// The ring's loops allocate nothing after their start; what Cyclone DDS itself allocates is counted
-// and said.
+// The ring's loops allocate nothing after their start; allocations of Cyclone DDS are counted and
+// printed.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,5 +1,5 @@
-// A ring that is changed while it runs: nothing is displayed of it but the change itself, and in
-// lockstep it gives bit-identical results.
+// Changes of a running ring: the force shows only the change, and in lockstep the results are
+// bit-identical.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,12 +27,12 @@ constexpr double kDamping = 2.0;
 /// plane.yaml as through oil, in a folder of the test. `smooth`: with a contact model that does not
 /// step at voxel borders.
 std::string oily_plane(const TemporaryFolder& folder, bool smooth = false) {
-  // Damped without a bound and on a filtered velocity the hand keeps its height for tens of
-  // samples, where a step of the force by a change is to be seen.
+  // With unbounded damping on a filtered velocity the hand keeps its height for tens of samples, in
+  // which a force step of a change would be visible.
   std::vector<std::pair<std::string, std::string>> words = {
       {"effects: []", "effects: [{viscosity: {damping_ns_per_m: 2}}]"},
       {"{design: auto, kind: shaping_filter}",
-       "{design: auto, kind: shaping_filter, damping_force_ratio: 0, damping_floor: 0, "
+       "{design: auto, kind: shaping_filter, damping_force_ratio: 0, min_damping_ratio: 0, "
        "velocity_windows: false}"}};
   if (smooth)
     words.push_back(
@@ -48,7 +48,7 @@ struct Change {
   std::string effect = "viscosity", parameter = {}, model = {};
 };
 
-/// Sends wishes to the ring of this test's domain and waits for their last answers.
+/// Sends requests to the ring of this test's domain and waits for their last answers.
 class Asker {
  public:
   Asker()
@@ -160,7 +160,7 @@ double largest_step(const std::vector<T>& all, std::size_t first, std::size_t la
     most = std::max(most, step(force(all[i - 1]), force(all[i])));
   return most;
 }
-/// The same where the tool has been in contact for a while: a first touch is a step of its own.
+/// The same after the tool has been in contact for a while: a first touch is a step itself.
 template <class T, class F>
 double largest_step_in_contact(const std::vector<msg::ContactState>& contacts,
                                const std::vector<T>& all, F&& force) {
@@ -170,8 +170,8 @@ double largest_step_in_contact(const std::vector<msg::ContactState>& contacts,
       most = std::max(most, step(force(all[i - 1]), force(all[i])));
   return most;
 }
-/// The same of commands, where the tool has kept its height for 20 samples; `looked_at`: how many
-/// those are.
+/// The same for commands, if the tool has kept its height for 20 samples; `looked_at`: their
+/// number.
 double largest_resting_step(const std::vector<msg::ContactState>& contacts,
                             const std::vector<msg::ForceCommand>& all, std::size_t first,
                             std::size_t last, std::size_t& looked_at) {
@@ -229,9 +229,9 @@ TEST(Change, OfAnEffectIsContinuousAndReproducible) {
       "largest step of the command: %.5f N, without a change %.5f N; a ramp may add %.5f N\n",
       with_change, step_without_change, ramp);
   EXPECT_LE(with_change, step_without_change + ramp);
-  // Until the first change both runs are the same one, so its hundred samples can be compared,
-  // where the hand keeps its height: a step of its encoder, which one of the hands makes and the
-  // other not, is answered by the damping for some samples.
+  // Until the first change both runs are equal, so its hundred samples can be compared if the hand
+  // keeps its height. If only one of the hands makes an encoder step, the damping answers it for
+  // some samples.
   std::size_t looked_at = 0;
   const double first =
       largest_resting_step(changed, commands(folder, "first"), 1500, 1600, looked_at);
@@ -260,11 +260,10 @@ TEST(Change, ToAReloadedSceneIsContinuousAndReproducible) {
         << i;
   const double displacement = std::abs(changed[2000].wrench.force.z - changed[1799].wrench.force.z);
   EXPECT_GT(changed[1799].wrench.force.z, 0.1) << "in contact";
-  // The hand sinks or rises by the change, and each step of its encoder is a step of the force: the
-  // run without a change has the like where the hand comes down. Where the height stays, nothing
-  // but the fade may be seen, and the steps that `adapted` makes by itself at voxel borders (the
-  // two scenes differ by up to twice as much on the way as from its begin to its end, for the hand
-  // moves).
+  // The hand moves by the change, and each step of its encoder is a step of the force: the run
+  // without a change has similar ones when the hand comes down. At constant height only the fade
+  // may be visible, and the steps of `adapted` at voxel borders. The two scenes differ by up to
+  // twice as much during the motion as between its start and its end, because the hand moves.
   const double fade = 2.0 * displacement * 0.001 / 0.2,
                before = largest_step_in_contact(plain, plain, kForce),
                after = largest_step(changed, 1790, 2010, kForce);
@@ -287,8 +286,8 @@ TEST(Change, ToAReloadedSceneIsContinuousAndReproducible) {
       << "the two scenes must differ, or nothing is shown";
   EXPECT_LE(after, before + fade);
   std::printf("steps of adapted alone at one height: %.5f N\n", of_adapted);
-  // The fractions of both contacts are linear in time, and a spring is in series with their sum:
-  // the force changes faster while the stiffer contact has more of it (twice, for these two).
+  // The weights of both contacts are linear in time, and a spring is in series with their sum: the
+  // force changes faster while the stiffer contact has the larger weight (twice, for these two).
   EXPECT_LE(resting, 2.0 * fade + of_adapted);
   const double step_without_change =
                    largest_step_in_contact(plain, commands(folder, "plain"), kForce),
@@ -370,8 +369,8 @@ TEST(ChangeVerb, PrintsTheResultOrTheReason) {
   EXPECT_EQ(end.status, 0) << end.err << end.out;
 }
 
-/// What is refused at the start is refused while running: by the same sentence, whichever way it
-/// comes.
+/// A change that is refused at the start is refused at run time, with the same sentence on every
+/// path.
 TEST(ChangeVerb, RefusesMoreThanTheDeviceBears) {
   const TemporaryFolder folder;
   std::string file;

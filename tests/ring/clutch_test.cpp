@@ -29,8 +29,8 @@ std::string scene_with_clutch(const std::filesystem::path& folder) {
           "\n  clutched: {path: [[0, 0, 0.03], [0, 0, 0.007]], speed_m_per_s: 0.1, hold_s: 0.2, "
           "press: [{button: 0, from_s: 2, to_s: 2.6}]}";
     text += line + "\n";
-    // In the grid that clears the plane's faces the hand gives way by its encoder's first step
-    // after 39 ms, within the time looked at below.
+    // In the grid that clears the plane's faces the hand yields by its encoder's first step after
+    // 39 ms, within the tested time.
     if (line.ends_with("plane.obj"))
       text += "    origin: [-0.122, -0.122, -0.022]\n";
   }
@@ -70,8 +70,8 @@ TEST(Clutch, InContactHoldsTheToolAndFadesTheForce) {
     ASSERT_GT(contacts[i].surface_hits, 0U)
         << "what is shown stays true: the tool stands in the plane";
   }
-  // It fades in over 0.2 s. Where the hand gives way by a step of its encoder, the damping answers
-  // that, by 0.05 N at most, for some samples.
+  // It fades in over 0.2 s. When the hand yields by a step of its encoder, the damping answers with
+  // 0.05 N at most, for some samples.
   const double before = force(commands[kPress - 1]);
   EXPECT_TRUE(commands[kRelease].status & msg::force_command::kStatusRamping);
   std::size_t still = 20, looked_at = 0;
@@ -84,7 +84,7 @@ TEST(Clutch, InContactHoldsTheToolAndFadesTheForce) {
         << i;
   }
   EXPECT_GT(looked_at, 25U) << "or nothing is shown";
-  EXPECT_GT(force(commands.back()), 0.02) << "felt again";
+  EXPECT_GT(force(commands.back()), 0.02) << "displayed again";
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The designed coupling in the whole ring: the cup, abruptly and sliding, held lightly, usually,
-// firmly, and let go.
+// The designed coupling in the whole ring: the cup, abruptly and sliding, with a light, usual and
+// firm grip, and released.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,8 +50,8 @@ Recorded touch_cup(const std::string& device, const std::string& motion,
   return out;
 }
 
-/// What the passivity observer promises (core/coupling/passivity.hpp): no deeper in debt than five
-/// times the work that the largest force could do over the longest path of one period in contact.
+/// The bound of the passivity observer (core/coupling/passivity.hpp): a debt of at most five times
+/// the work of the largest force over the longest path of one period in contact.
 double energy_bound_j(const Recorded& r) {
   double force = 0.0, displacement = 0.0;
   for (std::size_t i = 1; i < std::min(r.position.size(), r.force.size()); ++i) {
@@ -120,12 +120,12 @@ TEST_P(DesignedCoupling, TouchesTheCupWithinItsEnergyBound) {
         << "a touch is displayed as the contact, not as the damper";
     RecordProperty("first_peak_over_later", std::to_string(first_peak_over_later(r.force)));
   }
-  // `hit` rests on the wall from about 2.9 to 5.4 s; a tool that was let go at 4.2 s comes to rest
-  // wherever it is.
+  // `hit` rests on the wall from about 2.9 to 5.4 s; a tool released at 4.2 s comes to rest at any
+  // place.
   if (std::string(c.motion) == "hit" || !c.hand.empty()) {
-    const bool let_go = !c.hand.empty() && c.hand.front() == "--release-time";
-    if (std::string(c.motion) == "hit" || let_go) {
-      const std::size_t from = let_go ? 5500 : 4300, to = let_go ? 6000 : 5300;
+    const bool released = !c.hand.empty() && c.hand.front() == "--release-time";
+    if (std::string(c.motion) == "hit" || released) {
+      const std::size_t from = released ? 5500 : 4300, to = released ? 6000 : 5300;
       const double left_m = peak_to_peak(r.position, from, to);
       EXPECT_LE(left_m, c.encoder_step_m * 1.001) << "in samples " << from << " to " << to;
       RecordProperty("oscillation_m", std::to_string(left_m));
@@ -148,7 +148,7 @@ std::vector<Case> cases() {
 }
 INSTANTIATE_TEST_SUITE_P(Cup, DesignedCoupling, testing::ValuesIn(cases()));
 
-/// The cup with other lines for coupling and contact, where they are given.
+/// The cup with other lines for coupling and contact, if given.
 std::string cup_with(const TemporaryFolder& folder, const std::string& coupling,
                      const std::string& contact) {
   const std::string file = (folder / "cup_with.yaml").string();
@@ -168,8 +168,8 @@ std::string cup_with(const TemporaryFolder& folder, const std::string& coupling,
 
 double held_n(const std::string& scene, const std::string& device) {
   const TemporaryFolder bag;
-  // A coupling that is not certified for the device is a problem of such a run; its force is looked
-  // at all the same.
+  // A coupling without a certificate for the device is a problem of such a run; its force is
+  // checked nevertheless.
   run_ring(scene, {"--device", device, "--motion", "hit", "--lockstep", "--one-process",
                    "--duration", "6", "--record", (bag / "bag").string()});
   std::vector<Vec3> force;
@@ -199,7 +199,7 @@ TEST(DesignedCoupling, HoldsMostOfThePapersForceAtTheSameHand) {
   }
 }
 
-/// What `up` says of the plane with this coupling and these effects, where it refuses to start.
+/// Output of `up` for the plane with this coupling and these effects, if it refuses to start.
 std::string refusal_at_start(const std::string& coupling, const std::string& effects) {
   const TemporaryFolder folder;
   const std::filesystem::path scene = folder / "refused.yaml";

@@ -22,7 +22,7 @@ std::string write_file(const TemporaryFolder& folder, const std::string& name, c
   std::ofstream(path) << fmt::format(
       "device: {}\nrate_hz: {}\nmax_force_n: 100\nmax_torque_nm: 0\nmax_stiffness_n_per_m: 3000\n"
       "mass_kg: [{}, {}]\ndamping_ns_per_m: 2\ncoulomb_friction_n: 0.2\n"
-      "position_resolution_m: {}\ndelay_s: {}\njitter: 0.05\nlost_in_a_row: 1\ngrip: arm\n"
+      "position_resolution_m: {}\ndelay_s: {}\njitter: 0.05\nconsecutive_losses: 1\ngrip: arm\n"
       "measured: {{date: 2026-11-29, command: a test}}\n",
       f.name, f.rate_hz, f.mass_kg, f.mass_kg, f.step_m, f.delay_s);
   return path;
@@ -69,7 +69,7 @@ TEST(DeviceFileRing, AFileThatTheDeviceContradictsFails) {
     EXPECT_EQ(run.summary["limits"]["start_check_differences"]["value"], 1);
     const std::string problems = run.summary["problems"].dump();
     EXPECT_TRUE(problems.contains(std::string("(") + wrong.what)) << problems;
-    EXPECT_TRUE(run.process.err.contains("not as its file says")) << run.process.err;
+    EXPECT_TRUE(run.process.err.contains("differs from its file")) << run.process.err;
   }
 }
 

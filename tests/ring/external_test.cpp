@@ -18,10 +18,9 @@ namespace {
 
 using std::chrono::milliseconds;
 constexpr double kSpringNPerM = 40.0, kMaxN = 1.5, kTimeoutS = 0.05, kFadeS = 0.05;
-constexpr double kCentre[] = {-0.09, -0.03,
-                              0.08};  // 30 mm above where the hand of `rest` wants to be
+constexpr double kCentre[] = {-0.09, -0.03, 0.08};  // 30 mm above the hand's target in `rest`
 
-/// A node of a person's own, as a thread: a spring from the tool's last pose to a point.
+/// A user's node, as a thread: a spring from the tool's last pose to a point.
 class Remote {
  public:
   Remote()
@@ -64,8 +63,8 @@ double size(const msg::geometry_msgs_Wrench& w) {
   return std::hypot(w.force.x, w.force.y, w.force.z);
 }
 
-/// Whether values came in time for half a second up to `at_ns`, so that a machine with other work
-/// has kept none waiting and the force stood for what was written.
+/// Whether values arrived in time for half a second up to `at_ns`: a busy machine may delay them,
+/// and the force is then not that of the written values.
 bool was_fed(const std::vector<msg::ExternalSample>& taken, std::int64_t at_ns) {
   std::int64_t before = at_ns - 500'000'000;
   for (const msg::ExternalSample& one : taken) {
@@ -127,7 +126,7 @@ TEST(ExternalRing, IsBoundedFadesOnStopAndReplaysExactly) {
   }
   EXPECT_GT(most_n, 0.3);
   EXPECT_LE(most_n, kMaxN);
-  EXPECT_GT(most_command_n, 0.3) << "the hand felt it";
+  EXPECT_GT(most_command_n, 0.3) << "displayed at the hand";
   EXPECT_LE(most_command_n, 1.2 * kMaxN) << "the filter's overshoot";
   EXPECT_LE(high - low, 0.1 * kMaxN)
       << "in the last second of the closed loop the force stands: from " << low << " to " << high
@@ -140,8 +139,8 @@ TEST(ExternalRing, IsBoundedFadesOnStopAndReplaysExactly) {
   ASSERT_TRUE(said.is_object()) << replay.err;
   EXPECT_GT(said["contact"]["compared"], 1000);
   if (!said["missing"].empty())
-    return;  // a recorder on a busy machine may lose samples: the replay says which, and bits may
-             // differ for it
+    return;  // a recorder on a busy machine may lose samples: the replay reports them, and bits may
+             // differ
   EXPECT_EQ(said["contact"]["differ"], 0) << said;
   EXPECT_EQ(said["command"]["differ"], 0) << said;
 }

@@ -1,4 +1,5 @@
-// What device and coupling saw before a fault is next to the bag, and nowhere after a good run.
+// Samples of device and coupling before a fault are stored next to the bag, and never after a
+// passed run.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -51,8 +52,8 @@ double printed_force_n(const std::string& lines) {
   return last;
 }
 
-/// A busy machine may bring about records of its own, before the kill and behind it. The contact
-/// does not end, so each holds force.
+/// A busy machine may cause other records, before and after the kill. The contact continues, so
+/// each contains force.
 TEST(FaultRecord, HoldsTwoSecondsBeforeAKill) {
   const TemporaryFolder folder;
   Process up(up_arguments(pressed_scene(folder.path()), {"--motion", "press", "--duration", "60",
@@ -73,7 +74,7 @@ TEST(FaultRecord, HoldsTwoSecondsBeforeAKill) {
   EXPECT_NE(end.out.find((folder / "bag_faults" / "device_").string()), std::string::npos)
       << end.out;
 
-  // The longest of those that the kill brought about: a record begins anew with each fault.
+  // The longest of those caused by the kill: each fault begins a new record.
   device.erase(device.begin(), device.begin() + static_cast<std::ptrdiff_t>(before));
   const auto length = [](const std::filesystem::path& record) {
     return read_ring_topic<msg::DeviceState>(record, "/haptic/device/state").size();

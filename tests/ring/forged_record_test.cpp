@@ -1,5 +1,5 @@
-// Somebody writes a record of a change that the rendering never made, into a ring that is recorded:
-// the bag has it not, and its replay says so.
+// An unauthorised writer writes a record of a change that the rendering never made, into a recorded
+// ring: it is not in the bag, and the replay reports it.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -39,7 +39,7 @@ TEST(ForgedRecord, IsNotInTheBagAndReplayIsBitIdentical) {
   ASSERT_TRUE(comes([&] {
     return made.matched_count() > 0 && figure("rendering", "samples") > 1500;
   })) << up.err();
-  // What it forges is the ring's in all but who wrote it.
+  // The forged record equals the ring's except for its writer.
   const std::string friction = "friction", none;
   msg::EffectChange forged{};
   forged.session_id = registry.find("rendering")->session_id, forged.from_sample = 700,
@@ -50,14 +50,13 @@ TEST(ForgedRecord, IsNotInTheBagAndReplayIsBitIdentical) {
       {VOXTOUCH_BIN "/voxtouch", "change", "friction", "gain", "0.5", "--domain", fresh_domain()});
   const Finished changed = change.wait();
   EXPECT_EQ(changed.status, 0) << changed.err;
-  // Its status says so, and is in the bag: the logger receives itself before any participant else
-  // does.
+  // Its status reports it, and is in the bag: the logger receives its own status first.
   ASSERT_TRUE(comes([&] {
     return figure("logger", "refused_records") == 1.0 && figure("rendering", "changes") == 1.0;
   })) << registry.find("logger")->message;
   up.signal(SIGINT);
   const Finished end = up.wait(std::chrono::seconds(120));
-  EXPECT_EQ(end.status, 1) << "a second writer is no good run" << end.err;
+  EXPECT_EQ(end.status, 1) << "a second writer fails the run" << end.err;
   const auto summary = parse_summary(end.out);
   EXPECT_EQ(summary["recording"]["refused_records"], 1) << end.out;
   EXPECT_NE(summary["problems"].dump().find("1 records"), std::string::npos) << end.out;

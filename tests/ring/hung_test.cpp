@@ -1,5 +1,5 @@
-// A node that hangs is named, by `up` and by the other nodes, and the run is no good one; in
-// lockstep none waits for it for ever.
+// A hanging node is named, by `up` and by the other nodes, and the run fails; in lockstep no node
+// waits for it for ever.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -34,7 +34,7 @@ double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-/// Who hangs by what the others' statuses say.
+/// Finds the hanging node from the others' statuses.
 class Onlooker {
  public:
   Onlooker()
@@ -104,8 +104,8 @@ TEST_P(StoppedNode, IsNamedByAllAndFailsTheRun) {
 
 INSTANTIATE_TEST_SUITE_P(RealTime, StoppedNode, kNodes, only_name);
 
-/// A node, and the limit that a second and a half of its standstill breaks. Validator and logger
-/// find all that came meanwhile in the buffers of their sockets.
+/// A node, and the limit that its suspension of a second and a half breaks. The socket buffers of
+/// validator and logger hold all samples of that time.
 struct Broken {
   const char *node, *limit;
 };
@@ -229,7 +229,7 @@ TEST_P(StoppedInLockstep, EndsTheRunWithAMessage) {
 
 INSTANTIATE_TEST_SUITE_P(Lockstep, StoppedInLockstep, kNodes, only_name);
 
-/// It has said nothing yet, so only who waits for it can tell.
+/// It has no status yet, so only a waiting node can report it.
 TEST(StoppedInLockstep, IsNamedWhileOthersAwaitItsStart) {
   Process up(up_arguments(shipped_scene("cup"),
                           {"--motion", "slide", "--duration", "1", "--lockstep", "--no-record"}));

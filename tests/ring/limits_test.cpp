@@ -98,8 +98,8 @@ TEST(Missed, SuspectedTunnellingFailsTheRun) {
   EXPECT_TRUE(reported) << run.process.out;
 }
 
-/// A ball of 10 mm on a plate of 2 mm, where the hand wants through at 20 mm/s; on a voxel grid of
-/// 2 mm.
+/// A ball of 10 mm on a plate of 2 mm, with a hand that moves through at 20 mm/s; on a voxel grid
+/// of 2 mm.
 std::string pressed_plate(const TemporaryFolder& folder, const std::string& contact) {
   std::ofstream plate(folder / "plate.obj");
   for (int k = 0; k < 8; ++k)

@@ -49,7 +49,7 @@ std::map<std::string, bag::TopicHash> lockstep_run(const TemporaryFolder& folder
   return hashes(folder / name);
 }
 
-/// One NodeStatus of a bag, as far as it is needed here.
+/// The needed part of a bag's NodeStatus.
 struct Status {
   std::string node;
   std::uint64_t session = 0;
@@ -142,7 +142,7 @@ TEST(Lockstep, EndsWithZeroForceIfAPeerFallsSilent) {
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   const pid_t coupling = child_called(up.pid(), "voxtouch_coupling");
   ASSERT_NE(coupling, 0);
-  ::kill(coupling, SIGSTOP);  // silent, but not gone
+  ::kill(coupling, SIGSTOP);  // silent, but still present
   std::this_thread::sleep_for(std::chrono::seconds(7));
   ::kill(coupling, SIGCONT);
   const Finished end = up.wait();
@@ -203,7 +203,7 @@ TEST_P(ShippedScene, IsStableWhileHeldStillInContactForTwoSeconds) {
   const auto touched = std::find_if(commands.begin(), commands.end(),
                                     [](const auto& c) { return magnitude(c) > 0.0; });
   const auto settled =
-      static_cast<std::size_t>(touched - commands.begin()) + 400;  // the hand has come to rest
+      static_cast<std::size_t>(touched - commands.begin()) + 400;  // the hand is at rest
   ASSERT_LE(settled + 2000, commands.size());
   for (std::size_t i = settled; i < settled + 2000; ++i)
     ASSERT_GT(magnitude(commands[i]), 0.02) << "the hand must stay in contact";
@@ -244,8 +244,7 @@ INSTANTIATE_TEST_SUITE_P(All, ShippedScene, testing::ValuesIn(all_cases()), [](c
   return rig.param.scene + (rig.param.device == "sim-lwr" ? "_lwr" : "_phantom");
 });
 
-/// Every effect has a scene; each is displayed, harms nothing, and what the contact does is still
-/// what the reference says.
+/// Every effect has a scene: each is displayed, and the contact still agrees with the reference.
 class EffectScene : public testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(EffectScene, DisplaysItsEffectAndTheReferenceContact) {

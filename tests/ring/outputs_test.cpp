@@ -1,5 +1,5 @@
-// What a ring shows next to its own topics: ROS standard types on demand, topics recorded on
-// request, a start inside a contact.
+// Additional outputs of a ring: ROS standard types on demand, topics recorded on request, a start
+// in contact.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -113,7 +113,7 @@ TEST(Logger, KilledLeavesABagWithoutTheLastSecondAtMost) {
       << "more than a second is missing (half a second is the stop's)";
 }
 
-/// A scene of the plane whose hand starts 2 mm inside it.
+/// A scene of the plane with the hand starting 2 mm inside it.
 std::filesystem::path pressed_scene(const TemporaryFolder& folder) {
   const std::filesystem::path file = folder / "pressed.yaml",
                               meshes = std::filesystem::path(VOXTOUCH_DEPLOY) / "meshes";

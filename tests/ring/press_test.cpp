@@ -1,5 +1,5 @@
-// A hand that presses slowly into a block through the whole ring, with forces that contact gives at
-// the hand's pose: what comes back over its true depth.
+// A hand that presses slowly into a block through the whole ring, with penalty forces at the hand's
+// pose: force over the true depth.
 #include <gtest/gtest.h>
 
 #include <cstdio>
@@ -35,10 +35,10 @@ double mean(const std::vector<double>& x, std::size_t at) {
   return std::accumulate(middle - kHalf, middle + kHalf, 0.0) / (2.0 * kHalf);
 }
 
-/// Wants 1 to 40 mm; what the hand gets is at least `fraction` of the certified stiffness times its
-/// depth, and rises, down to `most_m` deep. A ball of facets and points begins `late_m` deep.
-/// Behind the spring of K_c a contact of K displays K K_c/(K + K_c): these give `fraction` of K_c
-/// at least.
+/// Targets of 1 to 40 mm. The displayed force is at least `fraction` of the certified stiffness
+/// times the depth, and rises, down to `most_m`. A ball of facets and points begins `late_m` deep.
+/// Behind the spring of K_c a contact of K displays K K_c/(K + K_c): at least `fraction` of K_c for
+/// these.
 void presses(const std::string& contact, double most_m, double late_m, double fraction = 0.5) {
   SCOPED_TRACE(contact);
   const TemporaryFolder folder;
@@ -74,7 +74,8 @@ void presses(const std::string& contact, double most_m, double late_m, double fr
     ++measured;
   }
   std::printf(
-      "%s: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.3f N at 10 mm wanted, %.3f N "
+      "%s: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.3f N at 10 mm requested, %.3f "
+      "N "
       "at "
       "%.4g m deep, %d places\n",
       contact.c_str(), certified, worst, worst_m, at_10_mm, last, deepest, measured);
@@ -84,8 +85,8 @@ void presses(const std::string& contact, double most_m, double late_m, double fr
 TEST(PressRing, FieldStaysBelowTheCertifiedStiffness) {
   presses("model: field, stiffness_n_per_m3: 1.0e+8", 1.0, 1.2e-4);
 }
-/// A ball whose points are so soft takes some millimetres to become as stiff as is certified; deep
-/// in its normals cancel.
+/// A ball with such soft points reaches the certified stiffness after some millimetres; deep inside
+/// its normals cancel.
 TEST(PressRing, SoftContactNeverFallsDuringIndentation) {
   presses("model: adapted, stiffness_n_per_m: 30", 1.0, 1e-4, 0.35);
 }
@@ -97,7 +98,8 @@ TEST(PressRing, NeverFallsToTheEndForAnyModel) {
        {"model: original, stiffness_n_per_m: 200", "model: adapted, stiffness_n_per_m: 200"})
     presses(contact, 1.0, 1e-4, 0.65);
 }
-/// Deeper, the normals of the ball's points cancel, and the model falls back to each point's own.
+/// Deeper, the normals of the ball's points cancel, and the model falls back to the normals of the
+/// points.
 TEST(PressRing, AdaptedStaysBelowTheCertifiedStiffness) {
   presses("model: adapted, stiffness_n_per_m: 200", 0.007, 1e-4, 0.65);
 }

@@ -1,5 +1,5 @@
-// Who runs before all else on a machine, and when: a ring in real time while it has samples to
-// answer, and none else.
+// Scheduling priority: a ring in real time has it while samples are to be answered, and no other
+// thread has it.
 #include <gtest/gtest.h>
 
 #include <pthread.h>
@@ -22,7 +22,7 @@ std::atomic<int> policy_at_lock = -1;
 
 }  // namespace
 
-/// Instead of the C library's: whose turn it would be meanwhile.
+/// Replaces the C library's, to observe the priority during the call.
 extern "C" int mlockall(int) noexcept {
   policy_at_lock = sched_getscheduler(0);
   return 0;
@@ -112,8 +112,8 @@ TEST(Priority, IsRealTimeOnlyWhileTheRingRuns) {
   EXPECT_TRUE(comes([&] { return urgent_threads(up) > 10; }));
 }
 
-/// All memory comes in at once, the stacks of DDS's threads with it: at the loop's priority every
-/// ring of the machine would stand still for it.
+/// All memory is mapped at once, including the stacks of DDS's threads: at the loop's priority this
+/// would stall every ring of the machine.
 TEST(Priority, IsSetAfterMemoryIsLocked) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";
@@ -132,7 +132,7 @@ TEST(Priority, IsSetAfterMemoryIsLocked) {
   EXPECT_LE(stack_bytes, 1U << 20);
 }
 
-/// None where the thread has gone.
+/// Empty if the thread has ended.
 cpu_set_t cpus_of(pid_t thread) {
   cpu_set_t cpus;
   CPU_ZERO(&cpus);
@@ -140,8 +140,8 @@ cpu_set_t cpus_of(pid_t thread) {
   return cpus;
 }
 
-/// Device, rendering and coupling of one process take turns, so they share a processor; threads
-/// that they started before stay free. An ordinary thread would wait there behind others.
+/// Device, rendering and coupling of one process run in turn, so they use one processor; threads
+/// that they started earlier stay free. An ordinary thread would wait there behind others.
 TEST(Priority, OfALoopKeepsItOnItsCpuIfGranted) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";
@@ -185,7 +185,7 @@ TEST(Priority, OfARingInOneProcessIsOnOneCpu) {
   EXPECT_TRUE(comes([&] { return loops() == 3; })) << loops();
 }
 
-/// As the kernel has it, what is lent included: -1 - n for priority n of SCHED_FIFO, 20 and its
+/// As in the kernel, including inherited priority: -1 - n for priority n of SCHED_FIFO, 20 and its
 /// nice value for an ordinary thread.
 int effective_priority(pid_t thread) {
   std::ifstream in("/proc/self/task/" + std::to_string(thread) + "/stat");
@@ -197,8 +197,8 @@ int effective_priority(pid_t thread) {
   return std::stoi(field);
 }
 
-/// A loop that waits for a lock of Cyclone's waits for whoever holds it, and that thread for every
-/// other program of the machine.
+/// A loop that waits for a lock of Cyclone waits for the holder, and that thread for every other
+/// program of the machine.
 TEST(Priority, IsInheritedByTheLockHolder) {
   if (!granted())
     GTEST_SKIP() << "SCHED_FIFO is not allowed here";

@@ -8,17 +8,16 @@
 
 namespace voxtouch::test {
 
-/// Limits that hang on how much else the machine does, lifted: what a test says of time it says
-/// itself.
+/// Lifts limits that depend on the machine's load; a test checks times itself.
 std::vector<std::string> on_a_busy_machine();
-/// Arguments of `voxtouch up --json` on a domain of its own, with `more` behind; in real time as on
-/// a busy machine.
+/// Arguments of `voxtouch up --json` on a private domain, followed by `more`; in real time with the
+/// limits of a busy machine.
 std::vector<std::string> up_arguments(const std::string& scene,
                                       const std::vector<std::string>& more);
 
 struct RingResult {
   Finished process;
-  nlohmann::json summary;  ///< null if stdout held no JSON object
+  nlohmann::json summary;  ///< null if stdout had no JSON object
 };
 RingResult run_ring(const std::string& scene, const std::vector<std::string>& more);
 nlohmann::json parse_summary(const std::string& out);

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """A shipped device file runs: `voxtouch up --device sim:NAME --lockstep` for a stylus and for an
-arm, and for a file of one's own, also at 4 kHz.
+arm, and for a user's file, also at 4 kHz.
 
 usage: shipped_devices.py VOXTOUCH DOMAIN
 """

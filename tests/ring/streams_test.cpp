@@ -1,5 +1,5 @@
-// `voxtouch up` whose stderr or stdout takes nothing: the run is as good as any other, and a result
-// that none gets is a failure.
+// `voxtouch up` with blocked stderr or stdout: the run passes as usual, and a lost result is a
+// failure.
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
@@ -13,7 +13,7 @@
 namespace voxtouch::test {
 namespace {
 
-/// `up` under a shell that redirects as `redirection` says.
+/// `up` under a shell with `redirection`.
 RingResult run_redirected(const std::string& redirection, const std::vector<std::string>& more,
                           const std::string& first = "") {
   std::vector<std::string> arguments = {"/bin/sh", "-c", first + "exec \"$@\" " + redirection,
@@ -30,7 +30,7 @@ RingResult run_redirected(const std::string& redirection, const std::vector<std:
   return result;
 }
 
-/// Every node's last status reached `up`: these figures come from nowhere else.
+/// Every node's last status reached `up`: these figures have no other source.
 void expect_a_good_run(const RingResult& r) {
   ASSERT_EQ(r.process.status, 0) << r.process.out << r.process.err;
   ASSERT_TRUE(r.summary.is_object()) << r.process.out;
@@ -79,8 +79,8 @@ INSTANTIATE_TEST_SUITE_P(Stderr, Streams, testing::Bool(), [](const auto& kind) 
   return kind.param ? "in_one_process" : "in_processes";
 });
 
-/// The bag's disk is full after 64 KiB, a third of the bag: the ring goes on, what is missing is
-/// counted, and the run fails.
+/// The bag's disk is full after 64 KiB, a third of the bag: the ring continues, missing messages
+/// are counted, and the run fails.
 TEST(Bag, FullDiskIsCountedAndFailsTheRun) {
   const TemporaryFolder folder;
   const std::string path = (folder / "bag").string();

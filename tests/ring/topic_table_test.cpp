@@ -1,5 +1,5 @@
-// Who writes and who reads each topic, as DDS announces it of a running ring, is what the table of
-// topics says.
+// Writers and readers of each topic, as DDS announces them in a running ring, match the table of
+// topics.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,7 +17,7 @@ namespace {
 
 using Names = std::set<std::string>;
 
-/// The endpoints of one kind that are announced, as they come.
+/// The announced endpoints of one kind.
 class Announced {
  public:
   Announced(const bus::Participant& participant, dds_entity_t builtin_topic)

@@ -1,5 +1,5 @@
-// How `voxtouch up` starts: who begins when, and what is left of a scene and a device that do not
-// go together.
+// Start of `voxtouch up`: the order of nodes, and what remains of a scene and a device that do not
+// fit.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -69,8 +69,8 @@ INSTANTIATE_TEST_SUITE_P(Variants, UpRefuses,
                                          std::vector<std::string>{"--one-process"},
                                          std::vector<std::string>{"--one-process", "--lockstep"}));
 
-/// A scene that takes a second: what the device does before would be without force, and counts to
-/// the run's duration.
+/// A scene that takes a second: earlier device samples would have no force, and count to the run's
+/// duration.
 TEST(UpStart, TheDeviceBeginsWhenTheSceneIsBuilt) {
   for (const char* option : {"--no-report", "--one-process"}) {
     const TemporaryFolder folder;

@@ -103,7 +103,7 @@ TEST(Up, RefusesARigInUse) {
 
 TEST(Up, OnlyOneOfTwoConcurrentStartsRuns) {
   for (const int later_ms :
-       {0, 30, 90, 180, 270}) {  // before, while and after the first one looks for others
+       {0, 30, 90, 180, 270}) {  // before, during and after the search of the first one
     const auto arguments = up_arguments(shipped_scene("plane"),
                                         {"--motion", "free", "--no-record", "--duration", "0.2"});
     Process one(arguments);
@@ -121,8 +121,8 @@ TEST(Up, OnlyOneOfTwoConcurrentStartsRuns) {
   }
 }
 
-/// Who has a port of the domain may be a ring that a busy machine lets answer late: the half second
-/// is looked out.
+/// A participant on a port of the domain may be a ring that answers late on a busy machine: `up`
+/// waits the full half second.
 TEST(Up, RefusesARigThatAnswersLate) {
   const bus::Participant participant(
       {static_cast<std::uint32_t>(std::stoul(fresh_domain())), "lo", "a ring"});
@@ -137,7 +137,7 @@ TEST(Up, RefusesARigThatAnswersLate) {
   std::this_thread::sleep_for(milliseconds(250));
   msg::RigClaim held{};
   char host[] = "other";
-  held.host = host, held.state = msg::rig_claim::kStateHeld;
+  held.host = host, held.state = msg::rig_claim::kStateActive;
   std::memcpy(held.participant, participant.guid().data(), participant.guid().size());
   claims.write(held);
   const Finished end = up.wait();

@@ -1,5 +1,5 @@
-// The verdict of `voxtouch up` on runs that something happens to: `up` stands still, the bag goes,
-// strangers write.
+// The verdict of `voxtouch up` on disturbed runs: `up` is suspended, the bag is removed,
+// unauthorised participants write.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -41,7 +41,7 @@ Ended finish(Process& up) {
   return reported;
 }
 
-/// Ctrl-Z, and fg after the device has ended: it is not known what the rest of the samples was.
+/// Ctrl-Z, and fg after the device has ended: the state of the other samples is unknown.
 TEST(Verdict, OfAStalledUpIsFailed) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "3", "--no-record"}));
@@ -49,7 +49,7 @@ TEST(Verdict, OfAStalledUpIsFailed) {
   ASSERT_EQ(::kill(up.pid(), SIGSTOP), 0);
   const pid_t device = child_called(up.pid(), "voxtouch_device");
   ASSERT_NE(device, 0);
-  // A child that has ended is there until `up` goes on.
+  // A child that has ended remains until `up` continues.
   EXPECT_TRUE(comes([&] {
     std::ifstream stat("/proc/" + std::to_string(device) + "/stat");
     const std::string text(std::istreambuf_iterator<char>(stat), {});
@@ -96,8 +96,8 @@ TEST(Verdict, NamesForeignContactsAndDescriptions) {
       << reported.end.out;
 }
 
-/// A coupling that hangs for longer than its lease is lost; a stranger that claims its role in the
-/// session gets no force through.
+/// A coupling that hangs for longer than its lease is lost. An unauthorised participant that claims
+/// its role in the session gets no force through.
 TEST(Roles, OfALostCouplingAreNotGrantedToOthers) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "8", "--no-record"}));

@@ -1,5 +1,5 @@
-// A scene with a virtual tool through the whole ring, in lockstep: what comes back to a hand that
-// presses and slides. In one process, which is twice as fast; the last case holds that five give
+// A scene with a virtual tool through the whole ring, in lockstep: the force on a hand that presses
+// and slides. In one process, which is twice as fast; the last case checks that five processes give
 // bit-identical results.
 #include <gtest/gtest.h>
 
@@ -20,8 +20,8 @@ namespace {
 
 constexpr double kRadius = 0.01;
 
-/// A slab of 120 mm whose top goes through the origin and faces along `up`'s z axis; of no
-/// thickness: an open sheet.
+/// A slab of 120 mm with its top through the origin, facing along `up`'s z axis; of no thickness:
+/// an open sheet.
 void write_plate(const std::filesystem::path& file, double thick_m,
                  const Quat& up = Quat::Identity()) {
   std::ofstream out(file);
@@ -94,8 +94,7 @@ Recorded run(const std::string& scene, const std::string& motion, const std::str
   return out;
 }
 
-/// Means over 50 ms unless said, at rest or nearly: what the hand feels next to the encoder's
-/// steps.
+/// Means over 50 ms by default, at rest or nearly so, which average the encoder's steps.
 double mean(const std::vector<double>& x, std::size_t at, std::size_t half = 25) {
   return std::accumulate(x.begin() + static_cast<std::ptrdiff_t>(at - half),
                          x.begin() + static_cast<std::ptrdiff_t>(at + half), 0.0) /
@@ -130,11 +129,11 @@ void presses(double thick_m, const std::string& device, double hand_n_per_m, dou
     if (f >= 1.0)
       worst_from_1_n = std::min(worst_from_1_n, fraction);
     EXPECT_GE(f, 0.95 * r.certified * (d - 1e-4))
-        << "wanted " << expected << " m, hand " << d << " m deep, " << f << " N";
-    if (d >
-        deepest_so_far) {  // dry friction of the device lets it go back a little between two places
+        << "requested " << expected << " m, hand " << d << " m deep, " << f << " N";
+    if (d > deepest_so_far) {  // dry friction of the device permits small backward motions between
+                               // two places
       EXPECT_GE(f, last * (1.0 - 1e-3) - r.certified * encoder_m)
-          << "rises all the way; wanted " << expected;
+          << "monotonic; requested " << expected;
       last = f, deepest_so_far = d;
     }
     ++measured;
@@ -147,7 +146,7 @@ void presses(double thick_m, const std::string& device, double hand_n_per_m, dou
   testing::Test::RecordProperty("force_at_40_mm_wanted_n", std::to_string(deepest));
   std::printf(
       "%s, %.4g m thick: certified %.4g N/m, least fraction %.4f at %.4g m deep, %.4f from 1 N on, "
-      "%.3f N at 10 mm wanted, %.3f N at 40 mm wanted, %d places\n",
+      "%.3f N at 10 mm requested, %.3f N at 40 mm requested, %d places\n",
       device.c_str(), thick_m, r.certified, worst, worst_depth, worst_from_1_n, at_10_mm, deepest,
       measured);
   EXPECT_GT(measured, 100);
@@ -161,8 +160,8 @@ TEST(VirtualToolRing, DisplaysTheCertifiedStiffnessAtEveryDepth) {
 TEST(VirtualToolRing, DisplaysItOnAPlateOfTwoMillimetres) {
   presses(0.002, "sim-phantom", 300.0, 0.0, 5.0);
 }
-/// It goes in by a step of the encoder in 45 ms, and its damper answers each with 2.5 mNs: means
-/// over 200 ms.
+/// It moves in by one encoder step per 45 ms, and its damper answers each with 2.5 mNs: means over
+/// 200 ms.
 TEST(VirtualToolRing, DisplaysItOnAnArm) { presses(0.02, "sim-lwr", 200.0, 2e-5, 6.0, 100); }
 
 /// Pressed along the plate's normal at `place` (in the plate): never a force from the far side, and
@@ -179,7 +178,7 @@ void holds(double edges, double speed, const std::string& device, const Quat& up
   };
   const std::string scene =
       write_scene(folder, (folder / "plate.obj").string(), at(0.03) + ", " + at(-0.02), speed);
-  // A blow at 3 m/s is steeper than the guard lets a force rise.
+  // An impact at 3 m/s is steeper than the guard's slew limit.
   const Recorded r = run(scene, "it", device, 0.3 + 0.1 / speed + 0.5,
                          {"--one-process", "--limit", "clamped_ratio=0.01"}, judged);
   if (r.summary["validator"]["disagree"] != 0)
@@ -194,7 +193,7 @@ void holds(double edges, double speed, const std::string& device, const Quat& up
 }
 
 TEST(VirtualToolRing, ThinPlatesHoldAtAnySpeed) {
-  int n = 0;  // the devices take turns
+  int n = 0;  // alternates the devices
   for (const double edges : {0.25, 0.5, 1.0, 2.0, 5.0})
     for (const double speed : {0.02, 0.5, 3.0})
       holds(edges, speed, n++ % 2 == 0 ? "sim-phantom" : "sim-lwr");
@@ -206,8 +205,8 @@ TEST(VirtualToolRing, IsHeldByAnOpenSheet) {
 }
 
 /// Ten minutes, by --gtest_also_run_disabled_tests. Plates of any thickness and place, half of them
-/// askew by up to 20 degrees; where walls of about a voxel are askew, the direction may be some
-/// degrees farther off than the validator allows, which is reported and not judged here.
+/// askew by up to 20 degrees. For walls of about a voxel that are askew, the direction error may
+/// exceed the validator's limit by some degrees, which is reported and not checked here.
 TEST(VirtualToolRing, DISABLED_IsHeldByTwoHundredPlates) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> u(-1.0, 1.0);

@@ -34,8 +34,8 @@ void PrintTo(const Case& c, std::ostream* out) { *out << name_of(c); }
 
 class WireTouchesTheCup : public testing::TestWithParam<Case> {};
 
-/// An arm whose connection is never good enough follows, and is displayed nowhere: that is said at
-/// once, and is no good run.
+/// An arm with insufficient connection quality follows without force: this is reported at once, and
+/// the run fails.
 TEST(WireWithoutForce, IsReportedAndFailsTheRun) {
   const RingResult r = run_ring(
       shipped_scene("cup"), {"--device", "emulated-lwr", "--device-option", "fault=quality@0:60:1",
@@ -51,7 +51,8 @@ TEST(WireWithoutForce, IsReportedAndFailsTheRun) {
   EXPECT_NE(r.process.err.find(why), std::string::npos) << r.process.err;
 }
 
-// Nothing about deadlines: on a busy machine samples come late, and what is displayed stays right.
+// Deadlines are not checked: on a busy machine samples are late, and the displayed force stays
+// right.
 TEST_P(WireTouchesTheCup, AndDisplaysTheContact) {
   const Case& c = GetParam();
   std::vector<std::string> more = {"--device",   c.device,     "--motion",
@@ -79,7 +80,7 @@ std::vector<Case> all_cases() {
     for (const char* motion : {"slide", "hit"})
       for (const bool lockstep : {true, false})
         cases.push_back({device, motion, lockstep, limit});
-  // The arm's controller lets nothing move until its connection is good, which takes seconds on a
+  // The arm's controller permits no motion until its connection is good, which takes seconds on a
   // busy machine.
   for (Case& c : cases)
     if (c.device == "emulated-lwr" && !c.lockstep)
@@ -105,8 +106,8 @@ class WireLockstep : public testing::TestWithParam<const char*> {};
 
 TEST_P(WireLockstep, IsBitIdenticalTwiceAndInOneProcess) {
   const TemporaryFolder folder;
-  // The second arm: its hand touches in the first second, and what one process and another hand do
-  // the first has shown.
+  // The second arm: its hand touches in the first second, and the first case has tested one process
+  // and another hand.
   const bool arm = std::string(GetParam()) == "emulated-fr3";
   const auto run = [&](const std::string& name, std::vector<std::string> more) {
     more.insert(more.end(), {"--device", GetParam(), "--lockstep", "--motion", "slide",
@@ -153,8 +154,7 @@ double last_figure(const std::filesystem::path& folder, const std::string& name)
   const auto messages = bag->read_topic("/haptic/node_status", bag::WholeBag::Order::kArrival);
   if (!messages)
     throw std::runtime_error(messages.error().sentence);
-  const auto size = static_cast<char>(
-      name.size() + 1);  // the name's length stands before it and ends it from the left
+  const auto size = static_cast<char>(name.size() + 1);  // the name's length is stored before it
   const std::string in_cdr = std::string{size, '\0', '\0', '\0'} + name + '\0';
   const auto aligned = [](std::size_t at, std::size_t to) {
     return (at - 4 + to - 1) / to * to + 4;

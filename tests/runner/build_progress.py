@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""Builds targets of a CMake build folder with Ninja; reports what there is to do and the remaining
+"""Builds targets of a CMake build folder with Ninja; prints the number of steps and the remaining
 time. `deploy/build` calls it.
 
 usage: build_progress.py BUILD TARGET...
 
-The remaining time is a rate: the time of the units that were compiled over their weight, by the
-weight of those left. A unit weighs the bytes of its sources and 9,000 for the headers of every unit,
-which is a fit to the log of a build. Links and copies are left out, since they take a fiftieth of the
-time. Exit status: that of the build.
+The remaining time follows from the time of the units compiled so far, by weight. A unit weighs the
+bytes of its sources, and 9,000 for the headers of every unit: a fit to the log of a build. Links and
+copies are excluded, since they take a fiftieth of the time. Exit status: that of the build.
 """
 
 import os

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the build reports: a made-up build folder, and the arithmetic of the remaining time."""
+"""Output of the build progress: a synthetic build folder, and the arithmetic of the remaining
+time."""
 
 import pathlib
 import subprocess

@@ -1,13 +1,11 @@
 #!/usr/bin/env python3
-"""The programs that a machine has which installed Debian's minimal system and what
-deploy/packages.txt lists, and no others.
+"""Links the programs of Debian's minimal system and of deploy/packages.txt, and no others.
 
-usage: listed_programs.py FOLDER [LIST]     links each of them into FOLDER (emptied first) and
-                                            prints how many there are
+usage: listed_programs.py FOLDER [LIST]
 
-A test that starts a program of another package passes on a machine that has it by chance and fails
-on a bare one. With FOLDER as the only entry of PATH it fails everywhere. `run_tests.py` runs all
-tests so.
+Links each of them into FOLDER (emptied first) and prints their number. A test that starts a program
+of another package passes on a machine that has it by chance and fails on a bare one. With FOLDER as
+the only entry of PATH it fails everywhere. `run_tests.py` runs all tests so.
 """
 
 import pathlib
@@ -20,7 +18,7 @@ DPKG = pathlib.Path("/var/lib/dpkg")
 BINARIES = ("/usr/local/sbin", "/usr/local/bin", "/usr/sbin", "/usr/bin", "/sbin", "/bin")
 MINIMAL = (
     "required",
-)  # the priority of what debootstrap's variant minbase installs, in addition to apt
+)  # the priority of packages that debootstrap's variant minbase installs, in addition to apt
 
 
 def listed(text):
@@ -61,7 +59,7 @@ def names_in(field):
 
 
 def closure(packages, expected):
-    """The minimal system, `wanted`, and all that these depend on, as far as it is installed."""
+    """The minimal system, `requested`, and all dependencies, as far as they are installed."""
     provided = {}
     for name, fields in packages.items():
         for alternatives in names_in(fields.get("Provides", "")):

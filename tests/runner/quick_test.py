@@ -4,10 +4,10 @@ before. `deploy/test --quick` calls it.
 
 usage: quick_test.py [--since REV] [--minutes M] [--list]
 
-Touched are the test programs that Ninja would build anew; first come those of the folders that a
-change lies in, then those that take least to compile. What does not fit into the time is named and
-left out: `deploy/test` runs everything. Tests of the ring, of timing and long ones are not units
-and not run. Exit status 1 if a test fails or nothing could be built.
+These are the test programs that Ninja would rebuild: first those of the changed folders, then those
+with the shortest compile time. Programs beyond the time limit are listed and skipped: `deploy/test`
+runs everything. Tests of the ring, of timing and long ones are not units and not run. Exit status 1
+if a test fails or nothing could be built.
 """
 
 import argparse
@@ -41,8 +41,8 @@ def stale_programs():
     subprocess.run(
         ["ninja", "-C", str(BUILD), "build.ninja"], check=True, stdout=subprocess.DEVNULL
     )  # new files make new steps
-    # A dry run ends before the first step where CMake's own check of folders stands in the file, as
-    # it does in a file of this name only.
+    # A dry run ends before the first step if the file contains CMake's own check of folders, which
+    # occurs in a file of this name only.
     copy = BUILD / "quick.ninja"
     copy.write_text((BUILD / "build.ninja").read_text())
     dry_run = ("ninja", "-C", str(BUILD), "-f", copy.name, "-n")
@@ -51,7 +51,7 @@ def stale_programs():
 
 
 def unit_tests():
-    """Names of the unit tests of each program, as CTest knows them."""
+    """Names of the unit tests of each program, from CTest."""
     listing = json.loads(
         output("ctest", "--test-dir", str(BUILD), "--show-only=json-v1", "-L", "unit")
     )
@@ -63,7 +63,8 @@ def unit_tests():
 
 
 def near(program, changed):
-    """0 where a source of the program, or what its folder is named after, has changed; else 1."""
+    """0 if a source of the program, or the code that its folder is named after, has changed;
+    otherwise 1."""
     folders = {
         pathlib.PurePath(name).parts[i]
         for name in changed

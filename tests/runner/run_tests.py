@@ -5,11 +5,10 @@ usage: run_tests.py BUILD [arguments of ctest]
        run_tests.py BUILD --case FILTER     the cases of this name of every test program, by a
                                             filter of GoogleTest such as 'Guard.*'
 
-A test of the ring in real time needs its fraction of the processor; on a machine of unknown load
-one failure says little, two say much. So up to MOST tests that fail next to others run once more,
-one after the other, and the end of the output says which failed then too and which passed. Both
-outputs of each stay in BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST
-failed.
+A test of the ring in real time needs processor time; on a machine of unknown load one failure is
+not conclusive, two are. Up to MOST failed tests therefore run once more, one after the other, and
+the end of the output lists which failed again and which passed. Both outputs of each are stored in
+BUILD/failed. Exit status 1 if a test fails twice, or if more than MOST failed.
 
 Tests find the programs of the packages in deploy/packages.txt and no others: PATH is
 BUILD/listed_programs (listed_programs.py).
@@ -35,7 +34,7 @@ MOST = 5  # more have a cause that is not the machine's load
 
 
 def listing(build):
-    """All tests, as ctest knows them."""
+    """All tests, from ctest."""
     command = ["ctest", "--test-dir", str(build), "--show-only=json-v1"]
     return json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)[
         "tests"
@@ -77,7 +76,7 @@ def all_cases(build):
 
 
 def run_cases(build, expected):
-    """Runs what a filter of GoogleTest names, in every program that has it. True if something ran
+    """Runs the cases of a GoogleTest filter, in every program that has them. True if something ran
     and nothing failed.
     """
     parts = [
@@ -105,8 +104,8 @@ def run_cases(build, expected):
 
 
 def named_in(output):
-    """Cases of GoogleTest that failed by what a program has said; where it ended in the middle, the
-    one that ran then.
+    """Cases of GoogleTest that failed according to a program's output; if it ended early, the case
+    that ran then.
     """
     failed = list(
         dict.fromkeys(re.findall(r"^\[  FAILED  \] ([\w/]+\.[\w/]+)", output, re.MULTILINE))
@@ -121,7 +120,7 @@ def named_in(output):
 
 
 def failures(junit):
-    """Name and output of each test that failed or was not run for want of one that failed."""
+    """Name and output of each test that failed or was not run because of one that failed."""
     if not junit.exists():
         return {}
     cases = xml.parse(junit).getroot().iter("testcase")
@@ -138,7 +137,7 @@ def failures(junit):
 
 
 def known_seconds(build):
-    """Seconds that each test took in earlier runs of this build folder, as ctest keeps them."""
+    """Seconds of each test in earlier runs of this build folder, from ctest."""
     file = build / "Testing/Temporary/CTestCostData.txt"
     lines = file.read_text(encoding="utf-8").split("\n---")[0].splitlines() if file.exists() else []
     found = (re.fullmatch(r"(.*) (\d+) ([\d.eE+-]+)", line) for line in lines)

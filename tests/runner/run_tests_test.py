@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What `deploy/test` says of tests that fail: planted ones, in a build folder that is made up.
+"""Output of `deploy/test` for failing tests: planted ones, in a synthetic build folder.
 
 usage: run_tests_test.py RUN_TESTS
 """
@@ -38,9 +38,7 @@ ONCE = (
 
 class Runner(unittest.TestCase):
     def run_with(self, **programs):
-        """(exit status, what was said at the end, the folder) of a run of these shell scripts as
-        tests.
-        """
+        """(exit status, the final output, the folder) of a run of these shell scripts as tests."""
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         build = pathlib.Path(folder.name)

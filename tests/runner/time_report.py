@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Tells where the time of a build and of its tests went: seconds of compiling and linking by
-target, and the slowest tests.
+"""Prints the time of a build and of its tests: seconds of compiling and linking by target, and the
+slowest tests.
 
 usage: time_report.py BUILD [--tests JUNIT_XML] [--rows N] [--page FILE]
 
-What a target took is the sum over its steps in BUILD/.ninja_log, of the last time that each was
-made; steps run next to each other, so the sum is about twice the time on the clock of two cores.
-JUNIT_XML is what `ctest --output-junit` wrote.
+The time of a target is the sum over its steps in BUILD/.ninja_log, each at its last run. Steps run
+in parallel, so on two cores the sum is about twice the wall time. JUNIT_XML is the output of `ctest
+--output-junit`.
 """
 
 import argparse

@@ -1,6 +1,6 @@
-// voxtouch_asker DOMAIN GAIN [KEYS ROLE]: asks a ring's services, plain or with a person's
-// certificate: reads `friction.gain`, sets it, and changes it to half of that by change_effect.
-// Prints a line for each; `no server` and exit status 1 where none is found or may be asked.
+// voxtouch_asker DOMAIN GAIN [KEYS ROLE]: calls a ring's services, plain or with a certificate:
+// reads `friction.gain`, sets it, and changes it to half of that by change_effect. Prints a line
+// for each; `no server` and exit status 1 if no server is found or permitted.
 #include <fmt/format.h>
 
 #include <optional>

@@ -1,14 +1,12 @@
 #!/usr/bin/env python3
-"""What DDS Security costs a hop, measured in turns so that what else the machine does meets all
-alike.
+"""Cost of DDS Security per hop, measured in turns, so that the machine's load affects all equally.
 
     tests/security/cost.py ring --build build      # the ring of five processes, plain and secured
-    tests/security/cost.py hop --build build       # three processes that hand a sample round, one
-                                                   kind of protection after the other
+    tests/security/cost.py hop --build build       # three processes that pass a sample on, one kind
+                                                   of protection after the other
 
 p50 and p99 are of a whole round, which is three hops; a ratio is of two rounds of one turn, or of
-their medians. Told, not judged, for the machine decides more than the program: read the load next
-to it.
+their medians. Results depend on the machine and are only printed, with its load.
 """
 
 import argparse

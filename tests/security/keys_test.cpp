@@ -1,5 +1,5 @@
-// What `voxtouch keys` makes, and that nothing half of it is taken: each fault of a folder is one
-// sentence with the file and what to do.
+// Output of `voxtouch keys`, and refusal of incomplete folders: each fault is one sentence with the
+// file and the remedy.
 #include <gtest/gtest.h>
 
 #include <sys/stat.h>
@@ -26,7 +26,7 @@ fs::path fresh_keys(const TemporaryFolder& folder, const std::string& name = "ke
   return folder / name;
 }
 
-/// Why a role is refused; empty where it is not.
+/// Why a role is refused; empty if it is not.
 std::string refusal(const fs::path& folder, const std::string& role = "coupling",
                     const std::string& rig = "haptic") {
   try {

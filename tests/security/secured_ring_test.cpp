@@ -1,4 +1,4 @@
-// The ring under --security, in real time and in contact, next to those whom it has to keep out.
+// The ring under --security, in real time and in contact, next to unauthorised participants.
 #include <gtest/gtest.h>
 
 #include "nodes/runtime/node_registry.hpp"
@@ -29,7 +29,8 @@ bus::ParticipantOptions with(const security::Properties& properties) {
   return {domain(), "lo", "adversary", {}, {}, properties};
 }
 
-/// What the ring's own readers had of others than those that they follow; -1: none says.
+/// Number of samples that the ring's readers received from participants that they do not follow;
+/// -1: not reported.
 double foreign(const runtime::NodeRegistry& registry) {
   double all = 0;
   for (const auto& [node, figure] :
@@ -50,7 +51,7 @@ std::string text_of(const runtime::NodeRegistry& registry) {
   return text;
 }
 
-/// Processes: one that has a plain participant and a secured one in the same domain crashes in
+/// Separate processes: one with a plain and a secured participant in the same domain crashes in
 /// Cyclone DDS 0.10.2.
 struct Strangers {
   explicit Strangers(const std::vector<std::vector<std::string>>& all) {
@@ -64,8 +65,8 @@ struct Strangers {
   std::vector<std::unique_ptr<Process>> processes;
 };
 
-/// A ring of cup_friction in contact, next to `strangers`, who claim its roles before it starts and
-/// write everything while it runs.
+/// A ring of cup_friction in contact, next to `strangers`, which claim its roles before it starts
+/// and write everything while it runs.
 struct RunBesideStrangers {
   RunBesideStrangers(const std::vector<std::string>& options,
                      const security::Properties& of_observer,
@@ -134,7 +135,7 @@ TEST(SecuredRing, RunsInContactAndRejectsUnauthorisedPeers) {
   EXPECT_GT(read_ring_topic<msg::DeviceState>(bag, "/haptic/device/state").size(), 2000U);
 }
 
-/// Asked by processes, for the reason above.
+/// Called by processes, for the reason above.
 TEST(SecuredRing, AnswersOnlyToolsWithItsKeys) {
   const TemporaryFolder folder;
   const auto keys = folder / "keys", others = folder / "others";
@@ -164,7 +165,8 @@ TEST(SecuredRing, AnswersOnlyToolsWithItsKeys) {
   EXPECT_EQ(up.wait().status, 0);
 }
 
-/// A plain stranger next to the same ring without --security: that the test above would see it.
+/// A plain unauthorised participant next to the same ring without --security: shows that the test
+/// above would detect it.
 TEST(SecuredRing, PlainRingIsBlockedByUnauthorisedPeers) {
   const TemporaryFolder folder;
   security::make_keys(
@@ -209,8 +211,8 @@ TEST(SecuredRing, RefusesToStartWithIncompleteKeys) {
   refused({"voxtouch", "status", "--security", used}, "tool/cert.pem");
 }
 
-/// crl.pem is read when a participant starts: those that run stay as they are, and who starts with
-/// the new list takes the revoked in no more.
+/// crl.pem is read when a participant starts. Running participants are unaffected; one that starts
+/// with the new list rejects the revoked one.
 TEST(SecuredRing, RefusesARevokedParticipant) {
   const TemporaryFolder folder;
   const auto keys = folder / "keys";

@@ -1,6 +1,6 @@
 // voxtouch_stranger DOMAIN [KEYS ROLE [FILE [OTHER_KEYS]]]: writes on every topic of the loop and
-// claims every role, plain or with a person's certificate, until it is ended. With FILE, which it
-// writes, its own DDS keeps it from nothing (see lawless_tool).
+// claims every role, plain or with a certificate, until it is ended. With FILE, which it writes,
+// its own DDS permits everything (see lawless_tool).
 #include <fstream>
 #include <optional>
 #include <thread>
@@ -28,9 +28,9 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(text.find(from), from.size(), to);
 }
 
-/// A tool's certificate in hands that do not keep to the rules, so that its own DDS lets it write
-/// what it likes: by rules that only say so to itself, or, with keys of another authority, by
-/// permissions for everything that this other authority has signed.
+/// A tool's certificate used against the rules: its own DDS permits every topic. Either its local
+/// rules say so, or, with keys of another authority, permissions for everything signed by that
+/// authority.
 Properties lawless_tool(const std::filesystem::path& keys, const std::filesystem::path& file,
                         const std::filesystem::path& other) {
   const Signer authority = authority_of(keys);
@@ -57,7 +57,7 @@ Properties lawless_tool(const std::filesystem::path& keys, const std::filesystem
   return properties;
 }
 
-/// What its own DDS keeps it from is left out.
+/// Skips what its own DDS refuses.
 template <class Write>
 void attempt(const Write& write) {
   try {
@@ -66,7 +66,7 @@ void attempt(const Write& write) {
   }
 }
 
-/// What each of the loop's topics would take if it came from the node that it should.
+/// On each of the loop's topics, a sample that would be accepted from the authorised node.
 void write_everything(Adversary& a, const msg::DeviceState& newest) {
   msg::DeviceState s = newest;
   ++s.sequence_number, s.sample_time_ns += 1'000'000;

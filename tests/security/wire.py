@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""What a listener on the wire sees of a ring: names of topics and types, words of messages, samples
-that are not enciphered.
+"""Data of a ring visible on the wire: names of topics and types, words of messages, unencrypted
+samples.
 
     tests/security/wire.py BUILD DOMAIN
 
-Captures loopback while a secured ring runs, and while a plain one does, which has to show plenty.
+Captures loopback while a secured ring runs, and while a plain one does, which must show plenty.
 Exit status 1: something passed in clear text, or the plain ring showed nothing; 77: this user may
 not capture.
 """

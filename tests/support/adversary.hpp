@@ -1,5 +1,5 @@
 #pragma once
-/// Somebody else on the network, who writes any of the ring's messages as he likes.
+/// An unauthorised participant that writes any of the ring's messages.
 #include <any>
 #include <cstring>
 #include <map>
@@ -11,7 +11,7 @@
 
 namespace voxtouch::test {
 
-/// The row of the table that carries T: each of the ring's own types has one.
+/// The row of the table for T: each of the ring's types has one.
 template <class T>
 const qos::Topic& topic_of() {
   for (const qos::Topic& row : qos::kTopics)
@@ -44,8 +44,7 @@ class Adversary {
   bool write(const T& message) {
     return writer<T>().write(message);
   }
-  /// A status that says whatever `state` and `session` are; `as`: the participant that it claims to
-  /// be.
+  /// A status with the given `state` and `session`; `as`: the participant that it claims to be.
   void claim(const std::string& node, std::uint64_t session, std::uint32_t state,
              const bus::Guid& as, const std::string& message = "") {
     std::string name = node, host = "elsewhere", text = message;
@@ -56,7 +55,7 @@ class Adversary {
     std::memcpy(status.participant, as.data(), as.size());
     write(status);
   }
-  /// The same of itself: true as far as DDS can tell.
+  /// The same with its own participant: valid for DDS.
   void claim(const std::string& node, std::uint64_t session,
              std::uint32_t state = msg::node_status::kStateRunning) {
     claim(node, session, state, participant_.guid());

@@ -18,7 +18,7 @@ std::uint64_t fnv1a(std::uint64_t hash, std::span<const std::byte> bytes) noexce
   return hash;
 }
 
-// The length goes in first, in a fixed byte order: "ab","c" and "a","bc" differ.
+// The length first, in a fixed byte order: "ab","c" and "a","bc" differ.
 std::uint64_t add_message(std::uint64_t hash, std::span<const std::byte> bytes) noexcept {
   std::byte length[8];
   for (unsigned i = 0; i < 8; ++i)

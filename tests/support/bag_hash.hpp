@@ -1,6 +1,6 @@
 #pragma once
-/// One number for what was said on a topic, equal for two runs that gave bit-identical results,
-/// whatever the recorder's timing was.
+/// A hash of the messages of a topic, equal for two runs with bit-identical results, for any
+/// recorder timing.
 #include <functional>
 #include <optional>
 
@@ -13,8 +13,7 @@ namespace voxtouch::bag {
 using KeyOf = std::function<std::optional<std::uint64_t>(std::span<const std::byte>)>;
 
 /// sequence_number of DeviceState, ContactState, ForceCommand and ValidationReport: the second
-/// uint64, in the message's own byte order. The bytes do not say that they are of such a type: the
-/// caller knows.
+/// uint64, in the message's byte order. The type is not checked: the caller must know it.
 std::optional<std::uint64_t> ring_sequence_number(std::span<const std::byte> bytes) noexcept;
 
 struct TopicHash {

@@ -4,7 +4,7 @@
 
 namespace voxtouch::test {
 
-/// At least this fraction of the checked samples should be decided, or a run says little.
+/// At least this ratio of the checked samples should be decided; otherwise a run is not conclusive.
 inline constexpr double kMinDecidedRatio = 0.2;
 
 /// 0 before the first sample.

@@ -1,15 +1,15 @@
 #pragma once
-/// Whether the primitives that a scene declares for a mesh stand for it.
+/// Whether the declared primitives of a scene match their mesh.
 #include "core/reference/chord_error.hpp"
 
 namespace voxtouch::test {
 
 /// A declared primitive may differ from its mesh by this fraction of a voxel edge. A chord error
-/// widens the band in which the validator decides nothing, on both sides; a quarter of an edge
-/// costs about a tenth of it.
+/// widens the undecided band of the validator, on both sides; a quarter of an edge costs about a
+/// tenth of it.
 inline constexpr double kChordRatioOfEdge = 0.25;
 
-/// How far both are apart at most [m]; 0 where none are declared.
+/// Largest distance of both [m]; 0 without primitives.
 inline double primitives_off_m(const scene::MeshSpec& spec) {
   if (spec.primitives.empty())
     return 0.0;

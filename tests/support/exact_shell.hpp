@@ -1,5 +1,5 @@
 #pragma once
-/// The exact shell of a tool in one call, for tests that ask nothing of its single points.
+/// The exact shell of a tool in one call, for tests that do not need its single points.
 #include "core/pointshell/build_shell.hpp"
 
 namespace voxtouch::test {

@@ -4,7 +4,7 @@
 
 namespace voxtouch::test {
 
-/// How many files and folders a folder holds, not counting what is within them.
+/// Number of entries of a folder, not recursive.
 inline std::size_t file_count(const std::filesystem::path& folder) {
   return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder), {}));
 }

@@ -1,6 +1,6 @@
 #pragma once
-/// Parts as people have them: a bracket of 220 triangles, a peg of 192, a gear, a turned knob of
-/// any number. Closed, outward, in metres.
+/// Typical users' parts: a bracket of 220 triangles, a peg of 192, a gear, a lathed knob of any
+/// number. Closed, outward, in metres.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -38,8 +38,8 @@ inline Part extruded(const std::vector<std::array<double, 2>>& outline,
   return part;
 }
 
-/// Turned round z: `profile` of radius and height from the lower to the upper tip, without the
-/// tips.
+/// Solid of revolution about z: `profile` of radius and height from the lower to the upper tip,
+/// without the tips.
 inline Part turned(const std::vector<std::array<double, 2>>& profile, double low, double high,
                    std::uint32_t around) {
   Part part;

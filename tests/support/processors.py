@@ -1,5 +1,5 @@
-"""How much of the machine other programs take: a test judges times only where that is little, and
-reports them with the fraction otherwise.
+"""Processor time of other programs: a test checks times only if it is small, and otherwise prints
+them with the fraction.
 """
 
 import os
@@ -10,8 +10,8 @@ QUIET = 0.1  # the fraction that programs of others may take
 
 
 class Processors:
-    """Which fraction of the processors programs of others take, from now on: of all time that they
-    worked what is not this program's and its children's.
+    """Fraction of the processors used by other programs from now on: all busy time except that of
+    this program and its children.
     """
 
     def __init__(self):

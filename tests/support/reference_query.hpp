@@ -1,6 +1,5 @@
 #pragma once
-/// What the contact query has to say, one point after the other in doubles: the arithmetic that
-/// decides, without anything that makes it fast.
+/// Reference of the contact query: one point after the other in doubles, without optimisation.
 #include <cmath>
 #include <cstdint>
 #include <vector>

@@ -12,9 +12,9 @@
 
 namespace voxtouch::testing {
 
-/// The seed of a random test: `standard`, or what the environment variable VOXTOUCH_SEED says. It
-/// stands in the test's report (property "seed" of --gtest_output) so that a failure can be run
-/// again. \throws std::runtime_error where VOXTOUCH_SEED is no whole number.
+/// The seed of a random test: `standard`, or the environment variable VOXTOUCH_SEED. The test's
+/// report has it (property "seed" of --gtest_output), so that a failure can be repeated. \throws
+/// std::runtime_error if VOXTOUCH_SEED is not an integer.
 inline std::uint64_t seed(std::uint64_t standard) {
   std::uint64_t chosen = standard;
   if (const char* text = std::getenv("VOXTOUCH_SEED")) {

@@ -1,5 +1,5 @@
 #pragma once
-/// A client of a ring's services, as rmw_cyclonedds makes one: it asks, and knows its answer by its
+/// A client of a ring's services, as rmw_cyclonedds creates one: it identifies its replies by its
 /// own number and the request's.
 #include <dds/dds.h>
 
@@ -21,7 +21,7 @@ class ServiceClient {
   using Request = typename Service::Request;
   using Response = typename Service::Response;
 
-  /// Throws bus::Error, also where the participant's own rights do not allow it.
+  /// Throws bus::Error, also if the participant's permissions forbid it.
   ServiceClient(dds_entity_t participant, const qos::Service& row, std::string_view rig,
                 std::string_view node)
       : requests_(dds_create_topic(participant, Service::request.descriptor,
@@ -56,7 +56,8 @@ class ServiceClient {
     });
   }
 
-  /// Asks, and calls f(const Response&) with the answer; false where none comes within `patience`.
+  /// Sends a request, and calls f(const Response&) with the reply; false if there is none within
+  /// `patience`.
   template <class F>
   bool call(Request request, std::chrono::milliseconds patience, F&& f) {
     request.client_guid = self_;

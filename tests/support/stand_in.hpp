@@ -1,6 +1,5 @@
 #pragma once
-/// What stands in for a node of the ring: a participant with a status, so that the others take it
-/// for what it plays.
+/// Replaces a node of the ring: a participant with a status, which the others accept as that node.
 #include <cstring>
 #include <string>
 #include <utility>
@@ -39,7 +38,7 @@ struct StandInUp {
     }
     char host[] = "host";
     msg::RigClaim claim{};
-    claim.host = host, claim.state = msg::rig_claim::kStateHeld;
+    claim.host = host, claim.state = msg::rig_claim::kStateActive;
     std::memcpy(claim.participant, participant.guid().data(), participant.guid().size());
     claim.roles._buffer = roles.data();
     claim.roles._length = claim.roles._maximum = static_cast<std::uint32_t>(roles.size());
@@ -49,7 +48,7 @@ struct StandInUp {
   bus::Writer<msg::RigClaim> claims;
 };
 
-/// A small stylus, simulated; its strings live for ever.
+/// A small simulated stylus; its strings have static lifetime.
 inline msg::DeviceDescription stylus(std::uint64_t session) {
   static char model[] = "stylus", grip[] = "pen";
   msg::DeviceDescription m{};
@@ -63,7 +62,7 @@ inline msg::DeviceDescription stylus(std::uint64_t session) {
   m.position_resolution_m = 3e-5;
   m.delay_s = 1e-3;
   m.force_bandwidth_hz = 1e9;
-  m.jitter = 0.2, m.lost_in_a_row = 1;
+  m.jitter = 0.2, m.consecutive_losses = 1;
   m.simulated = true;
   return m;
 }

@@ -1,4 +1,4 @@
-"""Latency of a ring measured in turns, so that what else the machine does meets all kinds alike."""
+"""Latency of a ring measured in turns, so that the machine's load affects all kinds equally."""
 
 import json
 import os
@@ -34,12 +34,13 @@ def ring_latency(build, domain, seconds, *more):
 
 
 def in_turns(turns, kinds, measure):
-    """{kind: [(p50, p99) of each turn]}; measure(kind) gives one of them. Prints a line a turn."""
+    """{kind: [(p50, p99) of each turn]}; measure(kind) gives one of them. Prints a line per
+    turn."""
     rounds = {kind: [] for kind in kinds}
     for turn in range(turns):
         for kind in (
             kinds if turn % 2 == 0 else reversed(kinds)
-        ):  # who comes second finds the machine as the first left it
+        ):  # the second one finds the machine as the first left it
             rounds[kind].append(measure(kind))
         print(
             f"turn {turn + 1}, load {os.getloadavg()[0]:.1f}: "

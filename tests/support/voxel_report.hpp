@@ -1,6 +1,5 @@
 #pragma once
-/// What a mesh's triangles and parts are to the voxels: counted for tests by the same functions
-/// that `voxelise` asks.
+/// Counts a mesh's triangles and parts for tests, with the functions that `voxelise` uses.
 #include <algorithm>
 
 #include "core/voxmap/closed_shells.hpp"
@@ -33,7 +32,8 @@ inline VoxelReport voxel_report(const mesh::TriangleMesh& mesh, const voxmap::Gr
     const voxmap::ShellRole role = report.shells.role[t];
     if (role != voxmap::ShellRole::kKept && role != voxmap::ShellRole::kFlipped)
       continue;
-    const Vec3 at = in_grid.u[mesh.triangles[0][0]];  // near the mesh, so that little cancels
+    const Vec3 at =
+        in_grid.u[mesh.triangles[0][0]];  // near the mesh, so that cancellation is small
     const double six = (in_grid.corner(t, 0) - at)
                            .dot((in_grid.corner(t, 1) - at).cross(in_grid.corner(t, 2) - at));
     report.volume += static_cast<double>(role) * six / 6.0;

@@ -1,5 +1,5 @@
 #pragma once
-/// A recorded bag with all that tests ask of one: counts, metadata, the messages of a topic.
+/// A recorded bag with the queries of tests: counts, metadata, the messages of a topic.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
@@ -17,7 +17,7 @@ struct StoredMessage {
   std::vector<std::byte> bytes;
 };
 
-/// metadata.yaml as it stands.
+/// Content of metadata.yaml.
 struct WholeMetadata : BagMetadata {
   int version = 0;
 };
@@ -76,8 +76,8 @@ class WholeBag {
   }
 
   const std::vector<TopicInfo>& topics() const noexcept { return topics_; }
-  /// metadata.yaml as it stands; nothing if it is missing or unreadable. It may be up to a second
-  /// behind after a kill.
+  /// Content of metadata.yaml; empty if it is missing or unreadable. It may be up to a second old
+  /// after a kill.
   const std::optional<WholeMetadata>& metadata() const noexcept { return metadata_; }
   std::optional<std::size_t> find_topic(std::string_view name) const noexcept {
     const auto found = std::ranges::find(topics_, name, &TopicInfo::name);
@@ -98,7 +98,7 @@ class WholeBag {
     return reader_.for_each_between(Limits::min(), Limits::max(), f);
   }
   enum class Order : std::uint8_t { kTime, kArrival };  ///< the latter for bags of one file
-  /// All messages of a topic. Error: no such topic; names what there is.
+  /// All messages of a topic. Error: unknown topic, with the list of topics.
   Result<std::vector<StoredMessage>> read_topic(std::string_view name,
                                                 Order order = Order::kTime) const {
     const auto topic = find_topic(name);

@@ -1,6 +1,6 @@
 #pragma once
-/// A bare DDS reader that is woken in one of three ways: to measure them, and what a ring costs
-/// beyond DDS.
+/// A bare DDS reader that is woken in one of three ways, to compare them and to measure the ring's
+/// overhead.
 #include <semaphore.h>
 
 #include <algorithm>
@@ -50,8 +50,8 @@ class Woken {
   Woken(const Woken&) = delete;
   Woken& operator=(const Woken&) = delete;
 
-  /// Answers what comes, until `end_ns` of the monotonic clock or until `done` says so, which is
-  /// asked after each sample and 20 times a second.
+  /// Answers received samples, until `end_ns` of the monotonic clock or until `done` returns true,
+  /// which is called after each sample and 20 times a second.
   void run_until(
       std::int64_t end_ns, const std::function<bool()>& done = [] { return false; }) {
     for (std::int64_t left; (left = end_ns - runtime::monotonic_ns()) > 0 && !done();) {

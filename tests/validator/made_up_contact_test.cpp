@@ -1,6 +1,6 @@
-/// End to end without any rendering code: reports from closed-form geometry are judged by the
-/// reference on the mesh files. Faultless ones raise no alarm, also over edges and corners; each
-/// planted fault is caught.
+/// End to end without rendering code: the reference evaluates reports of closed-form geometry on
+/// the mesh files. Correct ones raise no alarm, also over edges and corners; each planted fault is
+/// detected.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -71,7 +71,7 @@ Ground cylinder() {
           press_and_slide(touch, up, Vec3(-0.4, 0.86, 0.3).normalized(), 4.0), up};
 }
 
-/// Judges the whole path; `tamper` may change a report, given its place in the path.
+/// Evaluates the whole path; `tamper` may change a report, given its place in the path.
 template <class Tamper>
 reference::ContactValidator judged(const Ground& ground, const Fault& fault, Tamper tamper,
                                    std::string* first_sentence = nullptr) {
@@ -140,15 +140,15 @@ TEST_P(PlantedFaults, FrozenForceIsDetected) {
     const auto stuck = static_cast<std::size_t>((5 - stuck_at_gap) / 0.0631);
     const reference::ReportedContact frozen = ground.rendering.at(ground.path[stuck]);
     ASSERT_FALSE(frozen.wrench.zero());
-    // All of the message stands still until the hand is back in free space.
+    // The whole message is frozen until the hand is back in free space.
     expect_caught(judged(ground, {},
                          [&](std::size_t i, reference::ReportedContact& r) {
                            if (i >= stuck)
                              r = frozen;
                          }),
                   "to the end");
-    // Only the force stands still, and only while the tool sinks by one edge: the free rule never
-    // sees it.
+    // Only the force is frozen, and only while the tool moves in by one edge: the rule for free
+    // space never applies.
     expect_caught(judged(ground, {},
                          [&](std::size_t i, reference::ReportedContact& r) {
                            if (i >= stuck && i < stuck + 16)

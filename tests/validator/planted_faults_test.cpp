@@ -1,5 +1,5 @@
-/// The rendering as shipped, judged by the reference on the shipped scenes: without a fault no
-/// disagreement and enough decided; each planted fault is caught.
+/// The rendering as shipped, evaluated by the reference on the shipped scenes: no disagreement
+/// without a fault, with enough decided samples; each planted fault is detected.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,13 +17,13 @@
 namespace voxtouch::test {
 namespace {
 
-/// Where the torque matters the sphere is put on a handle along this: askew to all faces of the
+/// For tests of torque the sphere is on a handle along this direction: oblique to all faces of the
 /// scenes.
 const Vec3 kHandle(0.6, -0.5, 0.6245);
 
-/// A shipped scene as it stands or with its sphere on a handle, and its walks. The reference's gaps
-/// take by far the longest, and hang on neither model nor shell: they are worked out once for all
-/// cases of this process.
+/// A shipped scene unchanged or with its sphere on a handle, and its walks. The reference's gaps
+/// take the longest and depend on neither model nor shell: they are computed once for all cases of
+/// this process.
 struct Prepared {
   explicit Prepared(const scene::Scene& scene, const Vec3& tool_to_sphere)
       : ground(scene, tool_to_sphere),
@@ -34,8 +34,7 @@ struct Prepared {
   }
   Ground ground;
   std::vector<Walk> walks;
-  std::vector<Walk> own_motions;  ///< what the planted faults are judged on: the scene's own
-                                  ///< motions and nothing else
+  std::vector<Walk> own_motions;  ///< the planted faults are evaluated on the scene's motions only
 };
 
 Vec3 handle_of(const scene::Scene& scene) { return 15.0 * scene.voxel_size_m * kHandle; }
@@ -72,13 +71,13 @@ TEST_P(RealRendering, IsNeverRejectedAndAFifthIsDecided) {
   }
 }
 
-/// What else a scene file may choose: the other model, where points weigh one each; the other
-/// shell; also with the force on a lever.
+/// Other choices of a scene file: the other model, with unit weights; the other shell; also with
+/// the force on a lever.
 TEST_P(RealRendering, OtherModelAndShellAreNeverRejected) {
   const bool weighs_points = shipped_scene(GetParam()).contact.stiffness_n_per_m > 0.0;
   for (const bool original : {false, true}) {
     if (original && !weighs_points)
-      break;  // it has its own model either way
+      break;  // its model is fixed
     for (const scene::ShellKind shell : {scene::ShellKind::kExact, scene::ShellKind::kNaive})
       for (const bool on_handle : {false, true}) {
         scene::Scene scene = shipped_scene(GetParam());
@@ -107,21 +106,21 @@ Fault tampered(const std::string& name, std::function<void(reference::ReportedCo
           }};
 }
 
-/// Axes a shift of the grid cannot be reported along, and why. A shift counts by its part along the
-/// normals of the faces that are touched; below 1.5 e it may hide in the rules' tolerances
-/// (contact_validator.hpp), at 0 there is nothing to see at all.
+/// Axes along which a shift of the grid cannot be detected, and why. A shift counts by its
+/// component along the normals of the touched faces. Below 1.5 e it may be within the rules'
+/// tolerances (contact_validator.hpp); at 0 it has no effect.
 const std::map<std::string, std::string> kBlindAxes = {
-    {"cup", "z"},              // the motions touch the walls, which are the same all along z
-    {"cup_field", "z"},        // likewise
-    {"cup_guide_line", "z"},   // likewise
-    {"cup_guide_plane", "z"},  // likewise
-    {"cup_guide_point", "z"},  // likewise
-    {"cup_magnet", "z"},       // likewise
-    {"cup_mm", "z"},           // likewise
-    {"cup_metre", "z"},        // likewise
-    {"cup_proximity", "z"},    // likewise
-    {"cylinder", "y"},         // its axis; the motions stay away from its ends
-    {"plane", "xy"},           // it lies in x and y; the motions stay away from its borders
+    {"cup", "z"},  // the motions touch the walls, which are the same all along z
+    {"cup_field", "z"},
+    {"cup_guide_line", "z"},
+    {"cup_guide_plane", "z"},
+    {"cup_guide_point", "z"},
+    {"cup_magnet", "z"},
+    {"cup_mm", "z"},
+    {"cup_metre", "z"},
+    {"cup_proximity", "z"},
+    {"cylinder", "y"},       // its axis; the motions stay away from its ends
+    {"plane", "xy"},         // it lies in x and y; the motions stay away from its borders
     {"tilted_plane", "xy"},  // its normal is (0.40, -0.34, 0.85): 0.8 e and 0.7 e of 2 e; some are
                              // caught all the same
 };
@@ -180,7 +179,7 @@ TEST_P(RealRendering, FlippedNormalsAndPullAreDetected) {
       expect_caught(GetParam(), fault.name + ", " + walk.name, ground.judged(walk, fault));
 }
 
-/// From the n-th frame with a force on the wrench stands still, or all of the report.
+/// From the n-th frame with a force on the wrench, or the whole report, is frozen.
 Fault stuck(std::size_t onset, bool whole_report) {
   return {.tamper = [=] {
     return [=, contacts = std::size_t{0}, kept = reference::ReportedContact{}](
@@ -209,9 +208,9 @@ TEST_P(RealRendering, ForceHeldFromSomeContactOnIsDetected) {
     }
 }
 
-/// Of a sphere about the tool's origin the torque is nothing but the noise of its shell, with
-/// either sign: no reference can tell it. So the same scenes are walked with the sphere on a handle
-/// of 15 edges, where the force has a lever.
+/// For a sphere about the tool's origin the torque is only the noise of its shell, with either
+/// sign: no reference can evaluate it. The same scenes are therefore walked with the sphere on a
+/// handle of 15 edges, where the force has a lever.
 TEST_P(RealRendering, WrongTorqueIsDetectedIfItHasALever) {
   const Fault sign =
       tampered("torque's sign", [](reference::ReportedContact& r) { r.wrench.torque *= -1.0; });
@@ -230,7 +229,7 @@ TEST_P(RealRendering, WrongTorqueIsDetectedIfItHasALever) {
     expect_caught(GetParam(), fault.name, handle.ground.judged(handle.own_motions, fault));
 }
 
-/// A file in millimetres taken for one in metres, or the other way round, on either side.
+/// A file in millimetres read as metres, or the reverse, on either side.
 TEST_P(RealRendering, WrongMeshScaleIsDetected) {
   const Ground& ground = prepared(GetParam()).ground;
   const std::vector<Walk>& walks = prepared(GetParam()).own_motions;

@@ -1,5 +1,4 @@
-/// Every primitive that a shipped scene declares stands for its mesh, and one that does not would
-/// be seen.
+/// Every declared primitive of a shipped scene matches its mesh, and a wrong one would be detected.
 #include <gtest/gtest.h>
 
 #include "tests/support/declared_primitives.hpp"
@@ -14,7 +13,7 @@ std::vector<scene::MeshSpec> meshes_of(const scene::Scene& scene) {
   return meshes;
 }
 
-/// The lengths of a primitive, and where it is.
+/// The lengths of a primitive, and its position.
 std::vector<double*> lengths(scene::SpherePrimitive& p) { return {&p.radius_m}; }
 std::vector<double*> lengths(scene::BoxPrimitive& p) {
   return {&p.size_m[0], &p.size_m[1], &p.size_m[2]};
@@ -24,8 +23,8 @@ Vec3& place(scene::SpherePrimitive& p) { return p.centre; }
 Vec3& place(scene::BoxPrimitive& p) { return p.pose.position; }
 Vec3& place(scene::CylinderPrimitive& p) { return p.pose.position; }
 
-/// The ways to be wrong that must be seen: a length 10 % off, or the whole shifted by one edge
-/// along an axis.
+/// Errors that must be detected: a length 10 % off, or the whole displaced by one edge along an
+/// axis.
 std::vector<scene::Primitive> wrong(const scene::Primitive& right, double edge_m) {
   std::vector<scene::Primitive> all;
   const auto add = [&](auto change) {

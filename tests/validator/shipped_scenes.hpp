@@ -7,11 +7,10 @@
 
 namespace voxtouch::test {
 
-/// Names without `.yaml`, sorted; all that is in the folder, so that a new scene takes part by
-/// itself.
+/// Names without `.yaml`, sorted: all scenes of the folder, including new ones.
 std::vector<std::string> shipped_scene_names();
-/// Those of penalty contact alone, with objects that rest: what the walks of poses render. The
-/// contact of the others is one of these.
+/// Those of penalty contact only, with static objects: the walks of poses render these. The contact
+/// of the others is one of these.
 std::vector<std::string> resting_scene_names();
 scene::Scene shipped_scene(const std::string& name);
 

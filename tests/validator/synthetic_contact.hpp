@@ -1,7 +1,7 @@
 #pragma once
-/// Contact reports made from closed-form geometry: what a faultless rendering of an ideal sphere
-/// against a half-space, a cylinder or a box would say, and what one with a planted fault says.
-/// Nothing of the rendering code is in here.
+/// Contact reports from closed-form geometry: those of a correct rendering of an ideal sphere
+/// against a half-space, a cylinder or a box, and those with a planted fault. Has no rendering
+/// code.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -48,13 +48,13 @@ inline Solid box(const Vec3& lowest, const Vec3& highest) {
   };
 }
 
-/// What is wrong with the rendering.
+/// Fault of the rendering.
 struct Fault {
-  Vec3 grid_shift = Vec3::Zero();  ///< the voxmap lies here from where it should [m]
+  Vec3 grid_shift = Vec3::Zero();  ///< displacement of the voxmap from its right place [m]
   bool flipped = false;            ///< normals point out of the dynamic object
 };
 
-/// A sphere's shell over a voxelised solid, felt by the adapted law with its fallback.
+/// A sphere's shell over a voxelised solid, with the adapted law and its fallback.
 class Rendering {
  public:
   Rendering(Solid solid, double edge, Vec3 origin, double radius)

@@ -151,7 +151,7 @@ Outcome Ground::judged(const Walk& walk, const Fault& fault) const {
       renderer.reset();
     Pose seen = walk.poses[n];
     seen.position -=
-        fault.grid_shift;  // a grid that lies there looks like a tool that lies the other way
+        fault.grid_shift;  // a grid displaced in one direction equals a tool displaced in the other
     reference::ReportedContact report = to_report(renderer.render(seen), walk.poses[n]);
     tamper(n, report);
     if (n % walk.every != 0)

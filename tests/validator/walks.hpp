@@ -12,7 +12,7 @@
 
 namespace voxtouch::test {
 
-/// Poses of the tool in W in a row, and what the reference says of those that are checked.
+/// Consecutive poses of the tool in W, and the reference's results for the checked ones.
 struct Walk {
   std::string name;
   std::vector<Pose> poses;
@@ -24,17 +24,18 @@ struct Walk {
   std::size_t contacts() const;
 };
 
-/// Displacement of a motion: up to 1.5 voxel edges an axis (3 mm at an edge of 2 mm), and any turn.
+/// Perturbation of a motion: up to 1.5 voxel edges per axis (3 mm at an edge of 2 mm), and any
+/// rotation.
 struct Perturbation {
   Vec3 offset = Vec3::Zero();
   Quat turn = Quat::Identity();
 };
 
-/// What is wrong with a rendering; nothing, as it stands.
+/// Fault of a rendering; none by default.
 struct Fault {
   std::string name = "none";
-  Vec3 grid_shift = Vec3::Zero();                ///< the voxmap lies here from where it should [m]
-  contact::ContactRenderer* renderer = nullptr;  ///< takes the place of the scene's own
+  Vec3 grid_shift = Vec3::Zero();  ///< displacement of the voxmap from its right place [m]
+  contact::ContactRenderer* renderer = nullptr;  ///< replaces the scene's renderer
   /// Changes the report of frame `n`; a fresh one for each walk, since it may remember.
   using Tamper = std::function<void(std::size_t n, reference::ReportedContact& report)>;
   std::function<Tamper()> tamper = {};
@@ -50,19 +51,19 @@ struct Outcome {
 /// One scene with its rendering, its reference and its walks.
 class Ground {
  public:
-  /// `scene` is what the reference sees. `tool_to_sphere` is added to the dynamic mesh's place in
-  /// T: a sphere on a handle. The tool's poses are such that the sphere walks as the motions say.
+  /// `scene` is the reference's. `tool_to_sphere` is added to the dynamic mesh's position in T: a
+  /// sphere on a handle. The tool's poses are such that the sphere follows the motions.
   explicit Ground(scene::Scene scene, const Vec3& tool_to_sphere = Vec3::Zero());
 
   const scene::Scene& scene() const noexcept { return scene_; }
   rendering::BuiltScene& built() noexcept { return *built_; }
   reference::ValidatorSettings settings() const;
 
-  /// The scene's own motion `name` for 10 s, displaced where `perturbation` says so.
+  /// The scene's motion `name` for 10 s, displaced by `perturbation`.
   Walk motion(const std::string& name, const Perturbation& perturbation = {}) const;
   /// `count` poses near those of the motion, in no order.
   Walk scattered(const std::string& name, std::size_t count, unsigned seed) const;
-  /// The motions hit, slide and circle, each as it stands, displaced, and scattered; and free.
+  /// The motions hit, slide and circle, each unchanged, displaced, and scattered; and free.
   std::vector<Walk> walks() const;
 
   Outcome judged(const Walk& walk, const Fault& fault = {}) const;
@@ -78,7 +79,7 @@ class Ground {
   reference::ReferenceScene reference_;
 };
 
-/// The shell with all normals turned round.
+/// The shell with all normals inverted.
 pointshell::Pointshell flipped(const pointshell::Pointshell& shell);
 
 }  // namespace voxtouch::test

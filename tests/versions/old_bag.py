@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""A bag of a version whose messages were laid out otherwise is refused with a sentence by `voxtouch
-view` and `report`; one that reports no hashes is read.
+"""A bag of a version with other layouts is refused with a sentence by `voxtouch view` and `report`;
+one without hashes is read.
 
 usage: old_bag.py VOXTOUCH DOMAIN
 """
@@ -15,7 +15,7 @@ HASH = "RIHS01_" + 64 * "0"
 
 
 def run(*words, patience=60):
-    """(exit status, or None where it had to be ended; all that it said)."""
+    """(exit status, or None if it had to be ended; all output)."""
     with subprocess.Popen(
         [str(word) for word in words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
     ) as process:

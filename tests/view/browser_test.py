@@ -1,6 +1,5 @@
-"""The page in a real browser: headless Chromium, driven by Selenium. Its pictures stay in
-VOXTOUCH_PICTURES, to be looked at.
-"""
+"""The page in a real browser: headless Chromium, driven by Selenium. Its pictures are stored in
+VOXTOUCH_PICTURES, for inspection."""
 
 import os
 import pathlib
@@ -68,9 +67,7 @@ class Browser:
         self.driver.save_screenshot(str(PICTURES / name))
 
     def faults(self):
-        """What stands in the console, but for what taking pictures without a graphics card
-        costs.
-        """
+        """The content of the console, without messages about pictures without a graphics card."""
         return [
             line["message"]
             for line in self.driver.get_log("browser")
@@ -79,9 +76,7 @@ class Browser:
         ]
 
     def overlaps(self):
-        """Pairs of panels and words that stand over one another, and words that are cut off at the
-        window's edge.
-        """
+        """Pairs of overlapping panels and words, and words cut off at the window's edge."""
         return self.js(
             """(() => {
           const faults = [], of = s => [...document.querySelectorAll(s)].filter(e => e.offsetParent !== null && !e.hidden);
@@ -98,9 +93,8 @@ class Browser:
         )
 
     def low_contrast(self):
-        """Words whose contrast with the ground behind them is under 4.5:1, as WCAG counts it: over
-        the picture too, where axe-core cannot tell.
-        """
+        """Words with a contrast to the background under 4.5:1 (WCAG), also over the picture,
+        where axe-core cannot measure it."""
         return self.js(
             """(() => {
           const parse = c => c.match(/[\\d.]+/g).map(Number);
@@ -117,7 +111,7 @@ class Browser:
         )
 
     def barriers(self):
-        """What axe-core finds that keeps a person out: rule and element."""
+        """Accessibility faults found by axe-core: rule and element."""
         (axe,) = pathlib.Path(os.environ["VOXTOUCH_PYTHON"]).glob(
             "lib/python3*/site-packages/axe_playwright_python/axe.min.js"
         )

@@ -1,9 +1,9 @@
-"""hand_measure.py latency|drags [N]: what the hand of a page costs and what it holds, by hand, with
+"""hand_measure.py latency|drags [N]: latency and limits of a page's hand, run manually with
 Debian's Python.
 
 latency: a pointer step of 6 pixels into a wall, N times (60): milliseconds from the event to the
-first picture whose force has risen, median and 95 %. drags: N random drags (200) over a cup at any
-speed: samples in which the tool passed something, of the run's verdict. Needs VOXTOUCH_BIN,
+first picture with an increased force, median and 95 %. drags: N random drags (200) over a cup at
+any speed: samples in which the tool passed something, of the run's verdict. Needs VOXTOUCH_BIN,
 VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES.
 """
 
@@ -70,8 +70,8 @@ def latency(browser, count):
     }
 
 
-# Of a drag to a random point of the scene's surface: wheel in depth, and pixels in the plane of the
-# screen, from where the hand wants to be. Up to 6 mm off the surface, to either side.
+# A drag to a random point of the scene's surface: wheel in depth, and pixels in the plane of the
+# screen, from the hand's target. Up to 6 mm off the surface, to either side.
 DRAG = """(() => {
   const hand = voxtouch.hand, near = () => 0.012 * (Math.random() - 0.5);
   if (!hand.position) hand.grip();
@@ -95,7 +95,7 @@ def drags(browser, count, scene="cup_virtual_tool"):
         touched, largest = 0, 0.0
         for _ in range(count):
             wheel, dx, dy = browser.js(DRAG)
-            pointer.x, pointer.y = x, y  # a drag may begin anywhere: what counts is how far it goes
+            pointer.x, pointer.y = x, y  # a drag may begin anywhere: its length counts
             if abs(wheel) > 1:
                 pointer.wheel(wheel)
             pointer.drag(dx, dy, random.choice((1, 2, 4, 8)))

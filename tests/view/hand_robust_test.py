@@ -1,7 +1,6 @@
-"""A led hand whose pages fail, in headless Chromium: fifty tabs, a page that is loaded anew, one
-that sleeps, one whose socket is lost, one without the token. The hand rests, and the force of the
-recorded run has no step above the ramp.
-"""
+"""A led hand with failing pages, in headless Chromium: fifty tabs, a reloaded page, a suspended
+one, one with a lost socket, one without the token. The hand rests, and the force of the
+recorded run has no step above the ramp."""
 
 import json
 import pathlib
@@ -26,7 +25,7 @@ from bag_data import Bag, norm, vector  # noqa: E402
 MAX_FORCE_N, RAMP_S, RATE_HZ = 8.5, 0.1, 1000.0  # of the simulated Phantom and its guard
 RAMP_N = MAX_FORCE_N / RAMP_S / RATE_HZ  # of one sample
 
-# Keeps each WebSocket of a page, so that a test can close it under the page.
+# Stores each WebSocket of a page, so that a test can close it.
 KEEP_SOCKETS = """
   window.sockets = [];
   const Real = window.WebSocket;
@@ -223,7 +222,7 @@ class Robust(unittest.TestCase):
                     rest = self.resting(watching)
                     windows = [[newest_frame(watching)["t"]]]
 
-                    # Lost under the page: it comes back as another one, and the hand is free.
+                    # Lost socket: the page reconnects as another one, and the hand is free.
                     before = self.browser.js("voxtouch.page")
                     self.browser.js("sockets[sockets.length - 1].close()")
                     until(lambda: self.browser.js("voxtouch.page") > before, 20, "a new socket")
@@ -275,7 +274,8 @@ class Robust(unittest.TestCase):
                     self.assertLess(first[0] - start[0], 0.5 * (0.1 + 0.3 + 0.1) + 0.1)
 
     def test_of_fifty_tabs_the_first_controls_the_hand(self):
-        """One that sends targets, 44 that are read and try once, and five tabs of the browser."""
+        """One page that sends targets, 44 that are read and try once, and five tabs of the
+        browser."""
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
             with led_ring(rigid_plane(folder), "--record", bag, "--no-report") as up:
@@ -318,7 +318,7 @@ class Robust(unittest.TestCase):
                 start = newest_frame(watching)["tool"]
                 self.browser.open(address[:-4] + "0000")
                 self.assertIn("token", self.browser.find("body").text)
-                # The page's own scripts, from the page that is refused.
+                # The page's scripts, from the refused page.
                 said = self.browser.driver.execute_async_script(
                     """const done = arguments[0], url = `ws://${location.host}/ring`;
                     const ends = ['', '?token=', `?token=${'0'.repeat(32)}`];
@@ -338,7 +338,7 @@ class Robust(unittest.TestCase):
 
 
 def newest_hand(socket):
-    """Who has the hand, as of a second after this call."""
+    """The page that leads the hand, at least a second after this call."""
     end = time.monotonic() + 1.0
     hand = hand_test.hand_of(socket)
     while time.monotonic() < end:

@@ -35,7 +35,7 @@ def led_ring(name, *more):
 
 
 def rigid_plane(folder):
-    """The shipped plane, with a virtual tool: what is displayed stays outside."""
+    """The shipped plane, with a virtual tool: the displayed tool stays outside."""
     text = pathlib.Path(scene("plane")).read_text().replace("../meshes", str(DEPLOY / "meshes"))
     soft = "contact: {model: adapted, stiffness_n_per_m: 30}"
     assert soft in text
@@ -53,7 +53,7 @@ def aim(socket, place, seconds, orientation=UP):
 
 
 def newest_frame(socket):
-    """The first frame that was made after this call: those that wait are older."""
+    """The first frame made after this call: waiting ones are older."""
     end = time.monotonic() + 0.2
     frame = socket.frame(lambda m: "tool" in m, 10, "a frame")
     while time.monotonic() < end:
@@ -104,7 +104,7 @@ class Led(unittest.TestCase):
                         aim(stranger, (start[0], start[1], start[2] + 0.03), 0.6)
                     except OSError:
                         pass  # the server has closed
-                # What is no pose moves nothing either, and the server goes on.
+                # An invalid pose moves nothing, and the server continues.
                 for odd in (
                     {"p": [0, 0], "q": UP},
                     {"p": ["a", 0, 0], "q": UP},
@@ -146,7 +146,7 @@ class Led(unittest.TestCase):
                     self.assertAlmostEqual(force, pressed, delta=0.15 * pressed)
                 places = [f["tool"] for f in frames[len(frames) // 2 :]]
                 self.assertLess(max(distance(places[0], p) for p in places), 2e-4, "it rests")
-                # Whoever comes next leads on from there.
+                # The next page leads on from there.
                 aim(watching, start, 1.5)
                 self.assertLess(distance(newest_frame(watching)["tool"], start), 0.003)
 
@@ -204,7 +204,7 @@ class Refused(unittest.TestCase):
 
 
 class Pointer:
-    """Real events of a browser by its debugging protocol, in the canvas's own pixels."""
+    """Real events of a browser by its debugging protocol, in the pixels of the canvas."""
 
     def __init__(self, browser):
         self.browser = browser
@@ -264,7 +264,7 @@ class LedByABrowser(unittest.TestCase):
         return self.browser.frame()["tool"]
 
     def resting(self):
-        """Where the tool is once it does not move any more."""
+        """Position of the tool at rest."""
         last = [self.tool()]
 
         def rests():
@@ -318,7 +318,7 @@ class LedByABrowser(unittest.TestCase):
                 after = self.resting()
                 self.assertGreater(sign * (after[axis] - before[axis]), 0.002, repr(key))
 
-            # The camera's own drag, and the hand's again.
+            # The camera's drag, and then the hand's.
             before = self.resting()
             self.browser.press("h")
             pointer.drag(80, 0)
@@ -344,14 +344,14 @@ class LedByABrowser(unittest.TestCase):
             browser.picture("hand_in_contact.png")
             force = size(browser.frame()["force"])
 
-            # A page that is loaded anew in contact: the hand rests, and no other force comes.
+            # A page reloaded in contact: the hand rests, and the force does not change.
             browser.driver.refresh()
             until(lambda: browser.frame().get("tool"), 20, "a tool")
             time.sleep(1)
             self.assertAlmostEqual(size(browser.frame()["force"]), force, delta=0.15 * force)
             self.assertLess(distance(self.tool(), at), 5e-4)
 
-            # Another page sees who has the hand once this one moves it.
+            # Another page displays the leading page once this one moves the hand.
             until(lambda: browser.js("Boolean(voxtouch.hand.facts)"), 10, "the hand")
             browser.find("[data-camera=front]").click()
             pointer = Pointer(browser)
@@ -383,7 +383,7 @@ class LedByABrowser(unittest.TestCase):
             moved = self.resting()
             self.assertGreater(moved[0] - before[0], 0.005, "a finger")
 
-            # Two fingers that come apart: towards the viewer.
+            # Two fingers that move apart: towards the viewer.
             pointer.touch("touchStart", [(1, (x - 20, y)), (2, (x + 20, y))])
             for n in range(1, 11):
                 pointer.touch("touchMove", [(1, (x - 20 - 3 * n, y)), (2, (x + 20 + 3 * n, y))])

@@ -1,7 +1,5 @@
-"""The page to learn with: scene, device and mesh are chosen, the contact model is switched in
-contact, the tour leads through its steps, the force can be heard, and the last ten seconds can be
-saved.
-"""
+"""The learning page: choice of scene, device and mesh, switching the contact model in contact,
+the steps of the tour, sound, and saving the last ten seconds."""
 
 import base64
 import contextlib
@@ -75,7 +73,7 @@ class Choice(unittest.TestCase):
             for odd in ({}, [], None, {"scene": 1, "device": 2}):
                 socket.order(choose=odd)
 
-            # What is no mesh, or too large, is refused; the ring goes on.
+            # An invalid or too large mesh is refused; the ring continues.
             send_mesh(socket, b"solid nothing\nfacet nonsense\n")
             self.assertTrue(refusal(socket))
             send_mesh(socket, b"x", ending=".yaml")
@@ -227,7 +225,7 @@ class InABrowser(unittest.TestCase):
         )
 
     def loudness(self):
-        """Of what is heard now, the largest of half a second."""
+        """The largest amplitude of the sound over half a second."""
         return max(
             self.browser.js("(voxtouch.ear.getFloatTimeDomainData(heard), Math.max(...heard))")
             for _ in range(10)
@@ -291,7 +289,9 @@ class InABrowser(unittest.TestCase):
             )
             self.assertLess(self.loudness(), 0.01, "silent in free space")
             browser.js("document.activeElement.blur()")  # keys go to the page, not to a button
-            self.key("rawKeyDown", "ArrowDown", 40)  # down into the cup, until its bottom is felt
+            self.key(
+                "rawKeyDown", "ArrowDown", 40
+            )  # down into the cup, until it touches the bottom
             until(lambda: size(browser.frame().get("force")) > 0.5, 40, "contact by keys alone")
             self.assertGreater(self.loudness(), 0.01, "the force is heard")
             self.key("keyUp", "ArrowDown", 40)

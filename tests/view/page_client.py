@@ -1,6 +1,5 @@
-"""What the tests of the page share: rings and pages as child processes, and a plain HTTP and
-WebSocket client of the standard library.
-"""
+"""Common parts of the page's tests: rings and pages as child processes, and a plain HTTP and
+WebSocket client of the standard library."""
 
 import base64
 import contextlib
@@ -75,7 +74,7 @@ def until(holds, patience_s, what):
 
 
 class Process:
-    """A verb of voxtouch; `reported` is what it has said on stdout and stderr so far."""
+    """A verb of voxtouch; `reported` is its output so far on stdout and stderr."""
 
     def __init__(self, *arguments):
         self.file = tempfile.NamedTemporaryFile(suffix=".log")
@@ -149,9 +148,8 @@ def request(address, path=None, host=None, headers=()):
 
 
 class WebSocket:
-    """RFC 6455 as far as a page needs it. `status` is that of the handshake: 101 where it was let
-    in.
-    """
+    """RFC 6455 as far as a page needs it. `status` is that of the handshake: 101 if it was
+    accepted."""
 
     def __init__(self, address, token=None, host=None, origin=None):
         parts = urllib.parse.urlsplit(address)
@@ -209,9 +207,7 @@ class WebSocket:
         self.send(json.dumps(words))
 
     def receive(self):
-        """The next message as JSON; None once the server has closed, whose code `closed`
-        then is.
-        """
+        """The next message as JSON; None once the server has closed, with its code in `closed`."""
         text = b""
         while True:
             try:
@@ -250,7 +246,7 @@ class WebSocket:
         return self.wait_for(lambda m: m["type"] == "frame" and holds(m), patience_s, what)
 
     def code_of_the_end(self, patience_s):
-        """With which the server closes within so long; None where it does not."""
+        """The server's closing code within so long; None without one."""
         end = time.monotonic() + patience_s
         while time.monotonic() < end and self.receive() is not None:
             pass

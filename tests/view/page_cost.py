@@ -1,10 +1,9 @@
-"""page_cost.py [SECONDS [ROUNDS]]: what the page of voxtouch view costs the ring, by hand.
+"""page_cost.py [SECONDS [ROUNDS]]: cost of the page of voxtouch view for the ring, run manually.
 
-One ring runs; in turns of SECONDS (8) there is a page with a plain WebSocket client that reads all
-it gets, and there is none. Latency is that of each sample, from the device's write to the
-coupling's write of its command, by DDS's times of writing, read by a tap of this process that runs
-throughout. Needs Python with cyclonedds 11 (build/python/bin/python), VOXTOUCH_BIN,
-VOXTOUCH_DEPLOY.
+One ring runs; in turns of SECONDS (8) it has a page with a plain WebSocket client that reads all
+data, and none. Latency is that of each sample, from the device's write to the coupling's write of
+its command, by DDS's source time stamps, read by this process throughout. Needs Python with
+cyclonedds 11 (build/python/bin/python), VOXTOUCH_BIN, VOXTOUCH_DEPLOY.
 """
 
 import json

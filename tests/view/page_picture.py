@@ -28,8 +28,8 @@ from PIL import Image  # noqa: E402
 MOST_BYTES = 200_000
 
 
-# Wheel in depth, and pixels in the plane of the screen, from the target of the hand to a place that
-# is given in the camera's axes from the middle of the scene, in radii of the scene: right, up.
+# Wheel in depth, and pixels in the plane of the screen, from the hand's target to a place given in
+# the camera's axes from the middle of the scene, in radii of the scene: right, up.
 WAY = """((right, up) => {
   const hand = voxtouch.hand, scene = voxtouch.scene3d, axes = hand.axes(), pixel = hand.pixel();
   const way = scene.middle.clone().addScaledVector(axes.right, right * scene.radius)
@@ -85,7 +85,7 @@ def take(browser, address, after_s, dark, hand):
             slide(pointer)
         if not touches():
             return None
-        time.sleep(0.3)  # what is drawn follows
+        time.sleep(0.3)  # the drawing follows
         png = browser.driver.get_screenshot_as_png()
         return png if touches() else None
 

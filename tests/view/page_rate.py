@@ -1,9 +1,9 @@
-"""page_rate.py [N]: how often headless Chromium draws a bag whose scene has 12 N N triangles (N =
-289: a million), by hand, with Debian's Python.
+"""page_rate.py [N]: frame rate of headless Chromium for a bag with a scene of 12 N N triangles (N =
+289: a million), run manually with Debian's Python.
 
-Prints pictures a second, frames of the server a second, and what a picture costs in milliseconds of
-the page's one thread. A browser without a graphics card draws on the same processors that do all
-else. Needs VOXTOUCH_BIN, VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES.
+Prints pictures a second, frames of the server a second, and the time of a picture in milliseconds
+of the page's thread. A browser without a graphics card draws on the CPU. Needs VOXTOUCH_BIN,
+VOXTOUCH_DEPLOY, VOXTOUCH_PICTURES.
 """
 
 import json

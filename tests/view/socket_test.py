@@ -1,6 +1,4 @@
-"""The page's server as a plain client sees it: who is let in, what it may cost, and what of the
-ring comes through.
-"""
+"""The page's server with a plain client: access, limits, and the ring's data."""
 
 import contextlib
 import json
@@ -247,9 +245,8 @@ class Live(unittest.TestCase):
 
 class Slices(unittest.TestCase):
     def test_cut_the_voxels_of_the_scene(self):
-        """The plane's block fills 0 > z > -20 mm: what the page is reported of it is checked
-        against that, cell by cell.
-        """
+        """The plane's block fills 0 > z > -20 mm: the page's data is checked against that, cell
+        by cell."""
         with page() as shown, WebSocket(shown.address()) as socket, ring("plane"):
             socket.frame(lambda m: m.get("tool"), 20, "samples")
             for axis, at in ("z", -0.009), ("x", 0.011), ("z", 0.05):
@@ -279,7 +276,7 @@ class Slices(unittest.TestCase):
                     self.assertEqual(seen["1"] + seen["2"], 0)
                 else:
                     self.assertGreater(min(seen["1"], seen["2"]), 100, seen)
-            socket.order(slice={"axis": "z"})  # where the tool is
+            socket.order(slice={"axis": "z"})  # the tool's position
             cut = socket.wait_for(
                 lambda m: m["type"] == "slice" and m["at"] != at, 10, "a plane at the tool"
             )
@@ -357,7 +354,7 @@ class Status(unittest.TestCase):
             os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGSTOP)
             output = self.status()[
                 1
-            ]  # who hangs says nothing to who comes later; the others name it
+            ]  # a hung node reports nothing to late clients; the others name it
             os.kill(next(n["pid"] for n in dead if n["node"] == "validator"), signal.SIGCONT)
             self.assertIn("validator hangs", output)
 

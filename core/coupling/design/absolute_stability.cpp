@@ -141,7 +141,7 @@ std::vector<CertificateGap> gaps_of(const DesignProblem& request, const Coupling
       out.push_back(kDamperBound);
     if (damps_on_slow_velocity(spec))
       out.push_back(kVelocityBand);
-    if (device.timing.jitter > 0.0 || device.timing.lost_in_a_row > 0)
+    if (device.timing.jitter > 0.0 || device.timing.consecutive_losses > 0)
       out.push_back(kVaryingTiming);
     out.push_back(kBetweenCorners);
     if (request.hand.translation.may_release && translation.damping == 0.0)

@@ -185,7 +185,7 @@ FilterShape sampled_filter_shape(double w0, double d, double period_s) {
 double passive_stiffness_filter(double w0, double d, double device_damping,
                                 const LoopTiming& timing, double effort_lag_s) {
   const double longest = (1.0 + timing.jitter) * timing.period_s;
-  const double age = timing.delay_s + effort_lag_s + (0.5 + timing.lost_in_a_row) * longest;
+  const double age = timing.delay_s + effort_lag_s + (0.5 + timing.consecutive_losses) * longest;
   if (std::isinf(w0))
     return stiffness_for(device_damping, age);
   const FilterShape shape = sampled_filter_shape(w0, d, timing.period_s);

@@ -58,7 +58,7 @@ double stretch(const LoopTiming& timing, int velocity_window) {
   if (timing.jitter >= 1.0)
     return kInfinity;
   const double held =
-      std::sqrt((1.0 + timing.lost_in_a_row) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
+      std::sqrt((1.0 + timing.consecutive_losses) * (1.0 + timing.jitter) / (1.0 - timing.jitter));
   return velocity_window > 0 ? kWindowGain * held : held;
 }
 
@@ -217,7 +217,7 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
     case Law::kShapingFilter: {
       const double jittered = passive_stiffness_filter(law.w0_rad_per_s, law.damping_ratio, damping,
                                                        problem.timing, lag);
-      if (problem.timing.lost_in_a_row > 0)
+      if (problem.timing.consecutive_losses > 0)
         return jittered;
       // Without allowance for losses, a fractional delay may need slightly more than the ages of
       // rule P.

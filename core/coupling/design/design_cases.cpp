@@ -53,7 +53,7 @@ const AxisUnits kTranslationUnits{"Translation", "N/m", "Ns/m", "kg", "N", "m"};
 const AxisUnits kRotationUnits{"Rotation", "Nm/rad", "Nms/rad", "kg m^2", "Nm", "rad"};
 
 LoopTiming slowest(const LoopTiming& timing) {
-  const double longer = timing.jitter + timing.lost_in_a_row;
+  const double longer = timing.jitter + timing.consecutive_losses;
   return {timing.period_s * (1.0 + timing.jitter), timing.delay_s + longer * timing.period_s, 0.0,
           0};
 }

@@ -104,7 +104,8 @@ std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& 
   if (of_axes.empty())
     return "";
   return fmt::format(
-      "The minimum damping ratios cost {} (released {:.2g}, gripped {:.2g}); damping_floor: 0 in "
+      "The minimum damping ratios cost {} (released {:.2g}, gripped {:.2g}); min_damping_ratio: 0 "
+      "in "
       "the scene's coupling removes them.",
       of_axes, design.floors.released, design.floors.held);
 }

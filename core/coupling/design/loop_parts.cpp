@@ -71,7 +71,8 @@ void check_timing(const LoopTiming& timing, std::vector<std::string>& out) {
   find.positive("period_s", timing.period_s);
   find.not_negative("delay_s", timing.delay_s);
   find.not_negative("jitter", timing.jitter);
-  find.rule(timing.lost_in_a_row >= 0, "lost_in_a_row", timing.lost_in_a_row, "0 or above");
+  find.rule(timing.consecutive_losses >= 0, "consecutive_losses", timing.consecutive_losses,
+            "0 or above");
   if (timing.period_s > 0.0 && timing.delay_s > kMaxDelayPeriods * timing.period_s)
     out.push_back(fmt::format("timing.delay_s is {}; it must be at most {} periods of {} s.",
                               timing.delay_s, kMaxDelayPeriods, timing.period_s));
@@ -134,7 +135,7 @@ DeviceModel model_of(const DeviceDescription& d) {
   m.timing.network_s = d.network_delay_s;
   m.timing.delay_s = d.delay_s + d.network_delay_s + (d.simulated ? 0.0 : m.timing.period_s);
   m.timing.jitter = d.jitter;
-  m.timing.lost_in_a_row = static_cast<int>(d.lost_in_a_row);
+  m.timing.consecutive_losses = static_cast<int>(d.consecutive_losses);
   parse_grip(d.grip, m.grip);
   return m;
 }

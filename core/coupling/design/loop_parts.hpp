@@ -34,9 +34,9 @@ struct LoopTiming {
   /// Latency from sample to effort, excluding the zero-order hold: network, computation and device;
   /// >= 0.
   double delay_s = 0.0;
-  double jitter = 0.2;     ///< the longest period is (1 + jitter) T; >= 0
-  int lost_in_a_row = 1;   ///< consecutive samples that may be lost; their input is held
-  double network_s = 0.0;  ///< network's part of delay_s
+  double jitter = 0.2;         ///< the longest period is (1 + jitter) T; >= 0
+  int consecutive_losses = 1;  ///< consecutive samples that may be lost; their input is held
+  double network_s = 0.0;      ///< network's part of delay_s
 };
 
 /// Usual grip of a device: between the fingers like a pen, or with hand and arm.

@@ -15,7 +15,7 @@ from .messages import Definition, table
 
 
 class BagError(Exception):
-    """A sentence: what of the bag cannot be used."""
+    """A sentence: the unusable part of the bag."""
 
 
 def open_bag(path):
@@ -33,11 +33,12 @@ def open_bag(path):
 
 class Bag(collections.abc.Mapping):
     """Topics by name, each as a numpy structured array: `bag_time_ns` [ns] (when it was recorded;
-    simulated time in lockstep), then the fields of its message, in the units that idl/msg says. A
-    topic is read when it is first asked for, and kept.
+    simulated time in lockstep), then the fields of its message, with the units of idl/msg. A
+    topic is read at the first access, and kept.
 
-    `types` has each topic's ROS type, `notes` sentences on what was not as it should be and was
-    read all the same."""
+    `types` has each topic's ROS type, `notes` sentences on irregularities that did not prevent
+    reading.
+    """
 
     def __init__(self, path):
         self.path = pathlib.Path(path).expanduser()
@@ -69,8 +70,9 @@ class Bag(collections.abc.Mapping):
         """(bag time [ns], bytes in CDR with their four bytes of encapsulation) of each message, in
         order of arrival. KeyError: no such topic.
 
-        `TOPICS[...].type.deserialize(bytes)` of voxtouch.types makes a message of it that can be
-        written again."""
+        `TOPICS[...].type.deserialize(bytes)` of voxtouch.types makes a message that can be
+        written again.
+        """
         if topic not in self.types:
             raise KeyError(f"{self.path} has no topic {topic!r}; topics: {', '.join(self.types)}")
         for file in self._files:
@@ -111,9 +113,7 @@ class Bag(collections.abc.Mapping):
         return {topic: self.frame(topic) for topic in self}
 
     def recording(self):
-        """What the logger reported of the recording: version, samples lost, errors; {} where it
-        reported nothing.
-        """
+        """The logger's report of the recording: version, samples lost, errors; {} without one."""
         folder = self.path if self.path.is_dir() else self.path.parent
         try:
             recording = json.loads((folder / "voxtouch_recording.json").read_text(encoding="utf-8"))
@@ -122,9 +122,9 @@ class Bag(collections.abc.Mapping):
         return recording if isinstance(recording, dict) else {}
 
     def definition(self, topic):
-        """How the topic's messages are laid out: by the bag itself where it says so (MCAP), else as
-        this version has it. BagError where it is not known, or where the recording version had it
-        otherwise."""
+        """The layout of the topic's messages: from the bag if it has it (MCAP), otherwise that
+        of this version. BagError if it is unknown, or if the recording version had another
+        one."""
         kind = self.types[topic]
         if kind in self._definitions:
             return Definition(kind, self._definitions[kind])

@@ -11,16 +11,16 @@ HERE = pathlib.Path(__file__).resolve().parent
 DATA = HERE / "share"
 READER = str(
     HERE / "voxtouch_import_mesh"
-)  # reads meshes in a process of its own: a file that breaks it is an exception here
+)  # reads meshes in a separate process: a file that crashes it raises an exception here
 
 
 def shipped_scenes():
-    """Names of the scenes that come with voxtouch, for `probe` and `design`."""
+    """Names of the shipped scenes, for `probe` and `design`."""
     return sorted(file.stem for file in (DATA / "scenes").glob("*.yaml"))
 
 
 def scene_file(scene):
-    """The file of a scene: a path, or the name of a shipped one. ValueError where it is neither."""
+    """The file of a scene: a path, or the name of a shipped one. ValueError for any other name."""
     if pathlib.Path(scene).is_file():
         return str(scene)
     if str(scene) in shipped_scenes():

@@ -22,7 +22,7 @@ SEPARATOR = "=" * 80
 
 
 class Definition:
-    """A type and those that it uses: `fields` maps a type's name to [(type, None, "fixed" or
+    """A type and the types that it uses: `fields` maps a type's name to [(type, None, "fixed" or
     "list", count, field name)].
     """
 
@@ -64,9 +64,8 @@ class Definition:
 
     @functools.cache
     def layout(self, name=None, start=0):
-        """(dtype, size) of a type of fixed size that begins at `start` of a message, padding as CDR
-        has it; None where it has texts or lists.
-        """
+        """(dtype, size) of a fixed-size type at offset `start` of a message, with the padding of
+        CDR; None for a type with strings or lists."""
         names, formats, offsets, at = [], [], [], start
         for kind, array, count, field in self.fields[name or self.name]:
             if array == "list" or kind in ("string", "wstring"):
@@ -179,8 +178,9 @@ class Decoder:
 
 def table(definition, times, messages):
     """A structured array: bag_time_ns [ns], then the message's fields. Messages of fixed size
-    become nested numbers, without copies one by one; of others each text, list and inner message is
-    a Python object: str, array or list, dict. struct.error where a message is not laid out so."""
+    become nested numbers, without single copies; in others each text, list and inner message
+    is a Python object: str, array or list, dict. struct.error if a message has another
+    layout."""
     fields = definition.fields[definition.name]
     layout = definition.layout()
     if layout is not None:

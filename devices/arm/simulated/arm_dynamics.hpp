@@ -45,8 +45,8 @@ struct TipLoad {
 
 class ArmDynamics {
  public:
-  /// `bodies`: physically consistent. `pose_FT`: the frame T in the last link, whose origin carries
-  /// the load.
+  /// `bodies` must be physically consistent. `pose_FT`: the frame T in the last link; its origin
+  /// carries the load.
   explicit ArmDynamics(const ArmBodies& bodies, const Pose& pose_FT = {}) noexcept
       : bodies_(bodies),
         pose_FT_(pose_FT) {}
@@ -63,7 +63,7 @@ class ArmDynamics {
   /// At the joints `q` [rad], `rate` [rad/s], with `load` at the tip. Real-time safe.
   Terms at(const arm::Joints& q, const arm::Joints& rate, const TipLoad& load = {}) const noexcept;
 
-  /// Pose of a link: a point of it in the base is rotation * point + origin.
+  /// Pose of a link: a point p of the link is rotation * p + origin in the base.
   struct Frame {
     Mat3 rotation;
     Vec3 origin;  ///< on the joint's axis

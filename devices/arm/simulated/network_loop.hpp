@@ -131,7 +131,7 @@ class NetworkLoop {
     ++(gone ? counts_.sent : counts_.send_errors);
     return gone;
   }
-  /// Sends all packets due earlier than `until_s`; `left` receives each.
+  /// Sends all packets due earlier than `until_s`; `left` receives each packet.
   template <class Left>
   void send_due(double until_s, Left&& left) noexcept {
     while (const typename Line::Packet* packet = line_.take(until_s)) {

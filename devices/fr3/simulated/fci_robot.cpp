@@ -120,7 +120,7 @@ Outcome FciRobot::request(Request request, const fr3::fci::Received& body) noexc
       commanded_.setZero();
       drop_torque();
       window_.fill(false);
-      lost_in_a_row_ = 0;
+      consecutive_losses_ = 0;
       armed_ = false;
       hand_holds_ = true;
       ++counts_.motions;
@@ -184,12 +184,12 @@ void FciRobot::take_command() noexcept {
     if (!armed_)
       return;
     ++counts_.missed;
-    if (++lost_in_a_row_ >= config_.limits.lost_in_a_row)
+    if (++consecutive_losses_ >= config_.limits.consecutive_losses)
       reflex(fr3::fci::kLostPacketsError);
     return;
   }
   armed_ = true;
-  lost_in_a_row_ = 0;
+  consecutive_losses_ = 0;
   ++counts_.commands;
   if (pending_->finished)
     return leave(RobotMode::kIdle, Outcome::kSuccess);

@@ -22,7 +22,7 @@ struct Limits {
   arm::Joints torque_nm = (arm::Joints() << 87, 87, 87, 87, 12, 12, 12).finished();
   arm::Joints speed_rad_s = fr3_speed_limit();
   double torque_step_nm = 1.0;  ///< between two commands: 1000 Nm/s
-  int lost_in_a_row = 20;       ///< commands, as in the manufacturer's manual
+  int consecutive_losses = 20;  ///< commands, as in the manufacturer's manual
 };
 
 struct RobotConfig : arm_sim::ArmConfig {
@@ -89,7 +89,7 @@ class FciRobot final : public arm_sim::SimulatedArm {
   const fr3::fci::Dialect* dialect_;
   std::uint64_t ticks_ = 0;
   fr3::fci::State state_;
-  arm::Joints held_rad_;  // position held by the robot's own controller
+  arm::Joints held_rad_;  // position that the robot's controller keeps
   arm::Joints commanded_ = arm::Joints::Zero();
   arm::Joints measured_ =
       arm::Joints::Zero();  // last torque that gave force over the last millisecond
@@ -97,7 +97,7 @@ class FciRobot final : public arm_sim::SimulatedArm {
   bool not_finite_ = false;
   bool armed_ = false;  // the remote side has begun to reply
   bool reflex_done_ = false;
-  int lost_in_a_row_ = 0;
+  int consecutive_losses_ = 0;
   std::array<bool, 100> window_{};  // the last milliseconds of a motion: answered in time
   double worst_hand_n_ = 20.0;      // allowed by SetCollisionBehavior; assumed until then
   std::optional<fr3::fci::Outcome> ended_;

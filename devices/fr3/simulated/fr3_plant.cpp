@@ -7,7 +7,7 @@ namespace {
 
 using arm_sim::Axis;
 
-/// A link as in the description: in the joint's own frame, whose x axis is that of the base at q =
+/// A link as in the description: in the frame of its joint, whose x axis is that of the base at q =
 /// 0.
 struct Described {
   double mass_kg;

@@ -4,9 +4,9 @@
 
 namespace voxtouch::lwr_sim {
 
-/// Fine interpolation of longer periods, and extrapolation over missing replies. Positions of a
-/// missed period continue as in the last one, for at most `kExtrapolated` consecutive misses;
-/// forces are held. Real-time safe.
+/// Interpolates longer periods and extrapolates missing replies. Positions of a missed period
+/// continue as in the last one, for at most `kExtrapolated` consecutive misses; forces are
+/// repeated. Real-time safe.
 class CommandPath {
  public:
   static constexpr int kExtrapolated = 3;  ///< assumed

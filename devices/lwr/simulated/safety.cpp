@@ -8,7 +8,7 @@ namespace {
 /// Rounding of floats on the wire must not violate a limit.
 constexpr double kSlack = 1.0 + 1e-5;
 
-/// The joints whose |value| exceeds its limit; NaN exceeds any.
+/// The joints with |value| above the limit; NaN counts as above.
 std::uint16_t over(const lwr::LwrJoints& value, const lwr::LwrJoints& limit) noexcept {
   std::uint16_t bits = 0;
   for (int i = 0; i < 7; ++i)

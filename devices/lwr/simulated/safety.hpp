@@ -54,8 +54,8 @@ Violation check_command(const SafetyRules& rules, const Setpoint& before, const 
                         double elapsed_s, const lwr::LwrJoints& q) noexcept;
 /// Checks the speed of the joints.
 Violation check_motion(const SafetyRules& rules, const lwr::LwrJoints& rate) noexcept;
-/// Whether command mode may begin. `mirrored`: the last commanded position; `expected`: the
-/// controller's own.
+/// Whether command mode may begin. `mirrored`: the last commanded position. `expected`: that of the
+/// controller.
 Violation check_entry(const SafetyRules& rules, const lwr::LwrJoints& mirrored,
                       const lwr::LwrJoints& expected) noexcept;
 

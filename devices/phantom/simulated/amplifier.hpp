@@ -47,7 +47,7 @@ class Amplifier {
   /// Torque of the motors over the next substep [Nm].
   const Vec3& advance(double dt_s) noexcept;
 
-  /// Sets zero torque at once and discards the held value.
+  /// Sets zero torque at once and discards the latched value.
   void release() noexcept;
   /// Sets zero torque and restarts the ramp: effect of a scheduler start and of a force error.
   void restart_ramp() noexcept;

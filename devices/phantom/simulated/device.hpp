@@ -44,9 +44,8 @@ class Device {
   /// Passes the set values to the amplifier. kIllegalEnd: no frame is open.
   phantom::hd::HDerror end_frame(bool servo_runs) noexcept;
   bool frame_open() const noexcept { return frame_open_; }
-  const Frame& current() const noexcept {
-    return current_;
-  }  ///< of this frame, or of the last one if none is open
+  /// Of this frame, or of the last one if none is open.
+  const Frame& current() const noexcept { return current_; }
   /// For set calls; only while a frame is open.
   Setpoint& setpoint() noexcept { return current_.setpoint; }
   /// Ends an open frame; its set values are lost.
@@ -64,7 +63,7 @@ class Device {
   void begin_tick(ErrorStack& errors) noexcept;
   /// Advances the arm by one period, and faults counted in ticks towards their end.
   void end_tick() noexcept;
-  /// Advances the arm under the torque held by the amplifier.
+  /// Advances the arm under the torque that the amplifier holds.
   void advance(int substeps) noexcept;
   /// Sets the substeps of the arm per tick, which is the tick's length. The velocity restarts.
   void set_substeps(int substeps) noexcept;

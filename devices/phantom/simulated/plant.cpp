@@ -61,7 +61,7 @@ PhantomPlant::PhantomPlant(const PlantConfig& config, const sim::OperatorConfig&
 
 void PhantomPlant::set_hand(const sim::OperatorConfig& hand) { hand_.grip_as(checked(hand)); }
 
-/// An end stop only pushes back, also while the joint leaves it.
+/// An end stop only repels, also while the joint leaves it.
 Vec3 PhantomPlant::stop_torque(const Vec3& q, const Vec3& v) const noexcept {
   const auto push = [this](double depth, double speed) {
     return depth > 0.0

@@ -24,15 +24,15 @@ struct PlantConfig {
   double fold_rad = 1.134,
          stretch_rad =
              0.960;  ///< of thigh minus shin, up and down: 65 and 55 degrees, from a replica
-  /// A replica's model has 10 and 0.1, through which an operator would push the arm into the
-  /// stretched pose.
+  /// A replica's model has 10 and 0.1, which lets an operator press the arm into the stretched
+  /// pose.
   double stop_nm_per_rad = 300.0, stop_nms_per_rad = 0.3;
 };
 
 /// Fourth-order Runge-Kutta at a fixed step: the undamped arm keeps its energy to 1e-9 in 10 s. Dry
-/// friction is projected: at most it stops a joint and never drives it, and a resting joint loaded
-/// below its friction does not move at all. Real-time safe except construction, `set_hand` and
-/// `follow`. Equal calls give bit-identical results.
+/// friction is projected: it stops a joint but never drives it, and a resting joint loaded below
+/// its friction stays exactly at rest. Real-time safe except construction, `set_hand` and `follow`.
+/// Equal calls give bit-identical results.
 class PhantomPlant {
  public:
   /// Starts at rest, with the tip at the start of the motion. Throws std::runtime_error for a start
@@ -55,17 +55,14 @@ class PhantomPlant {
   Vec3 tip_velocity() const noexcept {
     return phantom::phantom_jacobian(config_.geometry, joints_) * rates_;
   }
-  const Vec3& motor_torque() const noexcept {
-    return motor_torque_;
-  }  ///< over the last substep, after the limits [Nm]
-  const Vec3& hand_force() const noexcept {
-    return hand_force_;
-  }  ///< at the start of the last substep, without the mass of the hand [N]
+  /// Over the last substep, after the limits [Nm].
+  const Vec3& motor_torque() const noexcept { return motor_torque_; }
+  /// At the start of the last substep, without the mass of the hand [N].
+  const Vec3& hand_force() const noexcept { return hand_force_; }
   /// Force of the last torques at the tip [N]; zero if the arm is stretched.
   Vec3 motor_force() const noexcept;
-  double energy() const noexcept {
-    return dynamics_.energy(joints_, rates_);
-  }  ///< of the arm only [J]
+  /// Of the arm only [J].
+  double energy() const noexcept { return dynamics_.energy(joints_, rates_); }
   const hand::Hand& hand() const noexcept { return hand_; }
   const phantom::PhantomDynamics& dynamics() const noexcept { return dynamics_; }
   const PlantConfig& config() const noexcept { return config_; }

@@ -35,8 +35,8 @@ struct AccuracyVerb {
   bool json = false;
 };
 
-/// Reports at once, then each second: what is being done, and how long the rest takes where the
-/// processor is shared as so far.
+/// Reports at once, then each second: the current step, and the remaining time at the present
+/// processor load.
 std::function<void(const std::string&, double, double)> report_time_left() {
   const auto line = [](const std::string& what, double fraction, double left_s) {
     return fmt::format("{:.0f} %, about {:.0f} s remain: {}", 100.0 * fraction, left_s, what);
@@ -105,7 +105,7 @@ int run(const AccuracyVerb& o) {
   return !report.advice.front.empty() && report.advice.met.value_or(true) ? 0 : 1;
 }
 
-/// One word after the option, split at its commas: what follows may be the scene.
+/// One word after the option, split at its commas: the next word may be the scene.
 template <class T>
 CLI::Option* add_list(CLI::App& verb, const char* name, std::vector<T>& list, const char* help) {
   return verb.add_option(name, list, help)->delimiter(',')->allow_extra_args(false);
@@ -157,7 +157,7 @@ void add_accuracy(CLI::App& app, Action& action) {
   verb->add_option("--depth-edges", o->depth_edges,
                    "Depth of each contact, in voxel edges e of the setting")
       ->capture_default_str()
-      ->check(runtime::require_positive)  // a range lets NaN through
+      ->check(runtime::require_positive)  // a range does not refuse NaN
       ->check(CLI::Range(1e-3, 20.0));
   verb->add_option("--seed", o->seed, "Seed of the random contact poses")
       ->capture_default_str()

@@ -80,7 +80,7 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
                          .shell_voxel_m = voxel / density});
     }
   }
-  // One row of it where nothing is said: at the scene's own voxels.
+  // By default one row, at the scene's voxel size.
   const bool tool =
       std::find(choice.models.begin(), choice.models.end(), kVirtualTool) != choice.models.end();
   if (tool || (choice.models.empty() && area))

@@ -10,10 +10,9 @@ namespace voxtouch::cli {
 
 /// As given on the command line, which has checked words and numbers; empty: the default.
 struct AccuracyChoice {
-  std::vector<std::string> models = {};   ///< default: all
-  std::vector<std::string> weights = {};  ///< one, area; default: all that the model has
-  std::vector<double> voxel_sizes_m =
-      {};  ///< e; default: twice the scene's, the scene's, half of it
+  std::vector<std::string> models = {};    ///< default: all
+  std::vector<std::string> weights = {};   ///< one, area; default: all that the model supports
+  std::vector<double> voxel_sizes_m = {};  ///< e; default: 2, 1 and 1/2 times that of the scene
   std::vector<double> shell_densities =
       {};  ///< e / voxel edge that the shell is made with; default 1
 };
@@ -21,12 +20,11 @@ struct AccuracyChoice {
 /// Most settings of one run: more is a slip of the pen, and would take hours.
 inline constexpr std::size_t kMaxSettings = 500;
 
-/// Grouped by model and weights, in the order asked for; what is asked for twice comes once.
-/// `field` weighs by area only: where both weights are meant it comes once, where `one` alone is
-/// asked for it is left out if no model was named, and refused if it was. `virtual_tool` among the
-/// models, or none named: rows of a virtual tool at the end; where voxel sizes are not named
-/// either, one row at the scene's own. Throws std::invalid_argument, a sentence that names the
-/// option.
+/// Grouped by model and weights, in the requested order, without repetitions. `field` weighs by
+/// area only. With both weights it occurs once. With `one` only it is skipped if no model was
+/// named, and refused if it was. `virtual_tool` among the models, or no model: rows of a virtual
+/// tool at the end, one row at the scene's voxel size by default. Throws std::invalid_argument with
+/// the name of the option.
 std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
                                                    double scene_voxel_m);
 

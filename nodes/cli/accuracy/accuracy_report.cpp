@@ -21,13 +21,13 @@ std::string_view model_word(const accuracy::AccuracySetting& setting) {
   return setting.virtual_tool ? "virtual_tool" : contact::name_of(setting.model);
 }
 
-/// What a virtual tool was compared with.
+/// The reference of a virtual tool.
 std::string_view truth_word(accuracy::ToolTruth truth) {
   return truth == accuracy::ToolTruth::kBall ? "the exact ball"
                                              : "a god-object on the meshes' triangles";
 }
 
-/// Why a row has no figures; empty where it has.
+/// Why a row has no figures; otherwise empty.
 std::string no_figures(const accuracy::AccuracyRow& row) {
   if (!row.refused.empty())
     return row.refused;
@@ -103,7 +103,7 @@ std::string cells(const accuracy::Interval& both, double unit) {
   return cell(both.low * unit) + " to " + cell(both.high * unit);
 }
 
-/// Depths that rows report; none where no row does.
+/// Depths of the rows; empty without any.
 std::vector<double> depths_of(const AccuracyReport& report) {
   std::vector<double> out;
   for (const accuracy::AccuracyRow& r : report.rows) {
@@ -162,7 +162,7 @@ std::string phase_table(const AccuracyReport& report) {
   return text;
 }
 
-/// What was timed for a virtual tool, where one was.
+/// What was timed for a virtual tool; otherwise empty.
 std::string slides_text(const AccuracyReport& report) {
   std::string queries;
   std::uint32_t without_truth = 0;
@@ -179,9 +179,9 @@ std::string slides_text(const AccuracyReport& report) {
       "  Pushing straight in needs no query.\n",
       accuracy::kSlideEdges, queries);
   if (without_truth > 0)
-    text +=
-        fmt::format("  Virtual tool: {} places not judged; the reference found no rest there.\n",
-                    without_truth);
+    text += fmt::format(
+        "  Virtual tool: {} places not evaluated; the reference found no equilibrium there.\n",
+        without_truth);
   return text;
 }
 
@@ -220,7 +220,7 @@ nlohmann::ordered_json given(const std::optional<T>& value) {
   return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
 }
 
-/// A figure of a row: its key in the JSON and the CSV. Absent (not finite) where the row has none.
+/// A figure of a row: its key in the JSON and the CSV. Not finite if the row has none.
 struct Entry {
   const char* key;
   double value;

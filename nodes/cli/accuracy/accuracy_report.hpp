@@ -1,6 +1,5 @@
 #pragma once
-/// What accuracy costs, for a person, for a machine (and voxtouch_plot, which draws it), and for a
-/// spreadsheet.
+/// Results of an accuracy comparison: as text, as JSON (which voxtouch_plot draws), and as CSV.
 #include <string>
 #include <vector>
 
@@ -15,7 +14,7 @@ struct AccuracyReport {
   std::string scene, scene_hash;
   double scene_voxel_m = 0.0;
   std::uint64_t seed = 0;
-  std::uint32_t contacts = 0;  ///< asked for
+  std::uint32_t contacts = 0;  ///< requested
   double depth_edges = 0.0;
   accuracy::AccuracyGoal goal;
   std::vector<accuracy::AccuracyRow> rows;
@@ -26,7 +25,7 @@ struct AccuracyReport {
 
 /// A table grouped by model, the chosen setting in one line, spreads, the conditions.
 std::string to_text(const AccuracyReport& report);
-/// Figures of a row that was refused or never met the wall are null, as is what is not finite.
+/// Figures that are not finite, or of a row that was refused or never in contact, are null.
 nlohmann::ordered_json to_json(const AccuracyReport& report);
 /// RFC 4180 with a header; SI units but for degrees and microseconds; the same cells empty that are
 /// null in the JSON.

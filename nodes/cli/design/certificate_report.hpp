@@ -1,5 +1,5 @@
 #pragma once
-/// The contacts that a design is certified for, for a person and for a machine.
+/// The contacts that a design is certified for, as text and as JSON.
 #include <string>
 #include <vector>
 
@@ -12,9 +12,9 @@ namespace voxtouch::cli {
 /// "any contact up to 518 N/m, margin 1.98", or which one instead and why. Empty for a design
 /// without a certificate.
 std::string certificate_line(const coupling::design::ContactCertificate& certificate);
-/// What the certificate leaves out, one sentence each.
+/// Cases that the certificate does not cover, one sentence each.
 std::vector<std::string> certificate_gaps(const coupling::design::ContactCertificate& certificate);
-/// What is not finite is null. The multiplier as h_i of past and future.
+/// Non-finite values are null. The multiplier as h_i of past and future.
 nlohmann::ordered_json certificate_json(const coupling::design::ContactCertificate& certificate);
 
 }  // namespace voxtouch::cli

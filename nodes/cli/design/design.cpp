@@ -74,7 +74,7 @@ void add_design(CLI::App& app, Action& action) {
       ->check(runtime::require_positive)  // which refuses nan
       ->check(CLI::Range(1.0, 100.0));
   verb->add_option(
-          "--damping-floor", o->damping_floor,
+          "--min-damping-ratio", o->min_damping_ratio,
           "Minimum damping ratio of the dominant mode in contact when gripped; a third of it when "
           "released.\n"
           "Stiffness is reduced to reach it; 0: no minimum. Default: the scene's, else 0.3")

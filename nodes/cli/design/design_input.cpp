@@ -34,7 +34,7 @@ coupling::design::DesignProblem problem_for_device(const DesignInput& input,
 
 namespace {
 
-/// What the command line says goes over what the scene says.
+/// The command line overrides the scene.
 void apply(const DesignInput& input, const coupling::design::DeviceModel& device,
            coupling::design::DesignProblem& problem, std::string& hand) {
   if (!input.hand.empty()) {
@@ -47,8 +47,8 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     problem.hand = scene::operator_range(options, grip);
     hand = input.hand;
   }
-  if (input.damping_floor)
-    problem.goals.floors = coupling::design::floors_of(*input.damping_floor);
+  if (input.min_damping_ratio)
+    problem.goals.floors = coupling::design::floors_of(*input.min_damping_ratio);
   if (input.damping_force_ratio)
     problem.goals.damping_force_ratio = *input.damping_force_ratio;
   if (input.gripped)
@@ -59,15 +59,14 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     problem.goals.allow_injected_damping = false;
 }
 
-/// What of a scene its force preview needs.
+/// The parts of a scene that the force preview needs.
 struct PreviewInput {
   scene::Scene scene;
   rendering::StiffnessBounds bounds;
   double tool_reach_m = 0.0;
 };
 
-/// The problem that the command line and its scene pose, and the words for it: without what is
-/// found.
+/// The design problem of the command line and its scene, with its texts, before the design.
 DesignReport problem_of(const DesignInput& input, const coupling::design::DeviceModel& device,
                         const BuildScene& build, std::optional<PreviewInput>& preview) {
   DesignReport out;

@@ -1,5 +1,5 @@
 #pragma once
-/// What is asked of the designer, by `voxtouch design` and by the Python package alike.
+/// Input of the designer for `voxtouch design` and the Python package.
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -13,14 +13,14 @@ namespace voxtouch::cli {
 
 struct DesignInput {
   std::filesystem::path
-      scene;  ///< whose contact and design goals are to be met; empty: whatever the device can show
+      scene;  ///< with the contact and the design goals; empty: the device's limit
   std::string
       hand;  ///< pen, arm or any_passive; empty: the scene's, else how the device is gripped
   std::string kind = "auto";  ///< shaping_filter, spring_damper or direct
   double cutoff_hz = 5.0, gain_margin = 2.0;
   double stiffness_n_per_m =
       0.0;  ///< without a scene: the contact's, at the hand; 0: the device's largest
-  std::optional<double> damping_floor;  ///< with a hand; none: the scene's, or the standard
+  std::optional<double> min_damping_ratio;  ///< with a hand; none: the scene's, or the standard
   std::optional<double>
       damping_force_ratio;  ///< as CouplingSpec has it; none: the scene's, or the standard
   bool gripped = false, no_damping = false;
@@ -35,8 +35,8 @@ coupling::design::DesignProblem problem_for_device(const DesignInput& input,
 /// How a scene is built.
 using BuildScene = std::function<std::unique_ptr<rendering::BuiltScene>(const scene::Scene&)>;
 
-/// Builds the scene, where there is one, and designs for it. Takes seconds. Throws what reading and
-/// building a scene throw.
+/// Builds the scene, if any, and designs for it. Takes seconds. Throws as reading and building a
+/// scene do.
 DesignReport work_out(const DesignInput& input, const coupling::design::DeviceModel& device,
                       const BuildScene& build);
 

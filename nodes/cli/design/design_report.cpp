@@ -42,7 +42,7 @@ std::string device_lines(const coupling::design::DeviceModel& d) {
       "\n"
       "                {:.4g} Hz, latency {:.3g} ms, jitter {:.0f} %, {} consecutive losses",
       1.0 / d.timing.period_s, d.timing.delay_s * 1e3, d.timing.jitter * 100,
-      d.timing.lost_in_a_row);
+      d.timing.consecutive_losses);
   return text;
 }
 
@@ -87,7 +87,7 @@ std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) 
   return text;
 }
 
-/// Least damping ratios, where they are, and what came of their floors.
+/// Minimum damping ratios, if any, and their cost.
 std::string damping_lines(const DesignReport& r) {
   namespace cd = coupling::design;
   const cd::DominantMode& least = r.design.swing;
@@ -137,8 +137,8 @@ nlohmann::ordered_json finite(double v) {
   return std::isfinite(v) ? nlohmann::ordered_json(v) : nlohmann::ordered_json();
 }
 
-/// A column of the stable region: its key in the JSON and the CSV. Infinite where no stiffness
-/// makes the loop unstable.
+/// A column of the stable region: its key in the JSON and the CSV. Infinite if every stiffness is
+/// stable.
 struct RegionColumn {
   const char* key;
   std::vector<double> values;
@@ -229,7 +229,7 @@ LawRegion region_of_law(const coupling::design::DesignProblem& problem,
   constexpr int kCount = 64;
   cd::AxisProblem axis = cd::axis_problems(problem).front();
   axis.damping_force_ratio =
-      design.spec.damping_force_ratio;  // a design may have left the bound out that was asked for
+      design.spec.damping_force_ratio;  // the design may omit a requested bound
   cd::LoopController law = cd::controller_of(design.spec, axis, cd::arm_squared(problem));
   const double cap = design.spec.stiffness_cap_n_per_m,
                contact = std::min(problem.contact.all_points, cap);
@@ -251,7 +251,8 @@ LawRegion region_of_law(const coupling::design::DesignProblem& problem,
     if (axis.hand.any_passive)
       critical = std::min(critical, cd::passive_limit(axis, law));
     if (spring)
-      critical *= law.stiffness * contact / (law.stiffness + contact);  // a factor on what is shown
+      critical *= law.stiffness * contact /
+                  (law.stiffness + contact);  // a factor on the displayed stiffness
     out.x.push_back(x);
     out.critical.push_back(critical);
   }
@@ -287,7 +288,7 @@ std::string to_text(const DesignReport& r) {
           : "friction suppresses limit cycles of quantisation");
   if (d.max_approach_m_per_s > 0)
     row("approach", fmt::format("up to {:.2g} m/s stays within the contact layer ({:.2g} mm); a "
-                                "faster hand goes deeper and is stopped there",
+                                "faster hand moves deeper and is stopped there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper", paper_line(r.paper));
   return text + list("Limits:", d.reasons) + list("Remedies:", d.remedies) +

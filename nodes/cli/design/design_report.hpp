@@ -1,6 +1,5 @@
 #pragma once
-/// A designed coupling for a person, for a machine (and voxtouch_plot, which draws it), and its
-/// stable region for a spreadsheet.
+/// A designed coupling as text and JSON (which voxtouch_plot draws), and its stable region as CSV.
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,25 +15,24 @@ namespace voxtouch::cli {
 
 /// How the paper's literal recipe (5 Hz, damping ratio 1, no margin) would do in the same loop.
 struct PaperRecipe {
-  double stiffness =
-      0.0;  ///< that the device is asked to show: the smaller of contact and device limit
-  double critical_released = 0.0;  ///< where it is released; NaN where that is not among the cases
+  double stiffness = 0.0;          ///< requested: the smaller of contact and device limit
+  double critical_released = 0.0;  ///< with the device released; NaN if that case is excluded
   double critical_held = 0.0;      ///< worst of the hands
 };
-/// The paper's own 5 Hz filter (Renz et al. 2001) on the problem's device and hands, by the exact
+/// The 5 Hz filter of the paper (Renz et al. 2001) on the problem's device and hands, by the exact
 /// loop.
 PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& problem);
-/// Stiffness at the hand over the filter's cut-off, from 1 Hz on: where the loop is stable with the
-/// damping that was chosen.
+/// Stiffness at the hand over the filter's cut-off, from 1 Hz on: the stable region for the chosen
+/// damping.
 coupling::design::StableRegion region_round(const coupling::design::DesignProblem& problem,
                                             const coupling::design::Design& design);
 
 /// Stiffness at the hand over the one number that a law without a cut-off has: injected damping of
 /// `direct`, damper over spring of `spring_damper`.
 struct LawRegion {
-  std::string over, unit;  ///< empty: the shaping filter, whose region is the one over the cut-off
-  double chosen = 0.0;     ///< of `over`
-  std::vector<double> x;   ///< of `over`, from a tenth of the chosen one to ten times it
+  std::string over, unit;        ///< empty: the shaping filter, with its region over the cut-off
+  double chosen = 0.0;           ///< of `over`
+  std::vector<double> x;         ///< of `over`, from a tenth of the chosen one to ten times it
   std::vector<double> critical;  ///< the worst case becomes unstable here [N/m]
 };
 /// Stiffness over the one number of the law that the design chose, by the exact loop of the
@@ -47,17 +45,17 @@ struct DesignReport {
   coupling::design::Design design;
   coupling::design::ContactCertificate certificate;
   PaperRecipe paper;
-  coupling::design::StableRegion region;  ///< of the chosen damping, over the cut-off
-  LawRegion law;                          ///< of the law that was chosen, where that is no filter
+  coupling::design::StableRegion region;            ///< of the chosen damping, over the cut-off
+  LawRegion law;                                    ///< of the chosen law, if it is not a filter
   std::optional<device_fit::ForcePreview> preview;  ///< of a scene on the device
-  std::string device, hand, contact;                ///< where the numbers come from, for a person
+  std::string device, hand, contact;                ///< sources of the numbers
 };
 
-/// For a person; and for a machine, where what is not finite is null.
+/// As text, and as JSON with null for non-finite values.
 std::string to_text(const DesignReport& report);
 nlohmann::ordered_json to_json(const DesignReport& report);
-/// The region: RFC 4180 with a header, a row for each cut-off, columns as in the JSON; empty where
-/// that is null: nothing makes it unstable.
+/// The region: RFC 4180 with a header, one row for each cut-off, columns as in the JSON; empty if
+/// infinite: nothing makes the loop unstable.
 std::string to_csv(const DesignReport& report);
 
 }  // namespace voxtouch::cli

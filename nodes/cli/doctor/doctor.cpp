@@ -27,7 +27,7 @@
 namespace voxtouch::cli {
 namespace {
 
-/// Who else is on the domain: joins it for 2 s.
+/// Other participants on the domain: joins it for 2 s.
 std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
   const bus::Participant own(o.participant("doctor"));
   bus::RosDiscovery found(own);

@@ -1,6 +1,5 @@
 #pragma once
-/// What of this machine and its network keeps a ring from running well, or ROS 2 tools from finding
-/// it.
+/// Checks of this machine and its network: what impairs a ring, or its discovery by ROS 2 tools.
 #include <cstdint>
 #include <istream>
 #include <set>
@@ -12,23 +11,19 @@
 
 namespace voxtouch::cli {
 
-enum class Health : std::uint8_t {
-  kGood,
-  kMind,
-  kBad
-};  ///< kBad: a ring cannot run, or not as it is asked to
+enum class Health : std::uint8_t { kGood, kMind, kBad };  ///< kBad: a ring cannot run as requested
 
 struct Finding {
   Health health;
   std::string sentence;
 };
 
-/// Whether the interface that is asked for is there, and what each card is good for; sends one
-/// datagram by multicast over each.
+/// Whether the requested interface exists, and whether each card works; sends one multicast
+/// datagram over each.
 std::vector<Finding> check_cards(std::string_view interface_name,
                                  const std::vector<bus::Card>& cards);
 
-/// Participant indices of `domain` that are taken, by what /proc/net/udp says of ports.
+/// Used participant indices of `domain`, from the ports in /proc/net/udp.
 std::set<unsigned> taken_indices(std::istream& udp, std::uint32_t domain);
 /// How many are left for a ring and for tools.
 Finding check_indices(const std::set<unsigned>& taken);

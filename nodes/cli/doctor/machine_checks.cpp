@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The first line of a small file; empty where there is none.
+/// The first line of a small file; empty if it does not exist.
 std::string line_of(const fs::path& file) {
   std::ifstream in(file);
   std::string line;
@@ -45,8 +45,8 @@ struct UsbDevice {
   const char* product;  ///< empty: any of this vendor
   const char* name;
 };
-/// 2988 and, of older devices, 0301:2988 stand in public drivers of the Touch, 0403:cb48 in those
-/// of the Falcon; 1451 is from memory.
+/// Public drivers of the Touch have 2988 and, for older devices, 0301:2988; those of the Falcon
+/// have 0403:cb48. 1451 is unconfirmed.
 constexpr std::array kKnown{UsbDevice{"2988", "", "a 3D Systems Touch"},
                             UsbDevice{"0301", "2988", "a 3D Systems Touch"},
                             UsbDevice{"0403", "cb48", "a Novint Falcon"},

@@ -1,6 +1,5 @@
 #pragma once
-/// What of the machine itself, its kernel, limits, processors and devices, keeps a ring from
-/// running well.
+/// Checks of kernel, limits, processors and devices: what impairs a ring.
 #include <filesystem>
 #include <vector>
 
@@ -8,7 +7,7 @@
 
 namespace voxtouch::cli {
 
-/// A real-time kernel, or what to install. `root`: of the file system that says so.
+/// A real-time kernel, or what to install. `root`: root of the file system to read.
 Finding check_kernel(const std::filesystem::path& root = "/");
 
 /// Limits of this user: rtprio and memlock, as numbers.

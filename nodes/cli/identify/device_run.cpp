@@ -50,7 +50,7 @@ class GuardedDriver {
       ++sequence_;
     return sample;
   }
-  /// What reached the device.
+  /// Returns the force that reached the device.
   Vec3 write(const Vec3& force, std::int64_t time_ns) noexcept {
     const auto verdict = gate_.accept(kWriter, kSession, sequence_, sequence_);
     guard_.count(verdict);
@@ -223,7 +223,7 @@ DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptio
     out.clock.period_s = clock.period_s;
     out.clock.jitter = std::max(out.clock.jitter, clock.jitter);
     out.clock.loss = std::max(out.clock.loss, clock.loss);
-    out.clock.lost_in_a_row = std::max(out.clock.lost_in_a_row, clock.lost_in_a_row);
+    out.clock.consecutive_losses = std::max(out.clock.consecutive_losses, clock.consecutive_losses);
   }
   out.guard_clamped = device.counts().clamped();
   return out;

@@ -18,7 +18,7 @@ struct DeviceRunOptions {
   bool with_curves = false;    ///< fills DeviceRunResult::curves
 };
 
-/// What a picture of an axis shows.
+/// The curves of an axis in a picture.
 struct AxisCurves {
   std::vector<identification::Curve> strokes;
   std::vector<identification::RecordEntry> record;  ///< strokes and dense tones
@@ -34,8 +34,8 @@ struct DeviceRunResult {
   std::uint64_t guard_clamped = 0;
 };
 
-/// Opens nothing and closes nothing; ends with zero force on every path. `report`: progress for a
-/// person.
+/// Neither opens nor closes the driver; ends with zero force on every path. `report`: receives the
+/// progress.
 DeviceRunResult run_identification(devices::Driver& driver, const DeviceRunOptions& options,
                                    const std::atomic<bool>& stop,
                                    const std::function<void(const std::string&)>& report);

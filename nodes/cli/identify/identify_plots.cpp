@@ -1,4 +1,4 @@
-// What the drawing tool reads of an identification.
+// The input of the drawing tool for an identification.
 #include <nlohmann/json.hpp>
 
 #include "nodes/cli/identify/identify_report.hpp"

@@ -185,7 +185,7 @@ DeviceDescription measured_description(const DeviceRunResult& r, const id::Sessi
   d.rate_hz =
       std::abs(r.clock.period_s * d.rate_hz - 1.0) < 0.01 ? d.rate_hz : 1.0 / r.clock.period_s;
   d.jitter = std::max(kLeastJitter, r.clock.jitter);
-  d.lost_in_a_row = std::max(1U, static_cast<std::uint32_t>(r.clock.lost_in_a_row));
+  d.consecutive_losses = std::max(1U, static_cast<std::uint32_t>(r.clock.consecutive_losses));
   d.simulated = true;
   derive_slew_limits(d);
   return d;
@@ -217,8 +217,8 @@ std::string device_file_text(const DeviceRunResult& r, const id::SessionOptions&
       std::ranges::max(r.encoder_step_m) > 0.0 ? "measured" : "assumed: no common step was found");
   out += fmt::format("jitter: {:.3g}  # measured {:.3g}, at least {}\n", d.jitter, r.clock.jitter,
                      kLeastJitter);
-  out += fmt::format("lost_in_a_row: {}  # measured {}, at least 1\n", d.lost_in_a_row,
-                     r.clock.lost_in_a_row);
+  out += fmt::format("consecutive_losses: {}  # measured {}, at least 1\n", d.consecutive_losses,
+                     r.clock.consecutive_losses);
   out += fmt::format("grip: {}\n", d.grip);
   out += fmt::format("measured:\n  date: {}\n  command: {}\n", quoted(c.date), quoted(c.command));
   if (!c.serial.empty())

@@ -8,7 +8,7 @@
 namespace voxtouch::cli {
 
 struct IdentifyContext {
-  DeviceDescription assumed;  ///< what the open driver says of itself
+  DeviceDescription assumed;  ///< reported by the open driver
   std::string serial;         ///< of the device; empty: its driver reports none
   std::string date, command;
   bool answers_at_once = true;  ///< false: in the ring a command leaves up to a period later
@@ -17,7 +17,7 @@ struct IdentifyContext {
 
 bool all_measured(const DeviceRunResult& result, const identification::SessionOptions& session);
 
-/// For a person: verdict, reasons, figures.
+/// As text: verdict, reasons, figures.
 std::string figures_text(const DeviceRunResult& result,
                          const identification::SessionOptions& session,
                          const IdentifyContext& context);
@@ -34,7 +34,7 @@ std::string device_file_text(const DeviceRunResult& result,
                              const identification::SessionOptions& session,
                              const IdentifyContext& context);
 
-/// Stiffness, its limit and what the intervals cost: the design before and after.
+/// Stiffness, its limit and the cost of the intervals: the design before and after.
 std::string design_table(const DeviceDescription& before, const DeviceDescription& values,
                          const DeviceDescription& interval_ends);
 

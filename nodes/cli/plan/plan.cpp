@@ -26,7 +26,7 @@ struct PlanVerb {
   bool json = false, no_measure = false;
 };
 
-/// The coupling on this device goes to `fitted`, where there is one that may run.
+/// Sets `fitted` to the coupling on this device, if it may run.
 DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
                     const rendering::BuiltScene& built,
                     std::optional<coupling::CouplingSpec>& fitted) {

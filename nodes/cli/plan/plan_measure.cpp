@@ -16,12 +16,12 @@ namespace {
 /// Calls in one reading of the clock: enough that its own steps do not show, few enough that a
 /// frame stays short.
 constexpr int kBatch = 16;
-/// Of a circle or of a way back and forth, for motions that never end.
+/// Duration of a circle or of a reciprocating motion, which have no end.
 constexpr double kAfterApproachS = 4.0;
 constexpr std::uint32_t kSeed = 1;
 
-/// Where no motion leads there, the hand goes straight in from outside, in so many frames, from so
-/// far before the touch to so far behind it.
+/// Without a motion to a place, the hand moves straight in from outside: so many frames, from this
+/// distance before the touch to this distance behind it.
 constexpr int kLeadFrames = 33;
 constexpr double kLeadEdges = 2.0;
 
@@ -39,8 +39,8 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Where the tool is in frame `n` of `frames`: spread evenly over the first motion by name, or
-/// about its own size from a voxel of the surface that is drawn with a fixed seed.
+/// Position of the tool in frame `n` of `frames`: equally spaced over the first motion by name, or
+/// about the tool's size from a surface voxel, chosen with a fixed seed.
 class ToolPath {
  public:
   ToolPath(const scene::Scene& scene, const voxmap::Voxmap& voxmap, double reach_m, int frames)
@@ -76,8 +76,8 @@ class ToolPath {
     return tool;
   }
   bool leads() const { return motion_.has_value(); }
-  /// The hand on its way to the place of frame `n`, at most a millisecond each: along the motion,
-  /// or straight in.
+  /// Path of the hand to the place of frame `n`, at most 1 ms per step: along the motion, or
+  /// straight in.
   std::vector<rendering::ToolState> lead(int n) {
     std::vector<rendering::ToolState> out;
     if (motion_) {
@@ -111,7 +111,7 @@ class ToolPath {
   double duration_s_ = 0.0;
   double reach_m_ = 0.0, edge_m_;
   Vec3 from_surface_ = Vec3::Zero();  ///< unit, of the last place without a motion
-  std::vector<Vec3> surface_;         ///< centres of voxels; empty where there is a motion
+  std::vector<Vec3> surface_;         ///< centres of voxels; empty with a motion
 };
 
 class Stopwatch {
@@ -122,8 +122,7 @@ class Stopwatch {
       overhead_s_ = std::min(overhead_s_, clock_() - begin);
     }
   }
-  /// Nanoseconds of one call, the best of three batches: what else ran in between is not the
-  /// code's.
+  /// Nanoseconds of one call, the best of three batches, which excludes interruptions.
   template <class Call>
   double ns(Call&& call) const {
     double best = 1e9;
@@ -172,7 +171,7 @@ class Measurement {
     built.scene_renderer().set_spring_target(kSpringNPerM);
   }
 
-  /// Frames in contact are what counts, where there are any: those without are distinguished.
+  /// Frames in contact count, if there are any; the others are kept separately.
   void frame(int n, PlanTimes& out) {
     if (scene_.virtual_tool())
       return slide(n, out);
@@ -211,11 +210,11 @@ class Measurement {
     }
   }
 
-  /// The same of a virtual tool, from where the hand is led to.
+  /// The same for a virtual tool, from the place that the hand is led to.
   void slide(int n, PlanTimes& out) {
     rendering::SceneRenderer& renderer = built_.scene_renderer();
     if (!path_.leads())
-      renderer.lose_tool();
+      renderer.reset_virtual_tool();
     rendering::SceneFrame frame;
     rendering::ToolState hand;
     for (const rendering::ToolState& next : path_.lead(n))
@@ -268,7 +267,7 @@ class Measurement {
     return watch_.ns([&] { grip_ = body.step({}, {}, {}, true, 0.0, parameters, kDefaultS); });
   }
 
-  /// What was taken so far was out of contact.
+  /// Frames up to here were out of contact.
   void begin_contact() {
     free_.insert(free_.end(), samples_.frame.begin(), samples_.frame.end());
     samples_ = {};
@@ -317,7 +316,8 @@ class Measurement {
   }
 
  private:
-  static constexpr double kSpringNPerM = 300.0;  ///< of a virtual tool: what a device shows
+  static constexpr double kSpringNPerM =
+      300.0;  ///< of a virtual tool: displayed by a typical device
   static constexpr double kDefaultS = rendering::SceneRenderer::kDefaultStepS;
   const scene::Scene& scene_;
   rendering::BuiltScene& built_;

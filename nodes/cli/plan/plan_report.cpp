@@ -25,7 +25,7 @@ bool of_the_ring(const rendering::PlanPart& part) {
 
 std::string ns_text(double ns) { return ns > 0.0 ? fmt::format("{:.0f}", ns) : "-"; }
 
-/// What has no time of its own says where its time is counted.
+/// A part without a separate time refers to the part that includes it.
 std::string measured_text(const PlanReport& report, const rendering::PlanPart& part) {
   if (const PartTime* time = time_of(report, part.name))
     return fmt::format("{:.0f}", time->measured_ns);
@@ -128,8 +128,8 @@ std::string to_text(const PlanReport& report) {
   std::uint64_t bytes = 0;
   for (const rendering::PlanPart& part : plan.parts)
     bytes += part.bytes;
-  // First what was asked: what is built and why, and whether the device can run it. What holds of
-  // every scene comes last.
+  // First the request: what is built and why, and whether the device can run it. General facts come
+  // last.
   std::string text = fmt::format("Scene {} ({})\n", plan.scene, plan.scene_hash);
   text += section("Built", plan.built) + section("Warnings", plan.warnings);
   if (report.device) {

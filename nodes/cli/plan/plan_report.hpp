@@ -1,5 +1,5 @@
 #pragma once
-/// A plan for a person and for a machine: parts as a table, measured next to expected.
+/// A plan as text and as JSON: parts as a table, measured next to expected.
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +16,7 @@ namespace voxtouch::cli {
 struct DeviceVerdict {
   std::string device;
   std::vector<std::string> errors;  ///< it must not run so
-  std::vector<std::string> notes;   ///< what is not displayed, or displayed less
+  std::vector<std::string> notes;   ///< forces that are not displayed, or reduced
 };
 
 struct PlanReport {
@@ -28,7 +28,7 @@ struct PlanReport {
   double load = -1.0;
 };
 
-/// For a person, and for a machine.
+/// As text, and as JSON.
 std::string to_text(const PlanReport& report);
 nlohmann::ordered_json to_json(const PlanReport& report);
 

@@ -42,7 +42,7 @@ std::string ranges(const std::vector<std::uint32_t>& ids) {
   return text;
 }
 
-/// What a static object without an inside leaves open.
+/// Values that an object without an inside leaves undefined.
 const Vec3 kUnknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
 int probe_reference(const scene::Scene& scene, const std::vector<Pose>& poses) {
@@ -99,7 +99,7 @@ int probe(const ProbeOptions& o) {
     return probe_path(scene, poses, o);
   if (o.model == "reference")
     return mesh_import::dry_run_reading(scene), probe_reference(scene, poses);
-  std::optional<contact::ContactModelKind> model;  // absent: the scene's own
+  std::optional<contact::ContactModelKind> model;  // absent: that of the scene
   if (!o.model.empty())
     contact::parse_contact_model(o.model, model.emplace());
   const auto built = scene_build::build_here(scene, {.who = "probe", .model = model});

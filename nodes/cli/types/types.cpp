@@ -17,8 +17,8 @@
 namespace voxtouch::cli {
 namespace {
 
-// Readers are taps: they slow no writer and bear any deadline, but ask for the last value where a
-// topic keeps one.
+// Readers do not slow writers and accept any deadline. They request the last value of a latched
+// topic.
 constexpr std::string_view kCode = R"py(
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Row:
         return Topic(participant, self.dds_name(rig), self.type)
 
     def reader(self, participant, rig="haptic"):
-        """A reader that slows no writer. Topics that keep their last value give it to a reader that comes late."""
+        """A reader that does not slow writers. Latched topics deliver their last value to late readers."""
         return DataReader(participant, self.topic(participant, rig), qos=self.qos(self.keeps_last))
 
     def writer(self, participant, rig="haptic"):

@@ -13,14 +13,14 @@ namespace voxtouch::cli {
 class ForeignWriters {
  public:
   ForeignWriters(const bus::Participant& participant, const std::string& rig);
-  /// Remembers all writers on the ring's own topics, and their names as long as they are there.
+  /// Stores all writers on the ring's topics, and their names while they are present.
   void poll(const runtime::NodeRegistry& registry);
   /// Those of participants that are not among `own`.
   std::vector<UnauthorisedWriter> found(const std::set<bus::Guid>& own) const;
 
  private:
   static constexpr std::size_t kMaxRemembered = 64;
-  std::map<std::string, std::string> topics_;  ///< the ring's own, by their names on DDS
+  std::map<std::string, std::string> topics_;  ///< topics of the ring, by their DDS names
   bus::WriterDiscovery discovery_;
   bus::Reader<msg::Recover> recovers_;
   std::map<bus::Guid, UnauthorisedWriter> writers_;

@@ -41,8 +41,8 @@ class ChildProcess final : public RunningNode {
     for (std::string& text : texts)
       argv.push_back(text.data());
     argv.push_back(nullptr);
-    // Its own process group: Ctrl-C reaches `up` alone, which stops its children in order. stdout
-    // goes to stderr: `up --json` owns it.
+    // A new process group: Ctrl-C reaches `up` only, which stops its children in order. stdout goes
+    // to stderr, because `up --json` uses it.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     // SIGTERM waits until the child can act on it: a stop during the start is a stop, not a death.
@@ -66,7 +66,7 @@ class ChildProcess final : public RunningNode {
   }
   ~ChildProcess() override {
     request_stop();
-    join(patience_);  // where an exception got us here the device still has to reach zero by itself
+    join(patience_);  // after an exception the device still has to reach zero force
   }
   const std::string& name() const noexcept override { return name_; }
   void request_stop() override {
@@ -110,8 +110,8 @@ class ThreadOfThisProcess final : public RunningNode {
     request_stop();
     join(kStopTimeout);
     if (!ended()) {
-      // A thread cannot be ended by force, and nothing may be destroyed under it: the process goes
-      // instead.
+      // A thread cannot be ended by force, and nothing may be destroyed while it runs: the process
+      // ends instead.
       console::log("error: {} did not stop; the process ends without it\n", name_);
       console::flush_log();
       std::_Exit(1);
@@ -220,7 +220,7 @@ std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& o, bool lead
 
 namespace {
 
-/// How each node is started: what its process gets, and what its thread runs.
+/// How each node is started: arguments of its process, function of its thread.
 struct NodeStart {
   std::string_view name;
   runtime::NodeOptions& (*options)(LauncherOptions& o);
@@ -259,8 +259,8 @@ std::unique_ptr<RunningNode> start_node(LauncherOptions& o, const std::string& n
 }
 
 std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& o) {
-  // Device, rendering and coupling take turns: on one processor a sample need not wake another to
-  // go on.
+  // Device, rendering and coupling run in turn: on one processor no sample then needs to wake
+  // another CPU.
   if (o.one_process && !o.device.realtime.cpu)
     o.device.realtime.loop_cpu = o.rendering.realtime.loop_cpu = o.coupling.realtime.loop_cpu =
         sched_getcpu();

@@ -18,23 +18,23 @@ namespace voxtouch::cli {
 class RunningNode {
  public:
   virtual ~RunningNode() = default;
-  /// As its status says it: "device", ...
+  /// As in its status: "device", ...
   virtual const std::string& name() const noexcept = 0;
-  /// Asks it to end in order (SIGTERM, or its flag); does not wait, and does nothing to one that
-  /// has ended.
+  /// Requests an orderly end (SIGTERM, or its flag); does not wait. No effect on one that has
+  /// ended.
   virtual void request_stop() = 0;
   /// Exit status once it has ended (128 + signal number if one ended it); does not wait.
   virtual std::optional<int> ended() = 0;
-  /// Waits; ends it by force if it has not gone by then. Returns the exit status.
+  /// Waits, then ends it by force. Returns the exit status.
   int join(std::chrono::milliseconds patience);
-  /// Of the process that it runs in: this one where it is a thread.
+  /// Of its process: this one for a thread.
   virtual std::uint32_t pid() const noexcept = 0;
 
  protected:
   virtual void kill() = 0;
 };
 
-/// What each node is started with.
+/// Start options of the nodes.
 struct LauncherOptions {
   device_node::Options device;
   rendering_node::Options rendering;
@@ -51,11 +51,11 @@ std::vector<std::unique_ptr<RunningNode>> launch(LauncherOptions& options);
 /// Starts one node, by its name, with `options` as `launch` left them. Throws as that.
 std::unique_ptr<RunningNode> start_node(LauncherOptions& options, const std::string& name);
 
-/// The page of `up --view`: `voxtouch view` as a process of its own, whose end the ring does not
-/// notice. Shows the ring of `options` and the meshes of its scene, and prints its address on
-/// stderr. `leads_hand`: pages move the hand of the ring's device. `browser`: it is opened there.
-/// `choice`: file for what a page chooses to run next; empty: none.
-/// Throws std::runtime_error where it cannot be started.
+/// The page of `up --view`: `voxtouch view` as a separate process; its end does not affect the
+/// ring. Displays the ring of `options` and the meshes of its scene, and prints its address on
+/// stderr. `leads_hand`: pages move the hand of the ring's device. `browser`: opens the page there.
+/// `choice`: file for the run that a page chooses next; empty: none. Throws std::runtime_error if
+/// it cannot be started.
 std::unique_ptr<RunningNode> start_page(const runtime::NodeOptions& options, bool leads_hand,
                                         bool browser, const std::filesystem::path& choice);
 

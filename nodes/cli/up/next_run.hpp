@@ -1,5 +1,5 @@
 #pragma once
-/// The run that a page has chosen to come next: this process becomes it.
+/// The next run, chosen on a page: this process becomes it.
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace voxtouch::cli {
 
-/// Address of the page that goes on, for `voxtouch view`.
+/// Address of the page that continues, for `voxtouch view`.
 inline constexpr const char* kPageVariable = "VOXTOUCH_PAGE";
 
 /// A private folder for the choice, removed at the end. Without one, pages choose nothing.
@@ -30,9 +30,9 @@ class ChoiceFolder {
 struct NextRun {
   std::string scene, device, page;  ///< `page`: its address
 };
-/// What a page has chosen; nothing if none has.
+/// The choice of a page; empty if there is none.
 std::optional<NextRun> read_choice(const std::filesystem::path& file);
-/// The run before this one, to which a run that cannot start goes back; nothing if there is none.
+/// The previous run, which replaces a run that cannot start; empty if there is none.
 std::optional<NextRun> take_previous();
 
 /// Becomes the next run in the same rig. Throws std::runtime_error if it cannot be started.

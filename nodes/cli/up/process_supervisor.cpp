@@ -51,7 +51,7 @@ bool ProcessSupervisor::look(const RunMonitor& monitor) {
     const std::string& name = node->name();
     if (!status)
       return false;
-    // The rendering's reason comes first: a mesh that cannot be read, say.
+    // The rendering's reason comes first, for example an unreadable mesh.
     if (!device_is_started_ && name != "rendering" && is_running("rendering") &&
         !StartReport::scene_is_built(monitor.reports()))
       return false;
@@ -68,7 +68,7 @@ bool ProcessSupervisor::look(const RunMonitor& monitor) {
     goes_on = false;
     return false;
   });
-  // A node that has failed but goes on, to say so, ends the run: without it there is no force.
+  // A node that has failed but continues to report ends the run: without it there is no force.
   for (const auto& [name, report] : monitor.reports())
     if (report.state == runtime::NodeState::kFailed && name != "device" &&
         noted_.insert(name).second) {
@@ -89,7 +89,7 @@ bool ProcessSupervisor::restart(const RunMonitor& monitor) {
     try {
       if (const std::string why = check_restart(restart.node, monitor); !why.empty())
         throw std::runtime_error(why);
-      // A bag that was begun is left as it is.
+      // A started bag is left unchanged.
       if (restart.node == "logger")
         options_.logger.bag += "_again";
       nodes_.insert(nodes_.begin(), start_node(options_, restart.node));  // the device stays last
@@ -130,8 +130,8 @@ void ProcessSupervisor::stop(RunMonitor& monitor, bool is_timed) {
   }
 }
 
-/// One that hung before is ended after a second. The logger has the end of the bag: it gets as long
-/// as a watched node, however slow the disk.
+/// A node that hung earlier is ended after a second. The logger writes the end of the bag and gets
+/// the time of a watched node, for a slow disk.
 int ProcessSupervisor::wait_for_end(RunningNode& node, RunMonitor& monitor) const {
   using Clock = std::chrono::steady_clock;
   const bool logger = node.name() == "logger", hung = monitor.hangs(node.name());

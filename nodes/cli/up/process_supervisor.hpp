@@ -1,5 +1,5 @@
 #pragma once
-/// The nodes of one ring: starts, stops and, if asked to, restarts them.
+/// The nodes of one ring: starts, stops and, if requested, restarts them.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -19,7 +19,7 @@ class ProcessSupervisor {
  public:
   /// `restarts`: nodes that may be started again in the run; the device never is.
   ProcessSupervisor(LauncherOptions options, const scene::Scene& scene, std::uint64_t restarts);
-  /// The device goes first, also after an exception.
+  /// Stops the device first, also after an exception.
   ~ProcessSupervisor();
   ProcessSupervisor(const ProcessSupervisor&) = delete;
   ProcessSupervisor& operator=(const ProcessSupervisor&) = delete;
@@ -28,8 +28,7 @@ class ProcessSupervisor {
   void start();
   void start_device();
   bool device_is_started() const noexcept { return device_is_started_; }
-  /// Takes note of nodes that have ended. False if the run ends for it: what happened is then among
-  /// `events`.
+  /// Handles nodes that have ended. Returns false if the run ends; the reason is then in `events`.
   bool look(const RunMonitor& monitor);
   /// Nodes that are to be started again. Call RunMonitor::forget for each.
   std::vector<std::string> take_restarting();
@@ -55,7 +54,7 @@ class ProcessSupervisor {
   const std::string scene_hash_;
   const std::uint64_t most_restarts_;
   std::vector<std::unique_ptr<RunningNode>> nodes_;
-  std::set<std::string> started_, noted_;  ///< noted: whose end is among the events
+  std::set<std::string> started_, noted_;  ///< noted: nodes with their end in `events`
   std::vector<Restart> restarts_;
   std::vector<std::string> restarting_;
   std::vector<Found> events_;

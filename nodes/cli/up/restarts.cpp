@@ -12,8 +12,8 @@ bool is_one_of(std::string_view word, std::initializer_list<std::string_view> wo
   return std::ranges::find(words, word) != words.end();
 }
 
-/// The observer's lowest account over what a sound contact shows; the bound is an extreme of its
-/// own process.
+/// The lowest energy account minus the bound of a sound contact; the bound is an extreme of the
+/// same process.
 double debt(const runtime::Figures& figures, const std::string& axis) {
   const double lowest_j = runtime::value_of(figures, "lowest_energy" + axis + "_j");
   const double bound_j = runtime::value_of(figures, "energy_bound" + axis + "_j");
@@ -28,7 +28,7 @@ std::string how_ended(int status) {
 
 runtime::NodeReport over_all_processes(const runtime::NodeReport& earlier,
                                        runtime::NodeReport now) {
-  // One that answered nothing has no first sample.
+  // A process without an answer has no first sample.
   if (runtime::find_value(earlier.figures, "samples") == 0.0)
     return now;
   for (const auto& [name, before] : earlier.figures) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Nodes that died and are started again, and what a node did in all its processes. Pure.
+/// Restarts of nodes, and figures over all processes of a node. No side effects.
 #include <string>
 
 #include "nodes/runtime/node_registry.hpp"
@@ -10,7 +10,7 @@ namespace voxtouch::cli {
 struct Restart {
   std::string node;
   std::string how;         ///< "signal 9", "status 1"
-  double at_sample = 0.0;  ///< samples of the device until then, as its status last said
+  double at_sample = 0.0;  ///< samples of the device until then, from its last status
   bool is_done = false;    ///< the run went on until it was started again
 };
 
@@ -19,8 +19,8 @@ struct Restart {
 std::string how_ended(int status);
 
 /// One report for all processes of a node. Counts are summed, the first sample is that of the first
-/// process, extremes are the larger ones, and of the energy accounts the worse one is kept with its
-/// bound. All else is as `now` says.
+/// process, extremes are the larger ones. Of the energy accounts the worse one is kept with its
+/// bound. All other values are those of `now`.
 runtime::NodeReport over_all_processes(const runtime::NodeReport& earlier, runtime::NodeReport now);
 
 }  // namespace voxtouch::cli

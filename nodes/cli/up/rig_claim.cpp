@@ -55,8 +55,8 @@ void RigClaim::announce() {
 
 void RigClaim::take() {
   runtime::NodeRegistry registry(participant_, options_.rig);
-  // Of half a second since it was announced; at least as long as it takes to look twice, for what
-  // came meanwhile lies here.
+  // The rest of half a second since the announcement, and at least two polls, for claims received
+  // meanwhile.
   const std::int64_t left_ms = 500 - (runtime::monotonic_ns() - announced_ns_) / 1'000'000;
   const std::int64_t patience_ms = came_first_ ? 0 : std::max<std::int64_t>(left_ms, 50);
   (void)runtime::look_for(
@@ -73,7 +73,7 @@ void RigClaim::take() {
     throw std::runtime_error(fmt::format(
         "Rig '{}' is in use on domain {}: {}. Stop that ring, or choose another --rig or --domain",
         options_.rig, options_.domain, conflict_));
-  write(msg::rig_claim::kStateHeld, {});
+  write(msg::rig_claim::kStateActive, {});
 }
 
 /// Another `up` that holds the rig, or that is about to and has the smaller GUID.
@@ -86,14 +86,14 @@ void RigClaim::listen() {
                         ::strnlen(claim.host, kMaxHost) < kMaxHost;
     if (!is_own || other == participant_.guid())
       return;
-    if (claim.state == msg::rig_claim::kStateHeld || other < participant_.guid())
+    if (claim.state == msg::rig_claim::kStateActive || other < participant_.guid())
       conflict_ = process_on("up", claim.pid, claim.host);
   });
 }
 
 void RigClaim::name(const Players& players) {
   if (players != players_)
-    write(msg::rig_claim::kStateHeld, players);
+    write(msg::rig_claim::kStateActive, players);
 }
 
 void RigClaim::write(std::uint32_t state, const Players& players) {

@@ -1,6 +1,6 @@
 #pragma once
-/// One `voxtouch up` has a rig: its RigClaim says so, and names the participants of the nodes that
-/// it started.
+/// Only one `voxtouch up` runs in a rig. Its RigClaim announces this and lists the participants of
+/// its nodes.
 #include <map>
 #include <set>
 #include <string>
@@ -23,9 +23,9 @@ class RigClaim {
   /// Others see from now on that this ring is about to start. The time up to `take` counts as time
   /// in which they could answer.
   void announce();
-  /// Holds the rig. It is announced before others are looked for, so of two that start at once each
-  /// sees the other: the smaller GUID goes on. One that was alone in the domain need not wait:
-  /// whoever came later sees it. Throws std::runtime_error if the rig is in use.
+  /// Claims the rig. The claim is announced before the search for others, so two that start at once
+  /// find each other: the smaller GUID continues. A participant alone in the domain need not wait:
+  /// a later one finds its claim. Throws std::runtime_error if the rig is in use.
   void take();
   /// Only these play a role in this ring. Written on a change.
   void name(const Players& players);
@@ -35,7 +35,7 @@ class RigClaim {
   void listen();
 
   const runtime::NodeOptions& options_;
-  const std::vector<int> inherited_;  ///< UDP sockets from before this process took part in DDS
+  const std::vector<int> inherited_;  ///< UDP sockets opened before this process joined DDS
   bus::Participant participant_;
   const bool came_first_;  ///< no other participant of this machine in the domain, and no other
                            ///< machine can be received

@@ -1,6 +1,6 @@
 #pragma once
-/// One run of a ring by `voxtouch up`: claim the rig, start the nodes, watch them, stop them in
-/// order, judge.
+/// One run of `voxtouch up`: claim the rig, start the nodes, watch them, stop them in order,
+/// evaluate the run.
 #include <filesystem>
 #include <string>
 
@@ -13,8 +13,8 @@
 namespace voxtouch::cli {
 
 struct UpOptions {
-  runtime::NodeOptions node;  ///< what all nodes are started with
-  LauncherOptions ring;       ///< what each has in addition
+  runtime::NodeOptions node;  ///< common options of all nodes
+  LauncherOptions ring;       ///< additional options of each node
   ChosenLimits limits;
   std::uint64_t restarts = 0;  ///< nodes that may be started again in the run; the device never is
   bool no_record = false, no_report = false, json = false, view = false, browser = false;
@@ -37,25 +37,25 @@ class RingRun {
 
  private:
   LauncherOptions launcher_options(const scene::Scene& scene) const;
-  /// Returns when the device has finished, a node has died, or Ctrl-C came.
+  /// Returns when the device has finished, a node has died, or Ctrl-C was received.
   void watch();
   void poll();
-  /// Starts the device once the nodes that it needs are ready: it comes last, so that its first
+  /// Starts the device when the nodes that it needs are ready. It starts last, so that its first
   /// sample is answered and recorded.
   void start_device();
   /// Why no sample was answered, in the words of rendering or coupling; empty: none of them
   /// refused.
   std::string refused_at_start() const;
-  /// Of a run that was refused, so that the same command can be typed again.
+  /// For a run that was refused, so that the same command can be repeated.
   void remove_bag() const;
 
   const UpOptions& options_;
-  EmptyFolderGuard default_bag_;  ///< none where the bag was named
+  EmptyFolderGuard default_bag_;  ///< empty for a named bag
   RunSummary summary_;
   RigClaim claim_;
   RunMonitor monitor_;
   RunningNode* page_ = nullptr;   ///< null: there is none, or its end was reported
-  bool page_has_chosen_ = false;  ///< what runs next: this run ends
+  bool page_has_chosen_ = false;  ///< the next run is chosen: this run ends
   std::filesystem::path faults_;
   ProcessSupervisor nodes_;
   std::string refusal_;  ///< of rendering or coupling, before any sample was answered

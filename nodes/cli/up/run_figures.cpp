@@ -13,7 +13,7 @@ std::optional<double> find(const Reports& reports, const std::string& node,
   return report == reports.end() ? std::nullopt : runtime::find_value(report->second.figures, name);
 }
 
-/// Of one stream: what its writer says that it sent, and the logger that it recorded.
+/// Of one stream: samples that its writer sent and that the logger recorded.
 RunFigures::Stream stream(const Reports& r, const qos::Topic& topic) {
   const std::string sender = qos::names_of(topic.writers).front(), key = qos::figure_name(topic);
   return {std::string(topic.path), find(r, "logger", key + "_first"),
@@ -21,8 +21,8 @@ RunFigures::Stream stream(const Reports& r, const qos::Topic& topic) {
           number(r, sender, "samples")};
 }
 
-/// The longest time for which a node, or its loop, gave no sign of life; and who was silent for as
-/// long as counts as hanging, the longest first.
+/// The longest silence of a node or its loop, and the nodes that count as hanging, the longest
+/// first.
 void add_silence(const RunRecord& s, RunFigures& f) {
   std::map<std::string, double> silent = s.silence_s;
   for (const auto& [node, report] : s.reports)

@@ -36,7 +36,7 @@ std::filesystem::path make_default_bag(const std::string& scene, const runtime::
   std::error_code error;
   std::filesystem::create_directories(recordings_folder(), error);
   std::filesystem::path folder = recordings_folder() / name;
-  // create_directory is false without an error where the folder exists.
+  // create_directory returns false without an error for an existing folder.
   for (int number = 2; !error; ++number) {
     if (!std::filesystem::exists(fault_folder_of(folder), error) &&
         std::filesystem::create_directory(folder, error))

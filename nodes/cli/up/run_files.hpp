@@ -1,5 +1,5 @@
 #pragma once
-/// Where a run keeps its files, and what stands next to its bag in the end.
+/// Files of a run next to its bag.
 #include <filesystem>
 #include <string>
 
@@ -11,8 +11,8 @@ namespace voxtouch::cli {
 /// Of the user and not of the current folder, which may not be writable: as the XDG
 /// base directories have it.
 std::filesystem::path recordings_folder();
-/// A folder there for a bag of this scene that begins now. Makes it, so that each of several runs
-/// that begin in the same second has its own; the path alone where no folder can be made.
+/// Creates a folder for a bag of this scene that begins now. Runs that begin in the same second get
+/// different folders. Returns the path only if the folder cannot be created.
 std::filesystem::path make_default_bag(const std::string& scene, const runtime::NodeOptions& node);
 
 /// Removes the folder at its end if nothing is in it. An empty path: none.
@@ -31,16 +31,15 @@ class EmptyFolderGuard {
   std::filesystem::path folder_;
 };
 
-/// Where device and coupling keep what they saw before a fault; made with the first one.
+/// Folder for the fault records of device and coupling; created with the first one.
 std::filesystem::path fault_folder_of(const std::filesystem::path& bag);
 
 /// The summary as one JSON object.
 std::string json_of(const RunSummary& summary);
-/// A bag alone does not state whether its run passed: voxtouch_run.json next to it does, with
-/// each limit and what was met.
+/// Writes voxtouch_run.json next to the bag: the verdict, with each limit and its measured value.
 void keep_verdict(const RunSummary& summary);
-/// Next to the bag, and no part of the run: where it cannot be drawn a sentence says so, and a long
-/// one goes on by itself.
+/// Draws the report next to the bag. It is not part of the run: a failure prints a sentence, and a
+/// long one continues in the background.
 void report_on(const RunSummary& summary);
 
 }  // namespace voxtouch::cli

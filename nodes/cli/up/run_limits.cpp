@@ -11,7 +11,7 @@
 namespace voxtouch::cli {
 namespace {
 
-/// The one place where the defaults stand.
+/// The only definition of the defaults.
 constexpr Limit kLimits[] = {
     {"first_answer_s", "s", false, 2.0, false, "time to the first answered sample",
      "no force until then; the coupling design takes some tenths of a second of it"},
@@ -72,7 +72,7 @@ struct Measured {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// 1 where nothing was due.
+/// 1 if nothing was due.
 double fraction(double part, double whole) { return whole > 0.0 ? part / whole : 1.0; }
 
 double seconds_to(const RunFigures& run, const std::optional<double>& sample) {

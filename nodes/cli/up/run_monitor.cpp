@@ -29,7 +29,7 @@ RunMonitor::RunMonitor(const bus::Participant& participant, const std::string& r
       start_(std::move(start)) {}
 
 void RunMonitor::poll(const ProcessSupervisor& nodes) {
-  // While `up` itself stands still nothing is watched.
+  // No node is watched while `up` itself was suspended.
   const std::int64_t now_ns = runtime::monotonic_ns();
   if (last_poll_ns_ != 0)
     silence_s_["up"] =
@@ -39,7 +39,7 @@ void RunMonitor::poll(const ProcessSupervisor& nodes) {
     const RunningNode* const node = report.node == kPage ? page_ : nodes.find(report.node);
     if (!node || node->pid() != report.pid)
       return false;
-    // The process number stands in each status for all to copy: the first that had it stays.
+    // Any participant can copy the process number in a status: the first one that had it is kept.
     return plays_.try_emplace(report.node, report.participant).first->second == report.participant;
   };
   registry_.update(is_of_node);
@@ -146,7 +146,7 @@ std::string RunMonitor::taken_by(const std::string& node) const {
 void RunMonitor::report_to(RunRecord& run) const {
   run.reports = reports_, run.silence_s = silence_s_;
   for (const auto& [name, report] : earlier_)
-    run.reports.emplace(name, report);  // whose last process said nothing
+    run.reports.emplace(name, report);  // without a status of its last process
   std::set<bus::Guid> own{own_};
   for (const auto& [node, participants] : players_)
     own.insert(participants.begin(), participants.end());

@@ -1,5 +1,5 @@
 #pragma once
-/// What `up` receives from its nodes while they run, and prints of it at once.
+/// Receives the statuses of the nodes during a run and prints changes at once.
 #include <map>
 #include <optional>
 #include <set>
@@ -24,18 +24,18 @@ class RunMonitor {
 
   /// A process next to the nodes that plays the role `page`; the run does not depend on it.
   void set_page(const RunningNode& page) { page_ = &page; }
-  /// Takes what has come. Call it at least every 20 ms: longer pauses are reported as silence of
-  /// "up".
+  /// Takes received messages. Call it at least every 20 ms: longer pauses are reported as silence
+  /// of "up".
   void poll(const ProcessSupervisor& nodes);
   const Reports& reports() const noexcept { return reports_; }
-  /// Whether this node's last status says so.
+  /// Whether this node's last status has state READY.
   bool is_ready(const std::string& node) const;
   /// Participants of the nodes, of each process that was started.
   const Players& players() const noexcept { return players_; }
-  /// Prints what of the start is due, and which node hangs or is received again. Returns the node
+  /// Prints start messages that are due, and nodes that hang or respond again. Returns the node
   /// that has been silent for too long.
   std::optional<std::string> watch(const ProcessSupervisor& nodes);
-  /// Once a second: the status line, and what keeps a node from its work.
+  /// Once a second: the status line, and obstacles of nodes.
   void print(const ProcessSupervisor& nodes);
 
   bool hangs(const std::string& node) const { return hanging_.contains(node); }
@@ -54,19 +54,19 @@ class RunMonitor {
   runtime::NodeRegistry registry_;
   const bus::Guid own_;
   const RunningNode* page_ = nullptr;
-  bus::Reader<msg::ValidationReport> verdicts_;  ///< the validator judges only while it has a
-                                                 ///< reader; its counts come with its status
+  bus::Reader<msg::ValidationReport>
+      verdicts_;  ///< the validator works only while it has a reader; its counts are in its status
   ForeignWriters writers_;
   bus::RosDiscovery ros_;
   const bus::RosGraph graph_;
   StartReport start_;
-  Reports reports_, earlier_;  ///< earlier: of the processes that have ended
+  Reports reports_, earlier_;  ///< earlier: of processes that have ended
   Players players_;
-  std::map<std::string, bus::Guid>
-      plays_;  ///< whose statuses are a node's: the first participant that had its process number
+  std::map<std::string, bus::Guid> plays_;  ///< authorised status writer of each node: the first
+                                            ///< participant with its process number
   std::map<std::string, double> silence_s_;
   std::set<std::string> hanging_;               ///< nodes that give no sign of life now
-  std::map<std::string, std::string> printed_;  ///< what was printed last, by node
+  std::map<std::string, std::string> printed_;  ///< last printed text, by node
   std::int64_t last_poll_ns_ = 0;
 };
 

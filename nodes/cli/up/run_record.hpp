@@ -15,10 +15,10 @@ using Reports = std::map<std::string, runtime::NodeReport>;  ///< last report of
 
 /// A figure of a node's last report; 0 if absent.
 double number(const Reports& reports, const std::string& node, const std::string& name);
-/// A word of it; empty if absent.
+/// A value of it; empty if absent.
 std::string word(const Reports& reports, const std::string& node, const std::string& key);
 
-/// What a run is failed for, or what is noted of it.
+/// Why a run failed, or what is noted about it.
 enum class RunFact : std::uint8_t {
   // Each of these fails the run.
   kNodeEnded,       ///< value: exit status, 128 + signal number
@@ -28,28 +28,28 @@ enum class RunFact : std::uint8_t {
   kCutShort,        ///< value: requested duration [s]
   kNoFinalStatus,   ///< value: samples in its last status
   kDisagree,        ///< value: samples; text: the validator's message
-  kForeignSamples,  ///< value: samples refused; text: by which node, of which writers
+  kForeignSamples,  ///< value: refused samples; text: by which node, of which writers
   kForeignRecords,  ///< value: records refused; text: the logger's message
-  kLocked,          ///< value: times
+  kFaultLatched,    ///< value: times
   kTooStiff,        ///< value, bound: displayed and permitted stiffness [N/m]
   kNoSample,
   kNoForce,        ///< text: the device's reason
   kRatioAboveOne,  ///< node: the limit's name; value: the ratio
-  kLostRecording,  ///< text: what of the bag is lost
+  kLostRecording,  ///< text: missing parts of the bag
   // From here on notes.
   kInterrupted,      ///< value: samples without force; bound: times; text: the last reason
   kForeignWriters,   ///< text: writers and topics
   kRefusedStatuses,  ///< value: statuses; text: writers
-  kChanges,          ///< value: changes made; text: who requested how many
+  kChanges,          ///< value: changes made; text: by whom, with counts
   kRecovers,         ///< value: messages; text: the writer
-  kSamples,          ///< value: samples; text: what holds in them
+  kSamples,          ///< value: samples; text: their property
   kExternal,         ///< text: the wrench from outside
   kRestarted,    ///< value: samples of the device; text: how the process ended; bound: 1 if it was
                  ///< started again
   kPageEnded,    ///< text: how
   kBagGoesOn,    ///< text: the folder
-  kFaultRecord,  ///< text: what it holds, and where
-  kStartCheck,   ///< text: what the check at start found of each figure
+  kFaultRecord,  ///< text: its cause, and its path
+  kStartCheck,   ///< text: result of the check at start for each figure
 };
 struct Found {
   RunFact what;
@@ -58,14 +58,14 @@ struct Found {
   std::string text{};
 };
 
-/// A participant outside the ring that has, or had, a writer on one of the ring's own topics.
+/// A participant outside the ring with a writer, present or past, on a topic of the ring.
 struct UnauthorisedWriter {
   std::string name;
   std::set<std::string> topics;
-  double recovers = 0.0;  ///< Recover messages of it
+  double recovers = 0.0;  ///< its Recover messages
 };
 
-/// The bag as it is after the run.
+/// State of the bag after the run.
 struct BagState {
   std::uint64_t messages = 0;
   std::vector<std::string> losses;  ///< sentences of bag::BagReader
@@ -79,7 +79,7 @@ struct RunRecord {
   Reports reports;
   std::set<std::string> started;  ///< nodes
   std::map<std::string, double>
-      silence_s;  ///< longest time without a status; of "up": without a look at the nodes
+      silence_s;  ///< longest time without a status; of "up": without a poll
   std::vector<Restart> restarts;
   std::vector<Found> events;  ///< seen during the run
   std::vector<UnauthorisedWriter> unauthorised;

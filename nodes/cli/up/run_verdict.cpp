@@ -70,7 +70,7 @@ class VerdictRules {
       put({what, node, n, 0.0, std::move(text)});
   }
 
-  /// Figures of a node that never said its last word are those of some time before the end.
+  /// Figures of a node without a final status are those of some time before the end.
   void nodes() {
     for (const std::string& node : run_.started) {
       const auto report = run_.reports.find(node);
@@ -112,7 +112,7 @@ class VerdictRules {
       put({RunFact::kRefusedStatuses, "", statuses, 0.0, run_.refused_writers});
   }
 
-  /// Which node refused how many samples of which participants.
+  /// Refused samples, by node and participant.
   std::string refusals() const {
     std::string all;
     for (const char* node : {"device", "coupling", "rendering"})
@@ -123,7 +123,7 @@ class VerdictRules {
 
   void force() {
     for (const char* node : {"device", "coupling"})
-      put_count(RunFact::kLocked, node, faults::FaultLatch::kCount);
+      put_count(RunFact::kFaultLatched, node, faults::FaultLatch::kCount);
     const double displayed = count("coupling", "stiffness_at_hand_n_per_m"),
                  most = count("coupling", "device_max_stiffness_n_per_m");
     if (most > 0 && displayed > most)

@@ -1,6 +1,5 @@
 #pragma once
-/// What `up` prints of a scene and a machine before any force: little, so that what matters is
-/// read.
+/// Output of `up` about scene and machine before any force, kept short.
 #include <string>
 #include <vector>
 
@@ -9,22 +8,21 @@
 
 namespace voxtouch::cli {
 
-/// How many warnings a start says in full.
+/// Number of warnings that are printed in full at the start.
 inline constexpr std::size_t kWarningsAtStart = 2;
 
-/// The lines to be said: the first warnings, and one that counts the others and names the verbs
-/// that list them.
+/// The first warnings, and one line that counts the others and names the verbs that list them.
 std::vector<std::string> limited_warnings(const std::vector<std::string>& warnings,
                                           const std::string& scene);
 
-/// What the nodes will be refused, in one warning that names `voxtouch doctor`; empty where nothing
-/// is. They keep each sentence in their statuses and say nothing themselves.
+/// Missing rights of the nodes, in one warning that names `voxtouch doctor`; empty if there are
+/// none. The nodes report each sentence in their statuses and print nothing.
 std::vector<std::string> warnings_of_machine(const runtime::RealtimeOptions& options);
 
 /// Prints each part once, as soon as the nodes have reported it. Pure.
 class StartReport {
  public:
-  /// `warnings`: of the scene file, then of the machine. `scene`: as it was typed.
+  /// `warnings`: of the scene file, then of the machine. `scene`: as on the command line.
   StartReport(std::vector<std::string> warnings, std::string scene, std::string device);
   /// The lines that are due: with the rendering's first report of its built scene the warnings, its
   /// own among them; with the coupling's first report of a coupling that may run the force preview.

@@ -36,7 +36,7 @@ bool measures_latency(const RunRecord& run) { return run.mode != "lockstep"; }
 
 using Names = std::initializer_list<const char*>;
 
-/// Figures of a node under their own names: those that count as whole numbers.
+/// Figures of a node under their names; counts as whole numbers.
 void add_counts(nlohmann::ordered_json& j, const Reports& r, const char* node, Names names) {
   for (const char* name : names)
     j[name] = count(r, node, name);
@@ -63,7 +63,7 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
   return j;
 }
 
-/// Figures of what not every scene has: a virtual tool, a wrench from outside.
+/// Figures of optional parts of a scene: a virtual tool, an external wrench.
 void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
   const Reports& r = s.reports;
   if (has_virtual_tool(s)) {
@@ -213,7 +213,7 @@ std::string status_line(const Reports& r, const std::vector<std::string>& nodes)
                                : report->second.session_id == 0)
       add(unready, node);
   const std::string& waiting =
-      silent.empty() ? unready : silent;  // who is there waits for who has said nothing
+      silent.empty() ? unready : silent;  // the silent nodes come first: the others wait for them
   const bool starts = device == r.end() || device->second.state == runtime::NodeState::kStarting;
   if (starts || (!waiting.empty() && count(r, "device", "samples") == 0))
     return "starting: waiting for " +

@@ -1,5 +1,5 @@
 #pragma once
-/// What a run did, for people and for programs.
+/// Summary of a run, as text and as JSON.
 #include <string>
 #include <vector>
 
@@ -16,7 +16,7 @@ struct RunSummary : RunRecord {
 nlohmann::ordered_json to_json(const RunSummary& summary);
 /// The verdict, its reasons, then the figures.
 std::string to_text(const RunSummary& summary);
-/// One line while the ring runs, on the last second; `nodes` are those that take part.
+/// One line during the run, on the last second; `nodes` are the participating ones.
 std::string status_line(const Reports& reports, const std::vector<std::string>& nodes);
 
 }  // namespace voxtouch::cli

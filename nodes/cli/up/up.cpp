@@ -21,7 +21,7 @@
 namespace voxtouch::cli {
 namespace {
 
-/// Of every process that is to come: half a ring under DDS Security would find out one by one.
+/// Checks the keys of all processes at once; otherwise the nodes would fail one by one.
 void require_all_keys(const UpOptions& options) {
   if (!options.node.security.empty() && options.ring.one_process)
     throw std::runtime_error(
@@ -32,7 +32,7 @@ void require_all_keys(const UpOptions& options) {
       options.node.require_keys(role);
 }
 
-/// What is started again is a process, and the device goes on meanwhile.
+/// Only a process can be restarted, while the device continues.
 void check_restarts(const UpOptions& options) {
   if (options.restarts == 0)
     return;
@@ -44,8 +44,7 @@ void check_restarts(const UpOptions& options) {
     throw std::runtime_error("--restart needs one process per node. Start without --one-process");
 }
 
-/// A page that leads the hand is bound by a status of its own, for which a tool's keys give no
-/// right.
+/// A page that leads the hand needs a status, which a tool's keys do not permit.
 void check_page(const UpOptions& options) {
   const device_node::Options& device = options.ring.device;
   device_node::check_hand_from(device.device, device.hand, options.node.lockstep);
@@ -69,7 +68,7 @@ RunSummary run_up(const UpOptions& options, const std::filesystem::path& choice)
               {std::move(warnings), options.node.scene.string(),
                options.ring.device.device});  // first: others can answer its claim meanwhile
   const device_node::Options& device = options.ring.device;
-  if (options.view || device.hand.from_page) {  // what takes long to build can be seen meanwhile
+  if (options.view || device.hand.from_page) {  // early, so that a long build is visible
     page = start_page(options.node, device.hand.from_page, options.browser, choice);
     run.set_page(*page);
   }

@@ -35,9 +35,9 @@ void check_bag(const std::filesystem::path& bag) {
         parent.string(), std::strerror(errno)));
 }
 
-/// What the coupling node refuses of this device whatever the contact comes to, by its own code: a
-/// sentence. Empty: nothing. What depends on the scene as it is built, rendering and coupling
-/// judge: then the run ends before any force.
+/// Reasons for which the coupling node refuses this device for every contact; empty if none.
+/// Rendering and coupling check what depends on the built scene; the run then ends before any
+/// force.
 std::string refused_unbuilt(const scene::Scene& scene, const DeviceDescription& description) {
   if (std::string wrong = validate(description); !wrong.empty())
     return wrong;
@@ -46,8 +46,8 @@ std::string refused_unbuilt(const scene::Scene& scene, const DeviceDescription& 
       device_fit::least_stiffness_n_per_m(scene), device_fit::demand_of(scene));
 }
 
-/// The figures of a measured file. What hardware reports of itself is known once it is open: its
-/// node checks the file then.
+/// The figures of a measured file. For hardware its node compares the file with what the open
+/// device reports.
 DeviceDescription measured(const Plans& plans, const DeviceDescription& description,
                            std::vector<std::string>& notes) {
   const scene::DeviceFile file = scene::load_device_file(plans.device_file);

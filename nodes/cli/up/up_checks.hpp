@@ -1,5 +1,5 @@
 #pragma once
-/// What can be known before any node starts is said before any node starts.
+/// Checks that are possible before any node starts.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -20,13 +20,13 @@ struct Plans {
   bool hand_from_page = false;
 };
 
-/// Throws std::runtime_error, a sentence: unknown device, device option or motion, a device that
-/// the coupling node would command no force for whatever the scene is built to, a bag folder that
-/// exists or could not be made. Returns what a user may want to know, as sentences.
+/// Throws std::runtime_error: unknown device, device option or motion, a device for which the
+/// coupling node would command no force in any scene, a bag folder that exists or cannot be
+/// created. Returns sentences to print.
 std::vector<std::string> check_before_start(const scene::Scene& scene, const Plans& plans);
 
-/// The sentence for a scene and a device of which rendering or coupling said `why` no force may be
-/// commanded.
+/// The sentence for a scene and a device for which rendering or coupling refused any force because
+/// of `why`.
 std::string does_not_go_with(const std::filesystem::path& scene, const std::string& device,
                              const std::string& why);
 

@@ -55,7 +55,7 @@ std::string sentence(const RunRecord& run, const Found& f) {
     case RunFact::kForeignRecords:
       return fmt::format("{:.0f} records of another writer are not in the recording ({})", f.value,
                          f.text);
-    case RunFact::kLocked:
+    case RunFact::kFaultLatched:
       return fmt::format("the {} latched at zero force {:.0f} times: see its fault records", f.node,
                          f.value);
     case RunFact::kTooStiff:
@@ -87,7 +87,7 @@ std::string sentence(const RunRecord& run, const Found& f) {
       return fmt::format("{:.0f} changes of the scene during the run; requested by: {}", f.value,
                          f.text.empty() ? "an unknown participant" : f.text);
     case RunFact::kRecovers:
-      return fmt::format("{:.0f} Recover messages came from {}", f.value, f.text);
+      return fmt::format("{:.0f} Recover messages from {}", f.value, f.text);
     case RunFact::kSamples:
       return fmt::format("in {:.0f} samples {}", f.value, f.text);
     case RunFact::kExternal:

@@ -1,5 +1,5 @@
 #pragma once
-/// The words of a verdict: the one place where sentences are made from findings.
+/// Texts of a verdict. All sentences about findings are made here.
 #include <string>
 #include <vector>
 
@@ -7,10 +7,10 @@
 
 namespace voxtouch::cli {
 
-/// "PASSED", or "FAILED (2 of 19 limits, 1 other fault)"; force fades and fault records are named
-/// in it either way.
+/// "PASSED", or "FAILED (2 of 19 limits, 1 other fault)"; both include force fades and fault
+/// records.
 std::string verdict_line(const RunRecord& run, const RunVerdict& verdict);
-/// Sentences of what failed: the faults, then the limits; each once.
+/// Reasons of a failure: the faults, then the limits; each once.
 std::vector<std::string> problems_of(const RunRecord& run, const RunVerdict& verdict);
 std::vector<std::string> notes_of(const RunRecord& run, const RunVerdict& verdict);
 /// A limit that is not met.

@@ -23,7 +23,7 @@ void note_delays_on(std::size_t cpu, const std::atomic<bool>& stop,
   pthread_setaffinity_np(pthread_self(), sizeof only, &only);
   const sched_param urgent{.sched_priority = 80};
   pthread_setschedparam(pthread_self(), SCHED_FIFO,
-                        &urgent);  // as the ring's; where it is not granted, neither is theirs
+                        &urgent);  // as the ring's nodes; if refused, they do not have it either
   constexpr std::int64_t kPeriodNs = 1'000'000;
   std::int64_t due_ns = now_ns(CLOCK_MONOTONIC) + kPeriodNs;
   while (!stop.load()) {

@@ -1,5 +1,6 @@
 #pragma once
-/// How long the machine itself kept threads from running: what a late sample is compared with.
+/// Measures how long the machine itself keeps threads from running, for comparison with late
+/// samples.
 #include <atomic>
 #include <cstdint>
 #include <thread>
@@ -7,14 +8,13 @@
 
 namespace voxtouch::attack {
 
-/// On each CPU a thread that wants to wake up every millisecond, with the priority that the nodes
-/// of the ring ask for where it is granted: of a virtual machine one CPU may stand still while the
-/// others run.
+/// One thread per CPU that wakes up every millisecond, with the priority of the ring's nodes if
+/// permitted. On a virtual machine one CPU may be suspended while the others run.
 class Beats {
  public:
   Beats();
   ~Beats();
-  /// Forgets what was; the longest delay is counted from here.
+  /// Resets the longest delay.
   void restart() noexcept;
   /// The longest time by which a wake-up on any CPU was late [ns].
   std::int64_t longest_ns() const noexcept;
@@ -25,7 +25,7 @@ class Beats {
   std::vector<std::thread> threads_;
 };
 
-/// The clock by which DDS stamps what is written.
+/// The clock with which DDS stamps samples.
 std::int64_t unix_ns() noexcept;
 
 }  // namespace voxtouch::attack

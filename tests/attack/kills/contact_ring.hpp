@@ -1,6 +1,6 @@
 #pragma once
-/// A ring of `voxtouch up` in a contact that its hand feels, with a listener next to it: where the
-/// rounds that lose one of its processes begin.
+/// A ring of `voxtouch up` in contact, with a listener: the start of the rounds that lose a
+/// process.
 #include <sys/types.h>
 
 #include <chrono>
@@ -17,7 +17,7 @@
 
 namespace voxtouch::attack {
 
-/// Looks every 2 ms; false where it does not hold within `patience`.
+/// Polls every 2 ms; false if the condition does not hold within `patience`.
 bool wait_until(const std::function<bool()>& holds, std::chrono::milliseconds patience);
 
 struct ContactRingOptions {
@@ -31,17 +31,17 @@ struct ContactRingOptions {
 
 class ContactRing {
  public:
-  /// Starts `up`. Throws where it cannot be started or listened to.
+  /// Starts `up`. Throws if it cannot be started or monitored.
   explicit ContactRing(const ContactRingOptions& ask);
 
-  /// Waits for force and a contact that is displayed behind sample `behind`, `after` longer, and
-  /// for the contact to be displayed then. `also`: what has to hold before. False where that does
-  /// not come.
+  /// Waits for force and a displayed contact after sample `behind`, then `after` longer, and for
+  /// the contact to be displayed then. `also`: an additional condition before. False if this does
+  /// not occur.
   bool reach_contact(std::uint64_t behind, std::chrono::milliseconds after,
                      const std::function<bool()>& also = {});
-  /// What `up` said, where the contact was not reached: it ends.
+  /// Output of `up` if the contact was not reached; ends `up`.
   std::string refusal();
-  /// Sends the signal, and notes when. Throws where there is no such process.
+  /// Sends the signal, and stores its time. Throws if the process does not exist.
   void lose(pid_t victim, int signal);
   std::int64_t lost_at_ns() const noexcept { return lost_at_ns_; }  ///< Unix time
   /// The longest time since then that the machine kept a thread of the ring's priority waiting

@@ -1,5 +1,5 @@
 #pragma once
-/// What a ring may leave on a machine.
+/// Files and processes that a ring may leave on a machine.
 #include <sys/types.h>
 
 #include <cstdint>

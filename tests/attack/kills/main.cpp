@@ -1,5 +1,5 @@
-/// kill_campaign: kills and stops each process of the ring in contact, and reports how soon the
-/// device was at zero and what was left. Exit status 1 if something did not hold.
+/// kill_campaign: kills and stops each process of the ring in contact; reports the time to zero
+/// force and what was left. Exit status 1 if a check failed.
 #include <fmt/core.h>
 #include <signal.h>
 
@@ -68,7 +68,7 @@ int run(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (o.domain.empty())
     o.domain = test::fresh_domain();
-  // What other programs of this machine make and remove meanwhile is not ours to judge.
+  // Excludes what other programs of this machine create and remove meanwhile.
   const test::TemporaryFolder own;
   ::setenv("TMPDIR", own.path().c_str(), 1);
   std::mt19937_64 random(o.seed);

@@ -1,4 +1,4 @@
-// Processes of the ring killed in contact where `up --restart` starts them again.
+// Processes of the ring killed in contact and restarted by `up --restart`.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -54,7 +54,7 @@ class PressedRing {
   }
   /// Kills it.
   void kill(const std::string& role) { ring_.lose(killed_ = find(role), SIGKILL); }
-  /// Waits until another process of that role is there; Unix time then, 0 where none comes.
+  /// Waits for another process of that role; returns its Unix time, or 0 if there is none.
   std::int64_t started_again_ns(const std::string& role) {
     const bool is_there = wait_until([&] { return find(role) != 0 && find(role) != killed_; }, 15s);
     return is_there ? unix_ns() : 0;
@@ -125,8 +125,8 @@ void expect_a_ramp(const std::filesystem::path& bag) {
       std::find_if(commands.begin() + static_cast<std::ptrdiff_t>(back), commands.end(),
                    [&](const auto& c) { return force_n(c) > 0.5 * settled_n; });
   ASSERT_NE(half, commands.end());
-  // The ramp takes 0.2 s. The hand has gone in without force, so its wrench is more than twice the
-  // settled one at first.
+  // The ramp takes 0.2 s. The hand has moved in without force, so its wrench is at first more than
+  // twice the settled one.
   EXPECT_GT(half->sequence_number - commands[back].sequence_number, 20U)
       << "the coupling ramps in over 0.2 s";
 }

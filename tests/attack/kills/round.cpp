@@ -17,8 +17,8 @@ namespace {
 using namespace std::chrono_literals;
 constexpr double kMsPerNs = 1e-6;
 constexpr double kBagLosesS = 1.0;       // at most
-constexpr auto kStopped = 700ms;         // how long a node stands still
-constexpr double kCommandLivesMs = 3.0;  // a command is held this long before it fades
+constexpr auto kStopped = 700ms;         // how long a node is stopped
+constexpr double kCommandLivesMs = 3.0;  // a command is repeated this long before it fades
 
 class Round {
  public:
@@ -44,7 +44,7 @@ class Round {
   }
 
  private:
-  /// Force for half a second, the start's ramp, and the contact felt now.
+  /// Force for half a second, the start's ramp, and the present contact.
   bool reach_contact() {
     if (!ring_.reach_contact(700, std::chrono::milliseconds(ask_.after_ms)))
       return false;
@@ -64,8 +64,8 @@ class Round {
   bool needed() const { return ask_.victim == "rendering" || ask_.victim == "coupling"; }
 
   void after_kill() {
-    // A device that is ended in order ends at zero; its last sample may say that there was force in
-    // the one before it.
+    // A device that is ended in order ends at zero; its last sample may still report the force of
+    // the one before.
     wait_until(
         [this] {
           return zero_at() || ask_.victim == "device" ||
@@ -121,8 +121,8 @@ class Round {
     return std::nullopt;
   }
 
-  /// The device's clock when the signal was sent: of the last sample written before it; where there
-  /// is none, of the first one behind it less the time since.
+  /// The device's clock at the signal: of the last sample written before it. Without one, of the
+  /// first sample after it minus the time since.
   std::int64_t device_time_at_signal(const std::vector<Seen>& seen,
                                      std::vector<Seen>::const_iterator after) const {
     if (after != seen.begin())
@@ -158,8 +158,8 @@ class Round {
       result_.faults.push_back("the device goes on with force");
   }
 
-  /// What only listens must not be displayed. Where the machine kept a thread of the ring's
-  /// priority waiting for longer than commands are held, it is the machine that was displayed.
+  /// A stopped listener must not affect the force. If the machine delayed a thread with the ring's
+  /// priority for longer than commands are repeated, the machine is the cause.
   void judge_undisturbed() {
     for (const Seen& s : ring_.seen())
       result_.unforced += s.written_ns >= at_ns_ && !s.force_on;
@@ -172,8 +172,7 @@ class Round {
                       result_.unforced, ask_.victim, result_.machine_ms));
   }
 
-  /// A device that stood still is not to go on with the force that it held: whoever holds it has
-  /// moved meanwhile.
+  /// A resumed device must not continue with its old force: the hand has moved meanwhile.
   void judge_waking(std::int64_t on_ns) {
     int samples = 0;
     bool rested = false;
@@ -199,8 +198,7 @@ class Round {
     for (const pid_t node : nodes_)
       if (program_of(node).starts_with("voxtouch_"))
         result_.faults.push_back(program_of(node) + " is left behind");
-    // Other tests run next to this one and have such names too, for a moment: left behind is what
-    // stays.
+    // Tests that run in parallel have such names too, for a moment: only permanent ones count.
     std::set<std::string> left;
     wait_until(
         [&] {
@@ -217,7 +215,7 @@ class Round {
     try {
       const auto states =
           test::read_ring_topic<msg::DeviceState>(ring_.bag(), "/" + ask_.rig + "/device/state");
-      // Of what was there while the logger was.
+      // Only while the logger was running.
       std::int64_t last_ns = 0;
       for (const Seen& s : seen)
         if (ask_.victim != "logger" || s.written_ns <= at_ns_ || ask_.signal == SIGSTOP)

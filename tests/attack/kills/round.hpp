@@ -1,6 +1,5 @@
 #pragma once
-/// One ring, one of its processes killed or stopped while the hand feels a contact, and what came
-/// of it.
+/// One ring with one process killed or stopped during contact, and the result.
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,28 +18,28 @@ struct RoundOptions {
 };
 
 struct RoundResult {
-  bool played = false;  ///< false: the ring did not come into contact
+  bool played = false;  ///< false: no contact was reached
   std::optional<double>
-      zero_ms;  ///< from the signal to the first sample without force, by the device's own samples
+      zero_ms;  ///< from the signal to the first sample without force, by the device's samples
   std::optional<double>
-      zero_wall_ms;         ///< likewise, by this machine's clock, until the device wrote it
+      zero_wall_ms;         ///< the same by this machine's clock, until the device wrote it
   double machine_ms = 0.0;  ///< the longest time in this span that the machine kept a thread of the
                             ///< ring's priority waiting
   double gap_ms = 0.0;      ///< the longest time in this span without a sample of the device
   std::optional<double>
       bag_lost_s;  ///< of the device's samples that were seen, how much is missing at the bag's end
-  int unforced = 0;      ///< samples without force while what only listens stood still
-  bool stalled = false;  ///< the machine kept threads waiting for so long just then that force had
-                         ///< to fade, or that zero came late
-  int status = 0;        ///< of `up`
-  std::vector<std::string> faults;  ///< what did not hold, a sentence each
+  int unforced = 0;  ///< samples without force while only a listener was stopped
+  bool stalled =
+      false;  ///< the machine delayed threads so long that force had to fade, or that zero was late
+  int status = 0;                   ///< of `up`
+  std::vector<std::string> faults;  ///< failed checks, a sentence each
 };
 
 /// Plays it; takes two to five seconds.
 RoundResult play(const RoundOptions& ask);
 
-/// The device has to be at zero by then [ms of its own samples]: three held periods, 20 ms of fade,
-/// and the way of a command.
+/// The device must be at zero by then [ms of its samples]: three repeated periods, 20 ms of fade,
+/// and the path of a command.
 inline constexpr double kZeroWithinMs = 30.0;
 
 }  // namespace voxtouch::attack

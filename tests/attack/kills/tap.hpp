@@ -12,13 +12,12 @@
 
 namespace voxtouch::attack {
 
-/// One sample of the device. When this process got it says nothing where it had been kept from
-/// running itself.
+/// One sample of the device. Its reception time is unreliable if this process itself was suspended.
 struct Seen {
   std::int64_t written_ns = 0;  ///< when the device wrote it, by DDS; Unix time
-  std::int64_t sample_ns = 0;   ///< the device's own clock
+  std::int64_t sample_ns = 0;   ///< device clock
   std::uint64_t sequence = 0;
-  bool force_on = false;  ///< the guard lets force through
+  bool force_on = false;  ///< the guard outputs force
 };
 
 class Tap {

@@ -1,4 +1,4 @@
-// flood: messages of a stranger, as fast as asked, on the topics of a rig.
+// flood: messages of an unauthorised participant, at the requested rate, on the topics of a rig.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -29,8 +29,8 @@ struct Options {
   std::vector<std::string> topics;
 };
 
-/// A sample whose numbers are random, where the type holds nothing else: memory of strings and
-/// sequences stays empty.
+/// A sample with random numbers, if the type has only numbers: pointers of strings and sequences
+/// stay empty.
 std::vector<std::uint64_t> sample_of(const dds_topic_descriptor_t& type, std::mt19937_64& random) {
   std::vector<std::uint64_t> memory(type.m_size / sizeof(std::uint64_t) + 1);
   if (type.m_flagset & DDS_TOPIC_FIXED_SIZE)

@@ -1,4 +1,4 @@
-// forge: well-formed RTPS under the GUIDs of those who are there: samples of the loop's topics,
+// forge: well-formed RTPS under the GUIDs of present participants: samples of the loop's topics,
 // heartbeats, gaps, goodbyes, and endpoints.
 #include <arpa/inet.h>
 #include <sys/socket.h>
@@ -24,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::uint8_t kHeartbeat = 7, kGap = 8;
 constexpr std::uint32_t kFar =
-    1U << 30;  ///< a sequence number that the rightful writer does not come to
+    1U << 30;  ///< a sequence number that the authorised writer does not reach
 constexpr std::uint64_t kWriters =
     40;  ///< Cyclone DDS numbers the endpoints of a participant from 1 on
 constexpr std::uint32_t kParticipants = 0x000100c2, kPublications = 0x000003c2;
@@ -53,7 +53,7 @@ class Forged : public Draft {
       end(from);
     }
   }
-  /// That all before kFar is gone: a reader that waits for order skips what comes.
+  /// Declares that all before kFar is gone: a reader of ordered samples skips the following ones.
   void bookkeeping(std::uint8_t kind) {
     const auto one = [&](std::uint32_t writer) {
       const std::size_t from = submessage(kind, 1);
@@ -68,7 +68,7 @@ class Forged : public Draft {
     for (const std::uint32_t writer : kBuiltIn)
       one(writer);
   }
-  /// The participant has gone, says it; its endpoints have, too.
+  /// Declares that the participant and its endpoints have left.
   void goodbye(std::uint32_t writer, std::uint32_t entity) {
     const std::size_t from = data(writer, 7 | 8, 3);
     parameter(writer == kParticipants ? 0x50 : 0x5a, 16), append(prefix_), big_endian(entity),
@@ -141,7 +141,7 @@ int run(std::uint32_t domain, double seconds, bool says_goodbye) {
   const auto until = Clock::now() + std::chrono::duration<double>(seconds);
   std::uint64_t sent = 0;
   std::size_t most = 0;
-  Neighbours known;  // who comes and goes is learned meanwhile
+  Neighbours known;  // learns meanwhile which participants join and leave
   for (std::uint32_t turn = 1; Clock::now() < until; ++turn) {
     Neighbours received =
         listen_for_neighbours(domain, std::chrono::milliseconds(turn == 1 ? 1000 : 20));

@@ -17,7 +17,7 @@ constexpr std::uint32_t kEntities[] = {0x000003c2, 0x000003c7, 0x000004c2, 0x000
                                        0x000100c7, 0x000200c2, 0x000200c7, 0x000300c3, 0x000300c4,
                                        0x000301c3, 0x000301c4, 0x000002c2, 0x00000103, 0x00000104,
                                        0x000001c1, 0};
-// Parameters that discovery reads, Cyclone's own among them.
+// Parameters that discovery reads, including Cyclone's.
 constexpr std::uint16_t kParameters[] = {
     0x0005, 0x0007, 0x0015, 0x0016, 0x001a, 0x001b, 0x001d, 0x001e, 0x0021, 0x0023, 0x0025,
     0x0029, 0x002b, 0x002c, 0x002d, 0x002e, 0x002f, 0x0030, 0x0031, 0x0032, 0x0033, 0x0034,
@@ -43,14 +43,14 @@ class Maker : public Draft {
     append(prefix);
   }
 
-  /// Four bytes, and then as many as they say, or not.
+  /// Four bytes, then as many as they declare, or not.
   void submessage(const Neighbours& neighbours) {
     byte(one_in(10) ? any() : one_of(kSubmessages));
     byte(one_in(2) ? 1 : any());
     const std::size_t length = below(100);
     number(static_cast<std::uint16_t>(one_in(4) ? any() : one_in(8) ? 0 : length));
     if (length >= 12 && !neighbours.prefixes.empty() &&
-        one_in(4)) {  // as INFO_DST: whom the rest is for
+        one_in(4)) {  // as INFO_DST: the destination of the rest
       const GuidPrefix& prefix =
           *std::next(neighbours.prefixes.begin(),
                      static_cast<std::ptrdiff_t>(below(neighbours.prefixes.size())));
@@ -84,7 +84,7 @@ class Maker : public Draft {
       number(one_in(10) ? static_cast<std::uint16_t>(any()) : one_of(kParameters));
       const std::size_t length = 4 * below(one_in(4) ? 60 : 8);
       number(static_cast<std::uint16_t>(one_in(20) ? any() : length));
-      // small numbers are lengths, counts and enumerators; random ones hardly ever are
+      // small numbers are lengths, counts and enumerators; random ones rarely are
       for (std::size_t word = 0; word < length / 4; ++word)
         number(static_cast<std::uint32_t>(one_in(2) ? below(9) : any()));
     }

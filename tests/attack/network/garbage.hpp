@@ -11,17 +11,17 @@ namespace voxtouch::attack {
 enum class Garbage : std::uint8_t {
   kBytes,      ///< random bytes
   kHeaders,    ///< a good header of none, then submessages of any kind, flags and length
-  kDiscovery,  ///< a good header of none, then what discovery and type lookup are sent by, with
-               ///< random parameters
+  kDiscovery,  ///< a valid header with an unknown GUID, then discovery and type lookup with random
+               ///< parameters
   kSpoofed,    ///< as the two before, under the prefix of a neighbour
-  kFlipped,    ///< a neighbour's announcement with some bits turned
+  kFlipped,    ///< a neighbour's announcement with some flipped bits
   kGhosts,     ///< participants that are not there: ghost.hpp
 };
 inline constexpr std::string_view kGarbageNames[] = {"bytes",   "headers", "discovery",
                                                      "spoofed", "flipped", "ghosts"};
 
-/// At most 1472 bytes mostly, rarely up to 65507. `spoofed` and `flipped` are `headers` where there
-/// is no neighbour, ghosts are empty.
+/// Mostly at most 1472 bytes, rarely up to 65507. Without a neighbour `spoofed` and `flipped` equal
+/// `headers`, and ghosts are empty.
 Bytes make_garbage(Garbage kind, std::uint64_t seed, std::uint64_t i, const Neighbours& neighbours);
 
 }  // namespace voxtouch::attack

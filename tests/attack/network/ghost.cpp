@@ -72,7 +72,7 @@ class Ghost : public Draft {
     text(kTopicName, qos::dds_name(topic, "haptic")), text(kTypeName, dds_type(topic.type));
     parameter(kReliability, 12), number<std::uint32_t>(2), number<std::uint32_t>(0),
         number<std::uint32_t>(0);
-    if (writes) {  // whatever a reader asks for
+    if (writes) {  // satisfies any reader's request
       parameter(kDurability, 4), number<std::uint32_t>(1);
       parameter(kDeadline, 8), number<std::uint32_t>(0), number<std::uint32_t>(1);
     }
@@ -134,8 +134,8 @@ class Ghost : public Draft {
   }
   void end(std::size_t from) { set_length(from - 2, size() - from); }
 
-  /// Without it a reader keeps what a reliable writer sends to itself: samples 1 to `last` are to
-  /// be had.
+  /// Without it a reader stores the samples of a reliable writer without delivery: samples 1 to
+  /// `last` are available.
   void heartbeat(std::uint32_t writer, std::uint64_t last) {
     const std::size_t from = submessage(kHeartbeat, 3);
     big_endian(0), big_endian(writer), number<std::uint32_t>(0), number<std::uint32_t>(1);
@@ -143,7 +143,7 @@ class Ghost : public Draft {
         number(static_cast<std::uint32_t>(step_));
     end(from);
   }
-  /// Up to the payload, of which it writes how that is encoded; returns what end() takes.
+  /// All before the payload, with the encapsulation of the payload; returns the argument of end().
   std::size_t data(std::uint32_t writer, std::uint64_t sequence_number, std::uint64_t encoding,
                    bool status) {
     const std::size_t from = submessage(kData, status ? 7 : 5);

@@ -42,7 +42,7 @@ class Socket {
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
-  /// Empty if nothing came for 50 ms.
+  /// Empty if nothing was received for 50 ms.
   Bytes receive() const {
     Bytes bytes(65536);
     const ssize_t n = recv(fd_, bytes.data(), bytes.size(), 0);
@@ -89,7 +89,7 @@ Neighbours listen_for_neighbours(std::uint32_t domain, std::chrono::milliseconds
     for (std::size_t at = kHeader; at + 4 <= bytes.size();) {
       const std::size_t size = number<std::uint16_t>(bytes, at + 2),
                         end = size ? at + 4 + size : bytes.size();
-      // 20 bytes of the submessage, then 4 that say how the parameters are encoded
+      // 20 bytes of the submessage, then 4 for the encoding of the parameters
       if (bytes[at] == kData)
         collect_ports(bytes, at + 28, std::min(end, bytes.size()), found.ports);
       if (bytes[at] == kData && found.prefixes.insert(prefix).second)

@@ -1,6 +1,5 @@
 #pragma once
-/// Who takes part in a DDS domain on loopback, learned from what they announce to everybody (RTPS
-/// participant discovery).
+/// Participants of a DDS domain on loopback, from their announcements (RTPS participant discovery).
 #include <array>
 #include <chrono>
 #include <cstdint>
@@ -17,7 +16,7 @@ inline constexpr std::uint8_t kData =
 
 struct Neighbours {
   std::set<GuidPrefix> prefixes;
-  std::set<std::uint16_t> ports;     ///< where they receive on loopback
+  std::set<std::uint16_t> ports;     ///< their receiving ports on loopback
   std::vector<Bytes> announcements;  ///< one of each participant, as sent
 };
 
@@ -26,8 +25,7 @@ constexpr std::uint16_t discovery_port(std::uint32_t domain) {
   return static_cast<std::uint16_t>(7400 + 250 * domain);
 }
 
-/// Listens for `time`. Sends nothing. \throws std::runtime_error, a sentence, where the port cannot
-/// be listened on.
+/// Listens for `time`. Sends nothing. \throws std::runtime_error if the port cannot be opened.
 Neighbours listen_for_neighbours(std::uint32_t domain, std::chrono::milliseconds time);
 
 }  // namespace voxtouch::attack

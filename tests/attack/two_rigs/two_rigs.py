@@ -1,22 +1,21 @@
 #!/usr/bin/env python3
-"""Two rigs on one host: on one DDS domain by their names, or on two domains. None may disturb the
-other.
+"""Two rigs on one host: on one DDS domain with different names, or on two domains. Neither may
+disturb the other.
 
     tests/attack/two_rigs/two_rigs.py                       # ten minutes, both forms
-    tests/attack/two_rigs/two_rigs.py --duration 8          # what the test runs
+    tests/attack/two_rigs/two_rigs.py --duration 8          # short form, as in the test
 
-Both feel the cup. In the middle the rendering of the left one is killed. Then the left one has to
-end with 1 and say so, while the right one goes on: its bag holds one session, no command of any
-participant else, no sample at which force was lost, and no message on its topics that came from the
-left one. Its own verdict has to follow from its own figures: what it names as a problem is a figure
-of its own (a busy machine is one) and never the other rig. Exit status 1 if something did not hold.
+Both are in contact with the cup. Half-way the rendering of the left one is killed. The left one
+must then end with status 1 and report it, while the right one continues: its bag has one session,
+no foreign command, no sample without force, and no message of the left one on its topics. Its
+verdict must follow from its own figures: each problem that it reports is one of its figures (for
+example a busy machine) and never the other rig. Exit status 1 if a check failed.
 
-A virtual machine stands still now and then, and no ring answers meanwhile: after 24 ms the guard
-takes the force away, as it should. So one witness on each CPU, at a higher real-time priority than
-the rigs where that is allowed, wakes every millisecond and notes when it could not. Force is lost
-by one long stop or by several short ones, after each of which an answer comes too late. So force
-that was lost while one CPU had stood still for 20 of the last 80 ms, all in all, is counted apart,
-as the machine's.
+A virtual machine stalls occasionally, and no ring answers meanwhile: after 24 ms the guard removes
+the force, as it should. Therefore one witness per CPU, with a higher real-time priority than the
+rigs if permitted, wakes every millisecond and records when it could not. Force is lost by one long
+stall or by several short ones with a late answer after each. A loss of force is attributed to the
+machine if one CPU was stalled for 20 of the last 80 ms in total.
 """
 
 import argparse
@@ -33,11 +32,11 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parents[3]
 FORCE_ON = 4
-LATE_S = 0.003  # a witness that wakes this late says that its CPU stood still
-# A CPU that stood still this long within WINDOW_S explains a lost force: the guard waits 24 ms.
+LATE_S = 0.003  # a witness that wakes this late reports a stall of its CPU
+# A CPU stalled for this long within WINDOW_S explains a lost force: the guard waits 24 ms.
 STILL_S = 0.02
 WINDOW_S = 0.08  # the guard's time, and that in which the loop catches up, some 20 samples
-STATE = struct.Struct("<QQq7d6dII")  # DeviceState, as its .msg says
+STATE = struct.Struct("<QQq7d6dII")  # DeviceState, as in its .msg
 
 
 def arguments():
@@ -63,7 +62,7 @@ def arguments():
 
 
 class Machine:
-    """When the machine stood still: [(cpu, from, to)], Unix time."""
+    """Stalls of the machine: [(cpu, from, to)], Unix time."""
 
     WITNESS = """if 1:
         import os, sys, time
@@ -100,7 +99,7 @@ class Machine:
         self.still = [(int(cpu), float(begin), float(end)) for cpu, begin, end in rows]
 
     def still_before(self, moment):
-        """Seconds that the CPU which stood still longest did so within WINDOW_S before a moment."""
+        """Longest stall of a CPU [s] within WINDOW_S before a moment."""
         by_cpu = {}
         for cpu, begin, end in self.still:
             by_cpu[cpu] = by_cpu.get(cpu, 0.0) + max(
@@ -232,7 +231,7 @@ def play(ask, form, domains):
         guard = right.summary["guard"]
         if (
             guard["refused"] > guard["refused_late"]
-        ):  # late ones are the rig's own: its coupling was kept from running for a while
+        ):  # late ones belong to the rig: its coupling was blocked for a while
             faults.append(
                 f"the right guard refused {guard['refused'] - guard['refused_late']} commands that"
                 " were not its coupling's or not in order"

@@ -9,7 +9,7 @@ COLUMNS = ("fx", "fy", "fz", "tx", "ty", "tz", "us")
 
 
 class CsvError(Exception):
-    """A file of --csv that cannot be used: file, line, what is expected."""
+    """An unusable file of --csv: file, line, expected content."""
 
 
 def values_of(line, place):

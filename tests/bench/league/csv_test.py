@@ -44,7 +44,8 @@ class ByCsv(unittest.TestCase):
 
     @classmethod
     def write_right_answers(cls, row):
-        """Forces along what is right: of a newton, or of a spring from the hand to what is held."""
+        """Forces along the expected direction: of one newton, or of a spring from the hand to
+        the contact."""
         right = np.loadtxt(row / "right.csv", delimiter=",", skiprows=1, ndmin=2)
         poses = np.loadtxt(row / "poses.csv", delimiter=",", skiprows=1, ndmin=2)
         force, torque = right.copy(), np.zeros(right.shape)
@@ -104,7 +105,7 @@ class ByCsv(unittest.TestCase):
             self.assertIn(said, run.stderr)
 
     def refused(self, text, row="A1"):
-        """What is said of this file: it begins with the file and the line."""
+        """The message about this file: it begins with the file and the line."""
         with tempfile.TemporaryDirectory(prefix="voxtouch_league_") as folder:
             (pathlib.Path(folder) / f"{row}.csv").write_text(text, encoding="utf-8")
             before = (self.rows / "result.json").read_text(encoding="utf-8")

@@ -145,7 +145,7 @@ def flat(table):
 
 
 def exceeds(value, limit):
-    """Also of a number where a word is right, and of NaN."""
+    """Also for a number in place of a word, and for NaN."""
     if isinstance(value, str):
         return value != limit
     return not re.fullmatch(r"[\d.e+-]+", limit) or not value <= float(limit)

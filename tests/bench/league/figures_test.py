@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What guards the league's figures, with planted faults.
+"""Tests the guard of the league's figures, with planted faults.
 
 usage: figures_test.py PAGE
 """

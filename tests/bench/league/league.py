@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Plays the league: the same poses for every contact library, judged by closed forms or exact
+"""Plays the league: the same poses for every contact library, compared with closed forms or exact
 triangles.
 
 usage: league.py --voxtouch PROGRAM --out FOLDER [--rows A,B1] [--only NAME,...] [--add NAME --csv
        FILE] [--again] [--against PAGE] [--page-only]
 
-FOLDER receives a folder per row with meshes, poses and what is right, result.json, league.md and
-the pictures. README.md reports how another program takes part without this code.
+FOLDER receives a folder per row with meshes, poses and expected results, result.json, league.md
+and the pictures. README.md describes how another program takes part without this code.
 """
 
 import argparse
@@ -29,11 +29,11 @@ import truth
 
 LEAST_WRENCH = 1e-9  # N or N m: less is none
 PENETRATION_EVERY = 10  # samples
-PASSED_SAMPLES = 20  # a contact that is lost for so long has let the tool through
+PASSED_SAMPLES = 20  # a contact lost for so long has let the tool through
 
 
 def curve(row, along):
-    """Force along what is right [N] over depth [mm], while the hand goes in."""
+    """Force along the expected direction [N] over depth [mm], while the hand moves in."""
     deep = np.flatnonzero(row.depth_m > 0)
     deep = deep[: 1 + np.argmax(row.depth_m[deep])]
     chosen = deep[np.unique(np.linspace(0, len(deep) - 1, 40).astype(int))]
@@ -120,7 +120,7 @@ def reason(error):
 
 
 def check_addition(options, everybody):
-    """Name and folder of --add; SystemExit with what to do."""
+    """Name and folder of --add; SystemExit with the remedy."""
     if not options.csv or not pathlib.Path(options.csv).exists():
         sys.exit(
             f"--add {options.add}: give --csv FILE of all rows, or FOLDER with one ROW.csv each"
@@ -148,7 +148,7 @@ def play_loops(options, selected, taking_part, out, result):
 
 
 def participants(options):
-    """Name, answer and version of everybody who plays."""
+    """Name, answer and version of every system."""
     everybody = systems.everybody(options.voxtouch)
     if options.add:
         check_addition(options, everybody)
@@ -191,7 +191,7 @@ def play(options):
                 given = answer(row, folder)
             except by_csv.CsvError as error:
                 sys.exit(str(error))
-            except Exception as error:  # a system's own fault is a result, too
+            except Exception as error:  # a fault of a system is a result, too
                 given = reason(error)
             if given is None:
                 continue
@@ -221,7 +221,7 @@ def write_page(result, out):
 
 
 def reproduced(options):
-    """Puts what --again and --against find into the result and its page."""
+    """Adds the results of --again and --against to the result and its page."""
     out = pathlib.Path(options.out).resolve()
     result = json.loads((out / "result.json").read_text(encoding="utf-8"))
     new, found = figures.read(out / "result.json"), result.setdefault("reproduced", {})

@@ -1,4 +1,4 @@
-"""Rows that no list of poses can ask: a box at rest, and a spring in the loop with a device.
+"""Rows beyond lists of poses: a box at rest, and a spring in the loop with a device.
 
 Each function gives a dict of facts, or a sentence if the system cannot take part.
 """
@@ -184,7 +184,7 @@ class Device:
 
 
 def motion_of(heights, period_s=PERIOD_S):
-    """`rests`, or how far it swings, over the last half second; `left` if it has gone away."""
+    """`rests`, or the amplitude over the last half second; `left` if it has moved away."""
     last = np.asarray(heights)[-int(0.5 / period_s) :]
     turns = np.sum(np.diff(np.sign(np.diff(last)[np.diff(last) != 0])) != 0)
     if np.ptp(last) > AT_REST_M and turns >= 4:

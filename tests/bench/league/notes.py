@@ -1,4 +1,4 @@
-"""Sentences of the league's page: what a table does not show, and why a system does as it does."""
+"""Sentences of the league's page: facts outside the tables, and reasons of results."""
 
 import textwrap
 

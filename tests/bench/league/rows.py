@@ -1,7 +1,7 @@
-"""The rows of the league: a static mesh, a tool, poses of the hand, and what is right for each
+"""The rows of the league: a static mesh, a tool, poses of the hand, and the expected result of each
 pose.
 
-Static rows: every pose stands alone, and the answer is a contact wrench. Path rows: poses are one
+Static rows: poses are independent, and the answer is a contact wrench. Path rows: poses are one
 millisecond apart, and the answer is the wrench of a spring between hand and tool.
 """
 
@@ -17,7 +17,7 @@ SPRING_N_PER_M = 500.0
 SLIDE_DEPTH_M = 0.02
 UP = np.array([0, 0, 1.0])
 THREAD_GAP_M = 0.00025  # of the nut, along the radius
-THREAD_PLAY_M = THREAD_GAP_M / 3**0.5  # along the axis, each way
+THREAD_PLAY_M = THREAD_GAP_M / 3**0.5  # along the axis, in each direction
 
 
 @dataclasses.dataclass
@@ -27,14 +27,16 @@ class Row:
     static: tuple
     tool: tuple
     poses: np.ndarray  # n x 7: qw qx qy qz tx ty tz
-    direction: np.ndarray  # n x 3, of the force (judge `torque`: of the torque); zero: none may act
+    direction: (
+        np.ndarray
+    )  # n x 3, of the force (judge `torque`: of the torque); zero: no force is permitted
     path: bool = False
     spring_n_per_m: float = SPRING_N_PER_M  # of path rows
     ball_m: float = 0.0  # radius, if the tool is a ball
     depth_m: np.ndarray = None  # of the hand beyond the first touch
     voxel_m: float = 0.001
     judge: str = "direction"  # direction | torque | free | spring | hammer | advance
-    window: np.ndarray = None  # samples that `spring` judges; the last 100 if there is none
+    window: np.ndarray = None  # samples evaluated by `spring`; default: the last 100
     facts: dict = dataclasses.field(default_factory=dict)
 
 
@@ -61,7 +63,7 @@ def outwards(centres, closest, distance):
 
 
 def surface_places(mesh, count, random):
-    """Random places on a mesh by area, where a ball of 10 mm touches nothing else."""
+    """Random places on a mesh, uniform by area, at which a ball of 10 mm touches nothing else."""
     vertices, faces = np.asarray(mesh[0]), np.array(mesh[1])
     corner = vertices[faces]
     cross = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
@@ -163,7 +165,7 @@ def rows_of_holes():
             voxel_m=0.0005,
             depth_m=np.full(60, 0.0003),
         )
-        # The pin's end dips 0.3 mm into the wall; cross and gear turn into it.
+        # The pin's end dips 0.3 mm into the wall; cross and gear rotate into it.
         axis = away if name == "B1" else np.outer(np.cos(sides).round() - np.sin(sides).round(), UP)
         angle = (clearance + 0.0003) / {"B1": 0.010, "B2": 0.015, "B3": 0.011}[name]
         yield Row(
@@ -234,8 +236,8 @@ def rows_of_springs():
 
 def slide(radius, depth, speed, z_from, z_to):
     """Path of a hand `depth` below the first touch of a ball of 10 mm on a cylinder about z, for
-    120 degrees round its side away from +x; outside, in, round and out. Directions; which samples
-    slide.
+    120 degrees around its side away from +x; outside, in, around and out. Directions, and the
+    samples that slide.
     """
     steps = int(round(np.radians(120) * (radius + 0.01) / speed * 1000))
     inside = radius + 0.01 - depth
@@ -249,7 +251,7 @@ def slide(radius, depth, speed, z_from, z_to):
 
 
 def rows_of_slides(deploy, expected):
-    """C4: the hand is 20 mm deep: at the cup, whose wall is 5 mm thick, it is in the inside."""
+    """C4: the hand is 20 mm deep: for the cup, with a wall of 5 mm, it is inside the cup."""
     if not expected("C4"):
         return
     v, f = shapes.cylinder(0.04, 0.2, 20_000)
@@ -283,7 +285,7 @@ def rows_of_edges():
     random = np.random.default_rng(SEED + 2)
     up = np.array([0, 0, 1.0])
     roof = shapes.wedge(0.01, 0.01, 0.06)
-    turned = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1.0]])  # half a turn: edge along y, downwards
+    turned = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1.0]])  # 180 degrees: edge along y, downwards
     tool = (np.asarray(roof[0]) @ turned.T, roof[1])
     at = np.column_stack([random.uniform(-0.01, 0.01, (60, 2)), np.full(60, -0.0003)])
     yield Row(
@@ -356,7 +358,7 @@ def rows_of_edges():
 
 
 def screwed(turns, up_m=0.0):
-    """Poses of a nut that has been turned so far, moved up by `up_m` in its play."""
+    """Poses of a nut at these angles, moved up by `up_m` in its play."""
     half = np.pi * np.asarray(turns)
     zero = np.zeros(len(half))
     z = np.asarray(turns) * shapes.PITCH_M + up_m
@@ -364,7 +366,7 @@ def screwed(turns, up_m=0.0):
 
 
 def hammered(speed, reach_m, blows):
-    """Heights of a hand that goes up and down at this speed, waits 20 ms at each end, and ends at
+    """Heights of a hand that moves up and down at this speed, waits 20 ms at each end, and ends at
     0.
     """
     step = speed * 0.001
@@ -381,7 +383,8 @@ def hammered(speed, reach_m, blows):
 
 
 def rows_of_threads():
-    """D2: nut M20 on its bolt. Radial gap 0.25 mm, so 0.144 mm of play along the axis each way."""
+    """D2: nut M20 on its bolt. Radial gap 0.25 mm, so 0.144 mm of play along the axis in each
+    direction."""
     bolt, nut = shapes.bolt(0.02), shapes.nut(0.01, THREAD_GAP_M)
     turns = np.linspace(0, 1, 33) - 0.5
     common = {"voxel_m": 0.00025}
@@ -435,7 +438,7 @@ def rows_of_threads():
 
 
 def all_rows(deploy, nearest, expected):
-    """Every row whose name is wanted; `nearest` gives the truth for rows of balls."""
+    """Every row with a requested name; `nearest` gives the truth for rows of balls."""
     for row in itertools.chain(
         rows_of_balls(deploy, nearest, expected),
         rows_of_holes(),

@@ -213,7 +213,7 @@ def wedge(half_width, height, length):
 
 
 PITCH_M, MAJOR_M = 0.0025, 0.010  # M20
-SIDES = 32  # facets a turn and rows a pitch: rows joined along the diagonal follow the helix
+SIDES = 32  # facets per turn and rows per pitch: rows joined along the diagonal follow the helix
 
 
 def thread_radius(phase, grown_m=0.0):

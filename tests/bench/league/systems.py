@@ -1,7 +1,7 @@
-"""Everybody's answer to a row: contact wrench and CPU time of each pose.
+"""Answers of all systems to a row: contact wrench and CPU time of each pose.
 
-A system has a name, a setting ("standard" or "best": its own defaults, or what we found best within
-a millisecond), and answer(row, folder) -> (wrenches n x 6 about the tool's origin, microseconds n),
+A system has a name, a setting ("standard" or "best": its defaults, or the best found within a
+millisecond), and answer(row, folder) -> (wrenches n x 6 about the tool's origin, microseconds n),
 or None if it cannot take part. One thread; times are CPU time.
 """
 
@@ -90,7 +90,7 @@ class System:
 
 
 class Refused(Exception):
-    """What voxtouch says of a scene that it does not take."""
+    """voxtouch's message about a scene that it refuses."""
 
 
 def probe(program, scene, poses, *options):
@@ -284,7 +284,7 @@ class Trimesh(System):
 
 
 class MuJoCo(System):
-    """`best` is SDF for poses that stand alone, and stiff for paths; `sdf` is both, for threads."""
+    """`best` is SDF for independent poses, and stiff for paths; `sdf` is both, for threads."""
 
     def __init__(self, setting, paths=False):
         self.setting, self.paths = setting, paths
@@ -419,7 +419,7 @@ class Bullet(System):
 
     def stepper(self, row, folder, stiffness):
         client, _, tool = self.world(row, folder)
-        # As in MuJoCo, the tool does not turn.
+        # As in MuJoCo, the tool does not rotate.
         client.changeDynamics(tool, -1, localInertiaDiagonal=[1.0] * 3)
         damping = 2 * 0.7 * (stiffness * MASS_KG) ** 0.5
 

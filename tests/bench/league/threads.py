@@ -1,4 +1,4 @@
-"""Which friction an M20 nut locks from: it is pressed down on its bolt and may turn.
+"""The friction from which an M20 nut locks: it is pressed down on its bolt and may rotate.
 
 Flanks of 60 degrees lock from tan(lead angle) cos(30 degrees) on, at the thread's pitch diameter.
 """
@@ -11,15 +11,15 @@ from systems import PERIOD_S, SDF_SEARCH, STIFF, probe_path, timed
 PITCH_DIAMETER_M = 0.018376
 LOCKS_FROM = shapes.PITCH_M / (np.pi * PITCH_DIAMETER_M) * np.cos(np.radians(30))
 LEAST, MOST, HALVINGS = 0.0, 0.128, 7  # steps of 0.001
-SIDES = 128  # a turn: the slope of a facet of 32 is more than the helix's, and locks by itself
+SIDES = 128  # per turn: the slope of a facet of 32 exceeds the helix's, and locks by itself
 NUT_KG, STEPS = 0.1, 1000
 AT_REST_DEG = 1.0  # in the last half second
-AT_REST_TORQUE = 0.02  # of what a nut without friction gives
+AT_REST_TORQUE = 0.02  # relative to a nut without friction
 
 
 def threshold(turns_at):
-    """Least friction, to MOST / 2^HALVINGS, at which `turns_at` says that the nut does not turn; a
-    sentence if it turns at MOST or is held without friction.
+    """Least friction, to MOST / 2^HALVINGS, at which `turns_at` reports no rotation; a sentence if
+    the nut rotates at MOST or is held without friction.
     """
     low, high = LEAST, MOST
     if not turns_at(low):
@@ -44,7 +44,7 @@ def write_meshes(folder):
 
 
 def in_mujoco(system, folder):
-    """A nut of 0.1 kg that falls along and turns about the bolt's axis."""
+    """A nut of 0.1 kg that falls along the bolt's axis and rotates about it."""
     import mujoco
 
     write_meshes(folder)
@@ -72,10 +72,10 @@ def in_mujoco(system, folder):
 
 
 def turned_in_mujoco(row, folder):
-    """A nut that the hand turns, and a spring pulls along the bolt: the spring's wrench."""
+    """A nut rotated by the hand and pulled along the bolt by a spring: the spring's wrench."""
     import mujoco
 
-    stiffness, turn_n_m = row.spring_n_per_m, 10.0  # the second: of a turn, per radian
+    stiffness, turn_n_m = row.spring_n_per_m, 10.0  # the second: of a rotation, per radian
     geom = f'type="sdf" friction="0 0 0" condim="1"{STIFF}'
     model = mujoco.MjModel.from_xml_string(
         f'<mujoco><option timestep="{PERIOD_S}" gravity="0 0 0"{SDF_SEARCH}/>'
@@ -99,7 +99,7 @@ def turned_in_mujoco(row, folder):
 
 
 def in_voxtouch(program, folder):
-    """A nut that a spring pulls 4 mm down along the bolt: the torque shows whether it turns."""
+    """A nut that a spring pulls 4 mm down along the bolt: the torque shows whether it rotates."""
     write_meshes(folder)
     z = np.concatenate([np.zeros(100), np.linspace(0, -0.004, 200), np.full(100, -0.004)])
     poses = rows.poses_at(np.column_stack([np.zeros((len(z), 2)), z]))

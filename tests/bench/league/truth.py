@@ -1,4 +1,5 @@
-"""Exact nearest points on triangles, by all of them: the truth that no system is asked for."""
+"""Exact nearest points on triangles, by testing all of them: the truth, independent of every
+system."""
 
 import numpy as np
 

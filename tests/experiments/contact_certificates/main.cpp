@@ -27,7 +27,7 @@ struct Arguments {
   std::uint64_t random = 0, seed = 1;
 };
 
-/// As `voxtouch design` without a scene: what the device can display, with the hand of its grip.
+/// As `voxtouch design` without a scene: the device's limit, with the hand of its grip.
 cd::DesignProblem problem_of(const std::string& device) {
   const bool file = device.ends_with(".yaml");
   const cd::DeviceModel model = cd::model_of(file ? scene::load_device_file(device).description
@@ -43,7 +43,7 @@ cd::DesignProblem problem_of(const std::string& device) {
   return problem;
 }
 
-/// Member `index` of population `seed`; every fourth turns too, about an arm of 3 to 15 cm.
+/// Member `index` of population `seed`; every fourth also rotates, with an arm of 3 to 15 cm.
 cd::DesignProblem random_problem(std::uint64_t seed, std::uint64_t index) {
   const coupling_models::PopulationMember member = coupling_models::draw_member(seed, index);
   cd::DesignProblem problem;
@@ -86,8 +86,8 @@ double now_ms() {
       .count();
 }
 
-/// Every loop by itself: certified at 0.99 of its own limit, at 1.001 of it; and how many need no
-/// multiplier but 1.
+/// Each loop separately: certified at 0.99 of its limit, at 1.001 of it; and the number that needs
+/// only the multiplier 1.
 void try_each_case(const cd::DesignProblem& problem, const coupling::CouplingSpec& spec,
                    Totals& totals) {
   if (spec.kind == "spring_damper")

@@ -31,7 +31,7 @@ struct Options {
 struct Tally {
   std::string name;
   std::uint64_t runs = 0, unstable = 0,
-                decaying = 0;  ///< decaying: not at rest at the end, but on the way
+                decaying = 0;  ///< decaying: converging, but not at rest at the end
 };
 
 /// Everything that it takes to see a run again: draw_member(seed, index), or the corner of that
@@ -68,18 +68,18 @@ PhaseResult design_phase(const Options& options);
 /// Random loops around the boundary that the linear model predicts.
 PhaseResult predictor_phase(const Options& options);
 
-/// Push, speed and length of a run for a loop whose contact is set. `displayed`: stiffness that
-/// reaches the hand; it says how deep the push goes, half a millimetre to a centimetre or 60 % of
-/// `max_effort`. At least 8 of the loop's slowest time constants and 20 swings, at most two million
+/// Depth, speed and duration of a run for a loop with a given contact. `displayed`: stiffness at
+/// the hand. It determines the depth: half a millimetre to a centimetre, or 60 % of `max_effort`.
+/// At least 8 of the loop's slowest time constants and 20 oscillations, at most two million
 /// samples; the longest eight times that.
 void drive(coupling_models::NonlinearLoop& loop, double displayed, double max_effort,
            coupling_models::Random& random);
-/// Jitter within +- `jitter`, 1 to 3 % loss of at most `lost_in_a_row`, quantisation, a wall that
-/// only pushes, any of the laws.
+/// Jitter within +- `jitter`, 1 to 3 % loss of at most `consecutive_losses`, quantisation, a
+/// unilateral wall, any of the laws.
 void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopTiming& timing,
              double resolution, coupling_models::Random& random);
 
-/// A loop and what became of it, for a person and for a debugger.
+/// A loop and its result as text.
 std::string describe(const coupling_models::NonlinearLoop& loop,
                      const coupling_models::NonlinearVerdict& verdict);
 

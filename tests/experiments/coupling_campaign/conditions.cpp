@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kMaxSamples = 2e6;
 
-/// Slowest decay of the linear loop [s]; 0 where it does not decay.
+/// Slowest decay of the linear loop [s]; 0 if it does not decay.
 double linear_time_constant(const coupling_models::NonlinearLoop& loop) {
   const double rate = -std::log(
       coupling::design::spectral_radius(loop.plant, loop.controller, loop.contact_stiffness));
@@ -52,7 +52,7 @@ void drive(coupling_models::NonlinearLoop& loop, double displayed, double max_ef
   const double depth = random.log_uniform(0.5e-3, 10e-3);
   loop.push = std::min((displayed + loop.plant.hand_stiffness) * depth, 0.6 * max_effort);
   const double swing = std::sqrt((displayed + loop.plant.hand_stiffness) / mass);  // rad/s
-  // Up to ten times as deep as the push: more would only be more time in the air.
+  // Up to ten times the depth; more only adds time in the air.
   loop.start_speed = std::min(random.log_uniform(0.01, 0.3), 10.0 * depth * swing);
   const double slowest = std::max(coupling_models::settling_time(loop), linear_time_constant(loop));
   const double most = kMaxSamples * loop.plant.period_s;
@@ -71,7 +71,7 @@ void disturb(coupling_models::NonlinearLoop& loop, const coupling::design::LoopT
   loop.resolution = resolution;
   loop.jitter = timing.jitter;
   loop.loss = random.uniform(0.01, 0.03);
-  loop.most_lost_in_a_row = timing.lost_in_a_row;
+  loop.most_consecutive_losses = timing.consecutive_losses;
   loop.measured_period = random.chance(0.5);
   loop.seed = random.next();
 }
@@ -102,7 +102,7 @@ std::string describe(const coupling_models::NonlinearLoop& l,
       c.injected_damping, c.velocity_filter_rad_per_s, c.velocity_window, l.slow_velocity_rad_per_s,
       l.velocity_band, l.contact_stiffness, name_of(l.wall), l.wall_knee, l.resolution,
       l.coulomb_friction, l.max_effort, l.jitter, l.measured_period, l.delay_jitter_s, l.loss,
-      l.most_lost_in_a_row, l.damping_only_in_contact, l.push, l.start_speed, l.duration_s,
+      l.most_consecutive_losses, l.damping_only_in_contact, l.push, l.start_speed, l.duration_s,
       l.longest_s, l.seed, v.early_amplitude, v.late_amplitude, v.quiet, v.simulated_s);
 }
 

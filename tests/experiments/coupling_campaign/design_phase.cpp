@@ -54,7 +54,7 @@ struct Tried {
   const coupling_models::PopulationMember& member;
   const coupling::design::Design& design;
   coupling::design::LoopController controller;
-  double contact;  ///< all points, capped as the design says
+  double contact;  ///< all points, capped by the design
 
   coupling_models::NonlinearLoop loop(const coupling::design::LoopPlant& plant) const {
     coupling_models::NonlinearLoop out;
@@ -123,7 +123,8 @@ std::vector<Setting> settings_of(const Tried& t, coupling_models::Random& random
   return out;
 }
 
-/// Simulated limit over promise with `plant`: uniform timing, a wall that only pushes.
+/// Simulated limit divided by the certified stiffness with `plant`: uniform timing, a unilateral
+/// wall.
 double limit_over_promise(const Tried& t, const coupling::design::LoopPlant& plant,
                           coupling_models::Random random) {
   coupling_models::NonlinearLoop loop = t.loop(plant);
@@ -157,8 +158,7 @@ class Phase {
       swings_[floors][1].push_back(design.swing.held);
     }
     const coupling::design::AxisDesign& axis = design.translation;
-    // What is infeasible is tried as well, with the little that it shows, unless nothing at all is
-    // promised.
+    // Infeasible designs are simulated too, unless nothing is certified.
     if (!(axis.displayed_stiffness > 0.0 &&
           axis.gain_margin >= 0.999 * request.goals.gain_margin)) {
       ++nothing_promised_;
@@ -217,7 +217,7 @@ class Phase {
   std::array<std::uint64_t, 5> statuses_{};
   std::uint64_t nothing_promised_ = 0;
   std::array<std::array<std::vector<double>, 2>, 2>
-      swings_;  ///< damping ratio of the slowest swing: [floors asked for][held]
+      swings_;  ///< damping ratio of the dominant mode: [requested minima][gripped]
   std::vector<double> slowest_, nominal_;  ///< limit over promise, at the timing that the promise
                                            ///< is for and without jitter and losses
 };

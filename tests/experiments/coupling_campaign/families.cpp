@@ -1,7 +1,7 @@
-/// stability_families: designed loops of random devices on walls, by family of contact; what
-/// swings, by how much, and which run it was.
-/// `--family corner --only 17 --seed 1` runs one of them again. A run goes on until its last third
-/// is at rest, for 40 s at most. Exit status 1 where a run swings by 0.2 N or more.
+/// stability_families: designed loops of random devices on walls, by family of contact; counts and
+/// amplitudes of oscillations, with the run. `--family corner --only 17 --seed 1` repeats one run.
+/// A run lasts until its last third is at rest, for 40 s at most. Exit status 1 if a run oscillates
+/// by 0.2 N or more.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -31,8 +31,8 @@ using long_runs::LoopWall;
 using long_runs::WallLoop;
 using long_runs::WallLoopOptions;
 
-/// In the last three the hand goes on: to and fro in and out of contact, as a tremor, over
-/// textures. None is a swing.
+/// In the last three the hand keeps moving: in and out of contact, with tremor, over textures. None
+/// counts as an oscillation.
 constexpr std::array kFamilies{"one_wall", "gentle", "blow",   "slot_tight", "slot_clear",
                                "corner",   "lever",  "timing", "cycle_wall", "cycle_slot",
                                "strokes",  "tremor", "texture"};
@@ -55,7 +55,7 @@ DeviceDescription draw_device(Random& random) {
                                             : random.log_uniform(30.0, 300.0);
   d.max_force_n = pen ? random.log_uniform(3.0, 30.0) : random.log_uniform(20.0, 150.0);
   d.max_stiffness_n_per_m = random.log_uniform(500.0, 8000.0);
-  d.jitter = 0.2, d.lost_in_a_row = random.chance(0.5) ? 1 : 0;
+  d.jitter = 0.2, d.consecutive_losses = random.chance(0.5) ? 1 : 0;
   if (random.chance(0.3)) {
     d.output_dof = 6;
     d.max_torque_nm = 0.05 * d.max_force_n;
@@ -86,7 +86,7 @@ struct Result {
   std::uint64_t slewed = 0;
   DeviceDescription device;
   double mass_kg = 0.0;
-  bool direct = false, virtual_tool = false, let_go = false;
+  bool direct = false, virtual_tool = false, released = false;
 };
 
 /// Least and largest of position and force, a tenth of a second at a time.
@@ -146,7 +146,7 @@ bool hand_goes_on(const std::string& family) {
 
 Vec3 turned_z(double angle) { return {std::sin(angle), 0.0, std::cos(angle)}; }
 
-/// Walls, motion and what else makes the family.
+/// Walls, motion and other parts of the family.
 void set_up(const std::string& family, Random& random, const coupling::design::Design& design,
             WallLoopOptions& o) {
   const double cap = design.translation.displayed_stiffness,
@@ -189,8 +189,8 @@ void set_up(const std::string& family, Random& random, const coupling::design::D
                {.normal = turned_z(-lean),
                 .n_per_m = random.chance(0.5) ? rigid : cap * random.log_uniform(0.1, 1000.0)}};
     m.path = {Vec3(0, 0, 3e-3), Vec3(0.3 * depth * random.uniform(-1.0, 1.0), 0, -depth)};
-  } else if (family == "strokes") {  // the hand goes to and fro in contact, out of it and in, with
-                                     // tremor: no swing
+  } else if (family ==
+             "strokes") {  // strokes in contact and out of it, with tremor: not an oscillation
     m.path = {-random.uniform(-1.0, 0.8) * depth * wall.normal, -depth * wall.normal};
     m.repeat_from = 0, m.hold_s = 0.0;
     m.speed_m_per_s = (m.path[0] - m.path[1]).norm() * random.log_uniform(1.0, 10.0);
@@ -301,7 +301,7 @@ Result run(const Choice& choice) {
   d.damping_ns_per_m += choice.damping * 2.0 * std::sqrt(o.device.mass_kg.x() * r.promise_n_per_m);
   r.device = o.designed_for, r.mass_kg = o.device.mass_kg.x();
   r.direct = o.kind == "direct", r.virtual_tool = o.virtual_tool;
-  r.let_go = std::isfinite(o.hand.release_time_s);
+  r.released = std::isfinite(o.hand.release_time_s);
   WallLoop loop(o, design);
   simulate(loop, o, name, r);
   const auto& swing = loop.counters().swing;
@@ -310,7 +310,7 @@ Result run(const Choice& choice) {
   return r;
 }
 
-/// The damping ratio of the device at which a run comes to rest.
+/// The damping ratio of the device from which a run comes to rest.
 double damping_that_ends(Choice choice) {
   for (const double ratio : {0.01, 0.02, 0.05, 0.1, 0.2}) {
     choice.damping = ratio;
@@ -370,7 +370,7 @@ void print_run(const Choice& c, const Result& r) {
              r.mass_kg, d.damping_ns_per_m, d.coulomb_friction_n, 1e3 * d.position_resolution_m,
              d.rate_hz, 1e3 * d.delay_s, 1e3 / (2.0 * std::numbers::pi * d.force_bandwidth_hz),
              r.direct ? "direct" : "filter", r.virtual_tool ? ", rigid" : "",
-             r.let_go ? ", released" : ", held", r.promise_n_per_m * d.position_resolution_m);
+             r.released ? ", released" : ", held", r.promise_n_per_m * d.position_resolution_m);
 }
 
 struct Request {

@@ -1,5 +1,5 @@
-/// coupling_campaign: tries coupling designs in simulated loops and counts what becomes unstable.
-/// Exit status 1 if a design, or a loop that the linear model calls stable with 5 % to spare, is.
+/// coupling_campaign: simulates coupling designs and counts unstable loops. Exit status 1 if a
+/// design is unstable, or a loop that the linear model rates stable with a margin of 5 %.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>

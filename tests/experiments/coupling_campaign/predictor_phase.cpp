@@ -8,8 +8,7 @@
 namespace voxtouch::campaign {
 namespace {
 
-/// A filter that the ring would accept, half of the time with injected damping up to half of what
-/// the inner loop bears.
+/// A valid filter, in half of the cases with injected damping up to half of the inner loop's limit.
 coupling::design::LoopController draw_controller(const coupling::design::LoopPlant& plant,
                                                  coupling_models::Random& random) {
   constexpr std::array kRatios{0.577, 0.707, 1.0};
@@ -64,14 +63,14 @@ PhaseResult predictor_phase(const Options& options) {
       continue;
     loop.contact_stiffness = critical / margin;
     coupling::design::LoopTiming timing = member.device.timing;
-    timing.lost_in_a_row = 1;
+    timing.consecutive_losses = 1;
     disturb(loop, timing, member.device.translation.resolution, random);
     loop.loss = 0.01;
     drive(loop, loop.contact_stiffness, member.device.translation.max_effort, random);
     const double radius =
         coupling::design::spectral_radius(loop.plant, loop.controller, loop.contact_stiffness);
-    // Just inside, a loop may decay so slowly that no run of a bearable length can tell it from an
-    // oscillation.
+    // Close to the limit, a loop may decay too slowly to be distinguished from an oscillation in a
+    // run of reasonable duration.
     if (radius < 1.0 && -std::log(radius) * loop.duration_s / loop.plant.period_s < 1.0) {
       ++too_slow;
       continue;

@@ -1,5 +1,5 @@
-// device_faults: each fault that a emulator offers, into the driver at it; what the driver said,
-// and what the plant received.
+// device_faults: injects each fault of an emulator into its driver; prints the driver's errors and
+// the plant's forces.
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>

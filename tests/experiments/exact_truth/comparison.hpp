@@ -26,8 +26,8 @@ struct Difference {
 struct Comparison {
   Pose hand;
   Difference difference;  ///< of the virtual tool from the reference, both led by the same hand
-  /// Of the virtual tool from a reference that starts at the virtual tool's pose: small if that
-  /// pose is a minimum, even if it is another one than the reference found on its way.
+  /// Distance of the virtual tool from a reference that starts at the virtual tool's pose: small if
+  /// that pose is a minimum, even if the reference found another one.
   std::optional<Difference> from_its_pose;
   double energy_ratio = 0.0;  ///< of the virtual tool over the reference, minus 1
   bool settled = false;       ///< the reference did

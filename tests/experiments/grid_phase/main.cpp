@@ -1,8 +1,8 @@
-// What the place of the voxel grid does to each contact model: planes,
-// corners and thin walls along the grid, moved by random fractions of a voxel, on the grid whose
-// borders are multiples of e and on the grid that a scene gives an object.
+// Effect of the voxel grid's offset on each contact model: planes, corners and thin walls along the
+// grid, displaced by random fractions of a voxel, on a grid with borders at multiples of e and on
+// an object's default grid.
 //
-//   grid_phase [--phases N] [--places N] [--seed S]        20 s; a row a model and ground
+// grid_phase [--phases N] [--places N] [--seed S]        20 s; a row per model and shape
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>
 
@@ -25,14 +25,14 @@ constexpr double kEdge = 2e-3, kRadius = 5 * kEdge, kDepth = 0.5 * kEdge;
 constexpr std::array kModels = {ContactModelKind::kOriginal, ContactModelKind::kAdapted,
                                 ContactModelKind::kField};
 
-/// Faces at whole voxels, and where the ball touches them half a voxel deep.
+/// Faces at whole voxels, and the positions of a ball that touches them half a voxel deep.
 struct Place {
   std::string name;
   mesh::TriangleMesh mesh;
   std::function<double(const Vec3&)> depth;  ///< of a point, negative outside; 1-Lipschitz
   std::function<Vec3(std::mt19937_64&)> ball_centre;
   std::function<Vec3(const Vec3&)>
-      out;  ///< the way of the exact ball, with its centre there, until it is outside
+      out;  ///< displacement of the exact ball, with this centre, until it is outside
 };
 
 double depth_in(const Vec3& size, const Vec3& middle, const Vec3& x) {
@@ -42,7 +42,7 @@ double depth_in(const Vec3& size, const Vec3& middle, const Vec3& x) {
 
 double along(std::mt19937_64& random) { return uniform(random, -0.012, 0.012); }
 
-/// A slab `thick` voxels thick with its top at z = 0; the ball comes from above.
+/// A slab `thick` voxels thick with its top at z = 0; the ball moves in from above.
 Place slab(const std::string& name, double thick) {
   const Vec3 size(0.08, 0.08, thick * kEdge), middle(0, 0, -0.5 * thick * kEdge);
   return {
@@ -52,7 +52,7 @@ Place slab(const std::string& name, double thick) {
       [](const Vec3&) { return Vec3(0, 0, kDepth); }};
 }
 
-/// A block's edge along y through the origin; the ball comes from `degrees` off the vertical.
+/// A block's edge along y through the origin; the ball approaches at `degrees` from the vertical.
 Place convex(const std::string& name, double least_degrees, double most_degrees) {
   const Vec3 size = Vec3::Constant(0.06), middle(-0.03, 0, -0.03);
   return {name, test::box_mesh(size, {middle, Quat::Identity()}),
@@ -92,10 +92,10 @@ struct Touch {
 struct Figures {
   double missed = 0.0;     ///< fraction of touches without any force
   double size = 0.0;       ///< mean force over the mean of the law's
-  double direction = 0.0;  ///< median error of those that push [degrees]
+  double direction = 0.0;  ///< median error of those with a force [degrees]
 };
 
-/// `force_at`: of a touch; `truth_of`: what it should be.
+/// `force_at`: of a touch; `truth_of`: its true value.
 template <class Force, class Truth>
 Figures judge(const std::vector<Touch>& touches, Force&& force_at, Truth&& truth_of) {
   Figures f;
@@ -169,7 +169,7 @@ int main(int argc, char** argv) {
   for (int n = 0; n < phases; ++n)
     shifts.push_back(kEdge *
                      Vec3(uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1)));
-  // Whole voxels, and a nanometre next to: what rounding makes of a part that CAD has put on the
+  // Whole voxels, and a nanometre off: the effect of rounding on a CAD part with faces on the
   // borders.
   const std::vector<Vec3> on_borders = {Vec3::Zero(), Vec3::Constant(1e-9), Vec3::Constant(-1e-9)};
   fmt::print(

@@ -28,7 +28,7 @@ int run_child(const std::filesystem::path& file, const Limits& limits, int out) 
   set_limit(RLIMIT_CORE, 0, 0);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   set_limit(RLIMIT_AS, limits.memory_mib << 20, limits.memory_mib << 20);
-  // A sanitizer's report must be seen; what a reader prints next to its answer need not.
+  // A sanitizer's report must be visible; other output of a reader is not needed.
   if (const int nothing = ::open("/dev/null", O_WRONLY); nothing >= 0)
     ::dup2(nothing, 1), ::dup2(nothing, 2);
 #endif
@@ -44,7 +44,7 @@ int run_child(const std::filesystem::path& file, const Limits& limits, int out) 
   return 0;
 }
 
-/// What the child says until it closes its end; false where the clock ran out first.
+/// Reads the child's output until it closes its end; false after a timeout.
 bool listen(int in, std::chrono::seconds patience, std::string& text) {
   const auto end = std::chrono::steady_clock::now() + patience;
   std::array<char, 4096> buffer{};

@@ -1,6 +1,6 @@
 #pragma once
-/// One mesh file from anywhere: read, made into voxels and shell, touched; in a process of its own,
-/// so that whatever it does is seen.
+/// One arbitrary mesh file: read, converted to voxels and shell, touched; in a separate process, so
+/// that any failure is observed.
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace voxtouch::hostile {
 
-/// What became of a file. Only the first two are good.
+/// Result of a file. Only the first two are acceptable.
 enum class Outcome {
   kTouched,    ///< finite, bounded answers at every pose
-  kRefused,    ///< a sentence says why not
-  kNotFinite,  ///< a NaN, an Inf or a force beyond its bound came out
+  kRefused,    ///< with a sentence
+  kNotFinite,  ///< a NaN, an infinity or a force beyond its bound
   kNoContact,  ///< built, but no pose met it
   kUnnamed,    ///< refused without a sentence that names the file or the reason
   kOutOfTime,  ///< its CPU time or its time on the clock ran out
@@ -20,11 +20,11 @@ enum class Outcome {
 };
 std::string name_of(Outcome outcome);
 
-/// What a file may take, and how it is touched.
+/// Limits for a file, and how it is touched.
 struct Limits {
   unsigned cpu_s = 20;  ///< RLIMIT_CPU; the clock may show ten times as much
   std::uint64_t memory_mib =
-      4096;                    ///< RLIMIT_AS; not held where a sanitizer needs the address space
+      4096;  ///< RLIMIT_AS; not set for a sanitizer, which needs the address space
   std::uint32_t poses = 1000;  ///< of a ball on the mesh, and as many of the mesh on a block
   std::uint64_t seed = 1;
 };
@@ -32,7 +32,7 @@ struct Limits {
 struct Verdict {
   std::filesystem::path file;
   Outcome outcome = Outcome::kCrashed;
-  std::string sentence;  ///< of the refusal, or what was wrong; for a touched file what was found
+  std::string sentence;  ///< of the refusal, or the fault; for a touched file the findings
   double cpu_s = 0.0;    ///< that the process took
   std::uint64_t peak_mib = 0;
   bool good() const { return outcome == Outcome::kTouched || outcome == Outcome::kRefused; }

@@ -1,5 +1,5 @@
-/// The short form: broken files made for this (tests/data/hostile), and a sample of the collection
-/// where it is installed.
+/// The short form: broken files of tests/data/hostile, and a sample of the collection if it is
+/// installed.
 #include "tests/experiments/hostile_meshes/attempt.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-/// hostile_meshes: every file of a folder of meshes, broken ones included, is touched or refused
-/// with a sentence. Exit status 1 where a file crashes, hangs, is refused without a reason or makes
-/// a number that is not finite.
+/// hostile_meshes: every file of a folder of meshes, including broken ones, is touched or refused
+/// with a sentence. Exit status 1 if a file crashes, hangs, is refused without a reason or causes
+/// NaN or infinity.
 #include <fmt/core.h>
 #include <unistd.h>
 

@@ -22,8 +22,7 @@ std::string format_of(const Verdict& v) {
   return std::find(known.begin(), known.end(), e) == known.end() ? "all others" : e.substr(1);
 }
 
-/// "mesh '<path>': <reason>; <remedy>" without path, remedy and figures, so that alike ones fall
-/// together.
+/// "mesh '<path>': <reason>; <remedy>" without path, remedy and figures, to group equal reasons.
 std::string reason_of(const Verdict& v) {
   std::string text = v.sentence;
   if (const std::size_t at = text.find("': ");

@@ -18,7 +18,7 @@ namespace voxtouch::hostile {
 namespace {
 
 constexpr double kVoxelsLong = 40.0, kStiffness = 100.0, kPressure = 1e8;
-/// Deeper than any model's push: the field holds 12 voxels.
+/// Deeper than the force range of any model: the field stores 12 voxels.
 constexpr double kMaxDepthEdges = 12.1;
 
 using Random = std::mt19937_64;
@@ -45,7 +45,7 @@ Vec3 on_triangle(const mesh::TriangleMesh& mesh, Random& random) {
          r * (mesh.corner(t, 2) - mesh.corner(t, 0));
 }
 
-/// Empty if all of it is finite and bounded.
+/// Empty if all values are finite and bounded.
 std::string complaint(const contact::ContactResult& r, double most_force) {
   if (!r.wrench.finite())
     return "a wrench is not finite";
@@ -129,7 +129,7 @@ Touches ball_on(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses, R
   return touches;
 }
 
-/// The mesh as the tool on a block whose top is the plane z = 0.
+/// The mesh as the tool on a block with its top at z = 0.
 Touches mesh_on_block(const mesh::TriangleMesh& mesh, double e, std::uint32_t poses,
                       Random& random) {
   Pose down;
@@ -183,7 +183,7 @@ Verdict touch(const std::filesystem::path& file, const Limits& limits) {
     verdict.sentence = "memory ran out";
   } catch (const std::exception& error) {
     verdict.sentence = error.what();
-    // Every refusal says what happened and what to do.
+    // Every refusal has a cause and a remedy.
     if (verdict.sentence.size() < 20)
       verdict.outcome = Outcome::kUnnamed;
   }

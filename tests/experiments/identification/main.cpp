@@ -1,5 +1,5 @@
-// What identification reaches on random devices and on faulty ones, against the limits that must
-// hold. Writes a page.
+// Accuracy of the identification on random and faulty devices, compared with the required limits.
+// Writes a page.
 #include <fmt/chrono.h>
 #include <fmt/core.h>
 #include <CLI/CLI.hpp>

@@ -23,8 +23,8 @@ constexpr double kSlack = 1.0 + 1e-9;
 constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
 constexpr std::int64_t kHour = 3'600'000'000'000;
 
-/// Numbers of any bits, those that arithmetic fears among them, and enough plausible ones that the
-/// device pushes.
+/// Numbers with random bits, including special values, and enough plausible ones that the device
+/// gets a force.
 class Any {
  public:
   explicit Any(std::uint64_t seed) : random_(seed) {}
@@ -70,16 +70,15 @@ class Any {
   std::mt19937_64 random_;
 };
 
-/// What may reach a driver, reported by what came in and not by the guard: the limits, the slew
-/// between two writes, zero once the last good command is older than hold and fade, and a start
-/// that ramps.
+/// Checks a driver's input independently of the guard: the limits, the slew between two writes,
+/// zero once the last valid command is older than hold and fade, and a ramped start.
 class Judge {
  public:
   Judge(const DeviceDescription& device, const devices::GuardConfig& guard)
       : device_(device),
         guard_(guard) {}
 
-  /// A period of the device's clock; what the guard may count of it.
+  /// A period of the device's clock, and the guard's permitted counts.
   void clock(std::int64_t now_ns) {
     const auto period = static_cast<std::int64_t>(std::llround(guard_.period_s * 1e9));
     step_ns_ = last_ns_ && now_ns > *last_ns_ ? gap(*last_ns_, now_ns) : period;
@@ -95,7 +94,7 @@ class Judge {
   /// After stop or a device error the device may be at zero at once.
   void zeroed() { last_ = {}, pushing_ = false, last_ns_.reset(), age_ns_ = kHour; }
 
-  /// Empty where all holds.
+  /// Empty if all checks pass.
   std::string judge(const Wrench& out) {
     if (!out.finite())
       return "what reaches the driver is not finite";
@@ -225,7 +224,8 @@ class Attack {
     guard_.restart();
     judge_.zeroed();
   }
-  /// The device's clock: a period mostly; else it stands, steps back, leaps, or is any bits.
+  /// The device's clock: mostly a period; sometimes it stops, steps back, leaps, or has random
+  /// bits.
   void pass_time() {
     if (calm_ > 0)
       --calm_;
@@ -248,11 +248,11 @@ class Attack {
     silent_ = calm_               ? 0
               : silent_           ? silent_ - 1
               : any_.one_in(2000) ? any_.bits() % 100
-                                  : 0;  // none speaks for a while
+                                  : 0;  // no command for a while
     judge_.clock(now_ns_);
   }
-  /// A second and a half of what is formally right and asks for too much: the force gets to its
-  /// limit, and turns round there.
+  /// A second and a half of valid commands above the limits: the force reaches its limit and
+  /// reverses there.
   void begin_calm() {
     calm_ = 1500;
     target_.force =
@@ -300,16 +300,16 @@ class Attack {
         devices::GuardInput{{any_.vector(device_.max_force_n), any_.vector(device_.max_torque_nm)},
                             static_cast<std::int64_t>(until)};
     if (any_.one_in(2) && target_.finite())
-      newest->wrench = target_;  // held for a while, so that the force gets there
+      newest->wrench = target_;  // constant for a while, so that the force reaches it
     target_ = newest->wrench;
   }
-  /// What the loop does where a device gives no sample or takes no force.
+  /// As the loop does if a device gives no sample or accepts no force.
   void fail_device() {
     ++sums_.errors;
     guard_.restart();
     judge_.zeroed();
   }
-  /// The driver's own check, whatever the guard were to let pass.
+  /// The driver's check, for any output of the guard.
   bool attack_driver() {
     const Wrench wrench{any_.vector(1.5 * driver_.description().max_force_n),
                         any_.vector(1.5 * driver_.description().max_torque_nm)};
@@ -330,7 +330,7 @@ class Attack {
                                            length_of(given.torque)));
     return true;
   }
-  /// What guard, coupling and force path cut with: finite and within any limit, whatever comes.
+  /// The clamp used by guard, coupling and force path: finite and within any limit for any input.
   bool attack_clamp() {
     Vec3 v = any_.vector(2.0);
     const double limit = any_.one_in(2) ? any_.uniform(0.0, 2.0) : any_.number();
@@ -358,7 +358,7 @@ class Attack {
   Sums& sums_;
 };
 
-/// All that devices/ ships: the registry's, and every model of Phantom that has figures of its own.
+/// All devices that are shipped: the registry's, and every Phantom model with separate figures.
 std::vector<DeviceDescription> shipped_descriptions() {
   std::vector<DeviceDescription> all;
   for (const std::string& name : devices::device_names()) {
@@ -376,7 +376,7 @@ std::vector<DeviceDescription> shipped_descriptions() {
   return all;
 }
 
-/// A run in which something never happened has shown nothing of it.
+/// A run that lacks an event has not tested it.
 void require_all_happened(const Sums& s, Findings& out) {
   const devices::GuardCounts& g = s.guard;
   const auto some = [&](const char* what, std::uint64_t count) {

@@ -33,7 +33,7 @@ Motion wandering(std::uint64_t seed) {
   return motion;
 }
 
-/// What a tenth of the run was like.
+/// Figures of a tenth of the run.
 struct Tenth {
   double cpu_s = 0.0, force_n = 0.0, most_n = 0.0;
   std::uint64_t frames = 0, touching = 0;
@@ -45,8 +45,8 @@ void mix(Fnv1a& hash, const Wrench& w) {
     hash.add({reinterpret_cast<const char*>(part.data()), sizeof part});
 }
 
-/// The answers to one fixed motion, after three seconds away from everything, in which what has run
-/// must have forgotten it all.
+/// The answers to one fixed motion, after three seconds away from everything, which must clear all
+/// state.
 std::uint64_t answers(RigFront& front, std::int64_t from_ns, bool& touched) {
   Motion motion;
   motion.path = {{-0.07518, -0.02736, 0.025},
@@ -159,7 +159,7 @@ Findings run_contact(const ContactRunOptions& ask, const Progress& progress) {
   out.lines.push_back(fmt::format("{} frames, {:.2f} us of CPU each", played,
                                   tenths[9].cpu_s / static_cast<double>(tenths[9].frames) * 1e6));
   judge(rig, tenths[0], tenths[9], out);
-  // Nothing in a frame takes memory; what is left is the progress' own.
+  // No frame allocates; the rest is for the progress.
   if (out.heap_growth > 4096)
     out.faults.push_back(fmt::format("the heap grew by {} bytes", out.heap_growth));
   if (out.resident_growth > 1'000'000)

@@ -27,9 +27,9 @@ coupling::CouplingInput push(double x) {
 }
 
 /// Output of the filter with d = 1 and K = 1 in sample `n` (from 0) of a step that begins in sample
-/// 0, from the double pole of its trapezoid rule: with g = w0 T / 2 and p = (1 - g) / (1 + g) the
-/// state's deviation is p^n (1 + n c N / p) times the first one's, c = 2 g / (1 + g)^2 and N = [1
-/// 1; -1 -1].
+/// 0, from the double pole of its trapezoid rule. With g = w0 T / 2, p = (1 - g) / (1 + g), c = 2 g
+/// / (1 + g)^2 and N = [1 1; -1 -1], the state's deviation is p^n (1 + n c N / p) times the first
+/// one.
 double step_response(long double g, std::uint64_t n) {
   const long double c = g / ((1 + g) * (1 + g));  // (y, v) of sample 0 is (g c, c)
   const long double a = g * c - 1, b = c;
@@ -43,7 +43,7 @@ double step_response(long double g, std::uint64_t n) {
                              static_cast<long double>(n) * power(n - 1) * 2 * c * (a + b));
 }
 
-/// Tells the progress every hundredth of the whole.
+/// Reports the progress at every hundredth.
 class Teller {
  public:
   Teller(const Progress& progress, std::uint64_t all)
@@ -63,7 +63,7 @@ class Teller {
   std::uint64_t all_, every_, done_ = 0, next_ = 0;
 };
 
-/// A held contact: the error of all samples after the transient, and of the last tenth alone.
+/// A constant contact: the error of all samples after the transient, and of the last tenth.
 void hold(const FilterRunOptions& ask, Teller& teller, Findings& out) {
   coupling::ShapingFilter coupling(filter(5.0, 1.0), kT);
   double worst = 0.0, first_s = 0.0, last_s = 0.0, last_tenth = 0.0;
@@ -119,7 +119,7 @@ void respond(const FilterRunOptions& ask, Teller& teller, Findings& out) {
       steps, worst));
 }
 
-/// Periods as they come from a clock that cannot be relied on.
+/// Periods of an unreliable clock.
 double period(std::mt19937_64& random) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
                    kInf = std::numeric_limits<double>::infinity();

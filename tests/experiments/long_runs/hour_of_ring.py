@@ -1,24 +1,22 @@
 #!/usr/bin/env python3
-"""An hour of ring time in lockstep: all processes of `voxtouch up`, watched from outside.
+"""An hour of ring time in lockstep: all processes of `voxtouch up`, observed externally.
 
-    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: about ten
-                                                                    minutes
+    tests/experiments/long_runs/hour_of_ring.py                     # an hour of the cup: 10 min
     tests/experiments/long_runs/hour_of_ring.py --hours 2           # the soak of a release
-    tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session of a
-                                                                    laboratory
-    tests/experiments/long_runs/hour_of_ring.py --duration 20       # what the test runs
+    tests/experiments/long_runs/hour_of_ring.py --hours 24          # before a long session
+    tests/experiments/long_runs/hour_of_ring.py --duration 20       # short form, as in the test
 
-Looks at resident memory and CPU time of every process of the ring once a second, and at the lines
-that `up` prints. Ends with 1 if the ring did not end well, if samples are missing, if a process
-grew by more than --growth-kb after the first tenth, or if the tool touches another fraction of the
-time in the last tenth than in the first. Times are reported, not judged.
+Reads resident memory and CPU time of every process of the ring once a second, and the output of
+`up`. Exit status 1: the ring failed, samples are missing, a process grew by more than --growth-kb
+after the first tenth, or the fraction of time in contact differs between the first and the last
+tenth. Times are only reported.
 
-Resident memory grows by a few MB in steps, and then no more: each of Cyclone DDS's two receiving
-threads fills a buffer of 1 MB, asks for another, and frees the first, which the allocator keeps
-(seen by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). So each process may
-grow by two buffers a thread and what lies between them, 5 MB as measured; where little is received
-it fills page by page. --growth-kb leaves room for that, so a slow leak below it would pass: read
-the table, which reports memory after each tenth.
+Resident memory grows by a few MB in steps, up to a limit: each of Cyclone DDS's two receiving
+threads fills a buffer of 1 MB, requests another, and frees the first, which the allocator keeps
+(observed by interposing malloc: nn_rmsg_new in recv and recvUC, one free for each). Each process
+may grow by two buffers per thread and the space between them, 5 MB as measured; with few samples it
+fills page by page. --growth-kb permits this, so it misses a slower leak: read the table, which
+reports memory after each tenth.
 """
 
 import argparse
@@ -78,7 +76,7 @@ def family(root):
         try:
             text = pathlib.Path(entry.path, "stat").read_text()
         except OSError:
-            continue  # gone meanwhile
+            continue  # ended meanwhile
         pid, rest = int(entry.name), text[text.rindex(")") + 2 :].split()
         parents[pid], names[pid] = int(rest[1]), text[text.index("(") + 1 : text.rindex(")")]
     found, grown = {root}, True
@@ -92,7 +90,7 @@ def family(root):
 
 
 def look(pid):
-    """Resident memory [kB] and CPU time [s] of a process; None if it has gone."""
+    """Resident memory [kB] and CPU time [s] of a process; None if it has ended."""
     try:
         pages = int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1])
         text = pathlib.Path(f"/proc/{pid}/stat").read_text()
@@ -104,8 +102,8 @@ def look(pid):
 
 
 def places(pid):
-    """Resident memory by what it is of [kB]: the main heap; files; stack; all else (the heaps of
-    threads, buffers, threads' stacks).
+    """Resident memory by kind [kB]: the main heap; files; stack; the rest (the heaps of threads,
+    buffers, threads' stacks).
     """
     sums = {}
     try:
@@ -134,9 +132,7 @@ def places(pid):
 
 
 class Watch:
-    """What was seen at each line of `up`: samples so far, force, contacts so far, and each
-    process.
-    """
+    """State at each line of `up`: samples so far, force, contacts so far, and each process."""
 
     def __init__(self, root, samples):
         self.root, self.samples, self.rows, self.reported = root, samples, [], -1

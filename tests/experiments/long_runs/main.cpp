@@ -1,7 +1,7 @@
-/// long_runs: a billion filter steps, ten million frames of wandering contact, a billion steps of a
+/// long_runs: a billion filter steps, ten million frames of moving contact, a billion steps of a
 /// tumbling body, a million frames with floating-point traps, a hundred million hostile commands.
-/// Exit status 1 if something drifts, grows, traps or is no number. The hour of the whole ring is
-/// hour_of_ring.py.
+/// Exit status 1 if something drifts, grows, traps or is not finite. hour_of_ring.py runs the whole
+/// ring for an hour.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>

@@ -17,7 +17,7 @@
 namespace voxtouch::long_runs {
 namespace {
 
-/// Where a trap would find us.
+/// Place of a trap.
 struct Place {
   char name[64] = "";
   std::uint64_t frame = 0, seed = 0;
@@ -74,11 +74,11 @@ class Dice {
   std::mt19937_64 random_;
 };
 
-/// A tool that a person shakes about the surface: tiny and large steps, jumps to other places,
-/// places exactly on the grid, rests.
+/// A tool that is shaken about the surface: tiny and large steps, jumps to other places, places
+/// exactly on the grid, rests.
 class Shaken {
  public:
-  /// `home`: where a body is taken up, and carried about; else all of the surface is visited.
+  /// `home`: where a body is gripped and carried about; otherwise all of the surface is visited.
   Shaken(rendering::BuiltScene& built, Dice& dice, const std::optional<Vec3>& home)
       : dice_(dice),
         home_(home),
@@ -89,7 +89,7 @@ class Shaken {
         surface_.push_back(v);
     });
   }
-  /// The body lies where the tool is in the first frame after this.
+  /// The body is at the tool in the first frame after this.
   void go_home() {
     if (home_)
       sample_.pose = {*home_, Quat::Identity()}, sample_.buttons = 1, rests_ = true;
@@ -288,7 +288,7 @@ Findings run_traps(const TrapRunOptions& ask, const Progress& progress) {
         fmt::format("{:9} {:22} {} frames, {} touch, effects push in {}, the device in {}",
                     contact::name_of(c.model), c.name, count.frames, count.touching, count.effects,
                     count.pushing));
-    // Couplings and places are drawn; with some of them a tool is pushed off for good.
+    // Couplings and places are random; with some of them a tool is repelled permanently.
     if (count.touching * 20 < count.frames || count.pushing * 20 < count.frames)
       out.faults.push_back(fmt::format("{} with {} hardly touches: nothing is tried", c.name,
                                        contact::name_of(c.model)));

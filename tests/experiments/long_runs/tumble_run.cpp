@@ -11,7 +11,7 @@ namespace voxtouch::long_runs {
 namespace {
 
 constexpr double kPeriod = 1e-3;
-constexpr double kMaxNorm = 1e-15, kMaxSkew = 1e-14;  ///< what a rotation may be off by
+constexpr double kMaxNorm = 1e-15, kMaxSkew = 1e-14;  ///< permitted error of a rotation
 
 effects::RigidBody tumbling() {
   effects::BodyShape shape;
@@ -22,8 +22,8 @@ effects::RigidBody tumbling() {
   return body;
 }
 
-/// About axes that change, and back and forth, so that it neither comes to rest nor turns ever
-/// faster.
+/// About changing axes, in alternating directions, so that it neither comes to rest nor accelerates
+/// without limit.
 effects::BodyLoad push(std::uint64_t n) {
   effects::BodyLoad load;
   load.wrench.torque = 1e-4 * Vec3(std::sin(0.01 * static_cast<double>(n % 10000)), 0.7, -0.4);
@@ -61,7 +61,7 @@ Findings run_tumble(const TumbleRunOptions& ask, const Progress& progress) {
   out.lines.push_back(fmt::format(
       "a body that tumbles, {} steps, {:.4g} rad: |q| - 1 at most {:.2g}, R'R - I at most {:.2g}",
       n, angle, norm, skew));
-  // Written so that a NaN, too, is a fault.
+  // A NaN is a fault too.
   if (!(norm <= kMaxNorm))
     out.faults.push_back(fmt::format("a quaternion's norm is off one by {:.3g}", norm));
   if (!(skew <= kMaxSkew))

@@ -49,7 +49,7 @@ contact::ContactRenderer renderer_of(const ContactCase& contact_case, const Grou
 Slide circle_on_plane(const std::string& name, const Quat& turn, double up_its_voxel,
                       double depth_edges, const Quat& ball) {
   constexpr double kHalf = 0.02;
-  // Half a voxel from a border at 0.5; the slab's other faces lie as they come.
+  // Half a voxel from a border at 0.5; the other faces of the slab have arbitrary offsets.
   const Pose pose{Vec3(0.0007, 0.0011, kEdge * up_its_voxel - kHalf), turn};
   Slide slide;
   slide.name = name;
@@ -79,8 +79,7 @@ Slide round_a_cylinder(double radius_m, double depth_edges, const Quat& ball, do
 Distraction distraction(contact::ContactRenderer renderer, const Slide& slide, int steps) {
   Distraction out;
   Vec3 mean_across = Vec3::Zero();
-  std::vector<Vec3>
-      turned;  // seen from the normal, so that a push that goes round with it has a mean
+  std::vector<Vec3> turned;  // relative to the normal, so that a constant force has a mean
   for (int n = 0; n < steps; ++n) {
     const double s = static_cast<double>(n) / steps;
     const Vec3 normal = slide.normal(s),

@@ -1,5 +1,5 @@
 #pragma once
-/// What the experiments record, as values: the program writes them, the tests look at them.
+/// Results of the experiments as values: the program writes them, the tests check them.
 #include <string>
 #include <vector>
 
@@ -21,8 +21,8 @@ struct FilterExperiment {
 };
 FilterExperiment filter_experiment();
 
-/// Where the paper's claim does not hold: a concave corner and a symmetric slot, and what every
-/// contact model makes of them. Means over random places and turns; R / e = 10, 0.5 e deep.
+/// Cases against the paper's claim: a concave corner and a symmetric slot with every contact model.
+/// Means over random places and rotations; R / e = 10, 0.5 e deep.
 struct CornerAndSlot {
   std::string contact_model;
   double corner_over_walls =

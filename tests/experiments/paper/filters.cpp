@@ -1,5 +1,4 @@
-// Figure 11: what three couplings make of the force that a sphere feels on its way round a
-// cylinder.
+// Figure 11: output of three couplings for the force on a sphere around a cylinder.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,7 +11,7 @@ namespace {
 
 constexpr double kStepS = 0.001, kSpeed = 0.1, kCylinder = 20 * kEdge, kDepthEdges = 1.0;
 
-/// Newtons for each unit of the contact model's force, so that the mean is 1 N.
+/// Newtons per unit of the contact model's force, so that the mean is 1 N.
 std::vector<double> pass(const coupling::CouplingSpec& spec, const std::vector<Vec3>& raw,
                          double stiffness) {
   coupling::RunningCoupling coupling(spec, {}, kStepS, 1e-9);
@@ -27,7 +26,7 @@ std::vector<double> pass(const coupling::CouplingSpec& spec, const std::vector<V
   return out;
 }
 
-/// In the frame that turns with the normal: what is left is noise, not the turn itself.
+/// In the frame that rotates with the normal, only noise is left.
 std::vector<Vec3> raw_force(const Slide& slide, const Ground& ground, const Sphere& sphere) {
   contact::ContactRenderer renderer = renderer_of(all_contact_cases()[1], ground, sphere);
   const double length = 2.0 * std::numbers::pi * (kCylinder + kRadius);

@@ -1,5 +1,5 @@
-// The paper's experiments as data: figures 2 and 3, 8, 9, 11, their figures of merit, and where its
-// claims do not hold.
+// The paper's experiments as data: figures 2 and 3, 8, 9, 11, their figures of merit, and cases
+// against its claims.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -59,8 +59,8 @@ Json through_all_contact_cases(const Slide& slide, const Sphere& sphere) {
   return out;
 }
 
-/// Points whose distance from the plane z = 0 is below half an edge, turned with the sphere: x, y,
-/// and the normal's.
+/// Points nearer to the plane z = 0 than half an edge, rotated with the sphere: x, y, and the
+/// normal's.
 Json slice(const pointshell::Pointshell& shell, const Quat& turn) {
   Json out = Json::array();
   for (std::size_t p = 0; p < shell.size(); ++p) {
@@ -76,7 +76,7 @@ Json shells(const Sphere& sphere) {
   Json out{{"radius_edges", kRadius / kEdge}};
   for (const auto& [name, quat] : {std::pair{"still", Quat::Identity()}, std::pair{"turned", turn}})
     out[name] = {{"naive", slice(sphere.naive, quat)}, {"exact", slice(sphere.exact, quat)}};
-  // What that does to the force: round a cylinder, in the frame that turns with the normal.
+  // The effect on the force: around a cylinder, in the frame that rotates with the normal.
   for (const auto& [name, quat] :
        {std::pair{"still", Quat::Identity()}, std::pair{"turned", turn}}) {
     const Slide slide = round_a_cylinder(20 * kEdge, 0.5, quat, 0.0007);

@@ -14,7 +14,7 @@ const ContactCase kOriginal{"original", contact::ContactModelKind::kOriginal,
     kNaiveOriginal{"naive, original", contact::ContactModelKind::kOriginal,
                    contact::PointWeights::kOne, true};
 
-/// How the sphere is turned: not at all, and three ways.
+/// Orientations of the sphere: identity and three others.
 std::vector<Quat> turned() {
   return {Quat::Identity(), Quat(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized())),
           Quat(Eigen::AngleAxisd(1.1, Vec3(-2, 1, 0.5).normalized())),
@@ -37,7 +37,7 @@ class Ratios {
  public:
   void add(double value) {
     if (std::isfinite(value))
-      values_.push_back(value);  // neither pushes: the layer's middle lies below this depth
+      values_.push_back(value);  // no force in either: this depth is above the layer's centre
   }
   Merit merit(const std::string& what, double reference, const std::string& conditions) const {
     return {what,

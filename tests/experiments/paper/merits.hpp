@@ -10,7 +10,7 @@ struct Merit {
   double ours = 0.0;               ///< median over the settings
   double least = 0.0, most = 0.0;  ///< over the settings
   double reference = 0.0;
-  std::string conditions;  ///< and, where the two differ by more than a tenth, why
+  std::string conditions;  ///< and, if the two differ by more than a tenth, the reason
   double difference() const noexcept { return reference != 0.0 ? ours / reference - 1.0 : ours; }
 };
 

@@ -1,6 +1,6 @@
-// query_equality [POINTS [SEED]]: puts that many points (1e9) in random poses to the query and to
-// doubles alone, and says whether every hit was the same to the last bit, with the kernels of every
-// kind of processor that this one can run. Some 5 minutes for 1e9.
+// query_equality [POINTS [SEED]]: compares the query with doubles for that many points (1e9) in
+// random poses, with the kernels of every kind of processor that this one supports. Hits must be
+// bit-identical. Some 5 minutes for 1e9.
 #include <fmt/core.h>
 
 #include "core/contact/contact_query.hpp"

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""The whole report on accuracy in one command: the paper's experiments, and what accuracy costs.
+"""The whole report on accuracy in one command: the paper's experiments, and the cost of accuracy.
 
 usage: make_report.py [--build BUILD] [--out DIR] [--quick]
 
 Runs paper_experiments (figures 2, 3, 8, 9, 11), the real ring in lockstep (figure 12), and
 `voxtouch accuracy` on the cup; draws the figures, and writes DIR/index.html, which any browser
 opens without a network. About a minute on two cores; --quick: half of that, with fewer poses and
-shorter runs. Exit status 1 if a step failed; the page is written all the same and says which. Needs
+shorter runs. Exit status 1 if a step failed; the page is written nevertheless and names it. Needs
 python3-matplotlib.
 """
 
@@ -340,7 +340,7 @@ def experiments(page, build, out, quick):
 # -------------------- figure 12
 def first_touch(force):
     """Of a force [N] at 1 kHz: the largest of the first 100 ms of the first contact, and the mean
-    45 to 55 ms after it; None where nothing is touched.
+    45 to 55 ms after it; None without contact.
     """
     begin = next((i for i, f in enumerate(force) if f > 0.02), len(force))
     if begin + 160 > len(force):
@@ -545,7 +545,7 @@ def accuracy(page, build, out, quick):
 
 
 def commit_name():
-    """The commit that is measured; empty where there is no git, or no repository."""
+    """The measured commit; empty without git, or without a repository."""
     try:
         return subprocess.run(
             ["git", "-C", ROOT, "rev-parse", "--short", "HEAD"], capture_output=True, text=True
@@ -586,7 +586,7 @@ def main():
         before = time.monotonic()
         try:
             step(page, a.build, a.out, a.quick)
-        except Exception as error:  # the page shows what failed, and the other parts
+        except Exception as error:  # the page shows the failure, and the other parts
             page.fail(name, f"{type(error).__name__}: {error}")
         spent.append(f"{name} {time.monotonic() - before:.0f} s")
     commit = commit_name()

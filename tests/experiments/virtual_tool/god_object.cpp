@@ -29,7 +29,8 @@ struct Wall {
   double room, push;
 };
 
-/// The shortest change of `displacement` that keeps to all walls: Hildreth's method on the pushes.
+/// The least change of `displacement` that respects all walls: Hildreth's method on the
+/// multipliers.
 Vec3 kept_out(const Vec3& displacement, std::vector<Wall>& walls) {
   Vec3 out = displacement;
   for (int sweep = 0; sweep < 2000; ++sweep) {

@@ -7,16 +7,16 @@
 
 namespace voxtouch::virtual_tool {
 
-/// Shares nothing with the virtual tool: no voxels, no shell, no rows; every triangle near by is
-/// asked for its nearest point.
+/// Has no code or data in common with the virtual tool: it computes the nearest point of every near
+/// triangle.
 class GodObject {
  public:
   GodObject(const mesh::TriangleMesh& mesh, double radius_m) : mesh_(mesh), radius_m_(radius_m) {}
 
   /// Distance from `x` to the nearest triangle [m], unsigned.
   double distance(const Vec3& x) const;
-  /// Sets the ball's centre; the caller sees to it that the ball is outside. Only triangles within
-  /// `range_m` are asked from then on.
+  /// Sets the ball's centre; the caller ensures that the ball is outside. Only triangles within
+  /// `range_m` are used afterwards.
   void place(const Vec3& centre, double range_m);
   /// Draws the ball to `hand` in steps too short to pass a wall. \returns its centre.
   const Vec3& draw_to(const Vec3& hand);

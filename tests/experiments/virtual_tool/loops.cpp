@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kFine = 2e-5;  ///< [s], steps of the mass between samples
 
-/// Whether the mass, kicked out of its rest, comes back to it.
+/// Whether the mass, after an impulse at rest, returns to rest.
 bool dies_out(const LoopOptions& o, Rig* rig, const Vec3& normal, double k) {
   const Vec3 touch = kBall * normal;
   Vec3 x = touch - o.pull_n / k * normal, v = 0.01 * normal;
@@ -73,7 +73,7 @@ PlanePose exact_lever(const PlanePose& hand, const Vec3& edge_at, double below_m
   for (int n = 0; n < 200; ++n) {
     const double c = std::cos(at.turn), s = std::sin(at.turn), dx = edge_at.x() - at.x,
                  dz = edge_at.z() - at.z;
-    // The edge in the bar's frame: turned back about y.
+    // The edge in the bar's frame: rotated back about y.
     const double gap = -below_m - (s * dx + c * dz);
     const Vec3 slope(s, c, (-c * dx + s * dz) / lever_m),
         spring(hand.x - at.x, hand.z - at.z, lever_m * (hand.turn - at.turn));
@@ -182,8 +182,8 @@ PlanePose exact_pin(const PlanePose& hand, double hole_radius, double lever_m) {
   for (int n = 0; n < 500; ++n) {
     const double c = std::cos(at.turn), s = std::sin(at.turn), dx = hole_radius - at.x, dz = -at.z;
     const Vec3 spring(hand.x - at.x, hand.z - at.z, lever_m * (hand.turn - at.turn));
-    // A turn above zero leans the upper end towards x: its side meets the mouth's edge there, its
-    // lower rim the wall across.
+    // A positive angle leans the upper end towards x: its side meets the mouth's edge there, its
+    // lower rim the opposite wall.
     const double gap[2] = {c * dx - s * dz - kPegRadius,
                            at.x - c * kPegRadius - s * kPegLong / 2 + hole_radius};
     const Vec3 slope[2] = {Vec3(-c, s, (-s * dx - c * dz) / lever_m),

@@ -1,5 +1,5 @@
 #pragma once
-/// The virtual tool in a sampled loop, and what it says of torques: pegs and levers.
+/// The virtual tool in a sampled loop, and its torques: pegs and levers.
 #include <string>
 
 #include "rig.hpp"
@@ -23,15 +23,15 @@ inline constexpr double kPegRadius = 0.005, kPegHole = 0.02, kPegLong = 0.03;
 inline constexpr int kPegSides = 384;
 mesh::TriangleMesh peg_mesh();
 
-/// A tool's pose in the plane of x and z: shift [m], and turn about y [rad].
+/// A tool's pose in the plane of x and z: displacement [m], and rotation about y [rad].
 struct PlanePose {
   double x = 0.0, z = 0.0, turn = 0.0;
 };
-/// The exact bar: of all poses with its lower face, `below_m` under its origin, over the edge of a
-/// block at `edge_at` the nearest to the hand, least shift^2 + (lever turn)^2.
+/// The exact bar. Its lower face, `below_m` under its origin, must be over the edge of a block at
+/// `edge_at`. Of these poses it is the nearest to the hand: least displacement^2 + (lever angle)^2.
 PlanePose exact_lever(const PlanePose& hand, const Vec3& edge_at, double below_m, double lever_m);
-/// The same of the exact peg, its side off the mouth's edge of a hole along z and its lower rim off
-/// the wall, turned by more than nothing.
+/// The same for the exact peg: its side is off the mouth's edge of a hole along z, and its lower
+/// rim off the wall, at a positive angle.
 PlanePose exact_pin(const PlanePose& hand, double hole_radius, double lever_m);
 
 /// A bar pressed with its end on a block, the hand at its middle: torque over the exact one of
@@ -42,18 +42,18 @@ struct LeverFigures {
 };
 LeverFigures lever(double edge, std::uint64_t seed);
 
-/// A peg of 10 mm let into a hole 20 mm deep, in line; then the hand goes 1.7 mm aside or turns
-/// by 2.9 degrees, and on 4 mm past the floor.
+/// A peg of 10 mm lowered 20 mm into a hole, aligned; then the hand moves 1.7 mm aside or rotates
+/// by 2.9 degrees, and continues to 4 mm below the floor.
 struct PegFigures {
   double short_m = 0.0;  ///< of the floor
-  double drag_n = 0.0;   ///< along the hole on the way in
+  double drag_n = 0.0;   ///< along the hole during insertion
   bool entered = false;
 };
 PegFigures peg(double edge, double clearance_m, bool turned);
 
-/// The same peg 15 mm deep in its hole, the hand turned slowly across the hole's axis until the peg
-/// stands against mouth and wall: torque over that of the exact peg, which has its play and then
-/// the spring alone.
+/// The same peg 15 mm deep in its hole, the hand rotated slowly across the hole's axis until the
+/// peg touches mouth and wall: torque divided by that of the exact peg, which has its play and then
+/// the spring.
 struct PinFigures {
   double torque_error = 0.0;      ///< worst once the torque is a fifth of its last, over the torque
   double step_over_torque = 0.0;  ///< from frame to frame, over the last torque

@@ -74,7 +74,7 @@ void print_starts(std::uint64_t seed) {
       }
 }
 
-/// Which walls a thrown mass passes, with and without what the penalty ring remembers.
+/// Walls that a thrown mass passes, with and without latched depths of the penalty ring.
 void print_thrown(std::uint64_t seed) {
   using voxtouch::contact::ContactModelKind;
   const std::pair<const char*, Holder> holders[] = {
@@ -102,7 +102,7 @@ void print_thrown(std::uint64_t seed) {
     }
 }
 
-/// What of open meshes and other odd ones a ball is held by.
+/// Open and irregular meshes that stop a ball.
 void print_open(std::uint64_t seed, int places) {
   DriveFigures all;
   for (const char* const shape : open_shapes()) {

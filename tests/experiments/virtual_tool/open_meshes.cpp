@@ -35,8 +35,7 @@ mesh::TriangleMesh halves(std::initializer_list<double> degrees) {
   return mesh;
 }
 
-/// A strip of `count` pieces between pairs of vertices, the last of which are one with the first,
-/// turned over if `half_turn`.
+/// A strip of `count` pieces between pairs of vertices. It is closed, and flipped by `half_turns`.
 mesh::TriangleMesh strip(std::uint32_t count, double half_turns) {
   mesh::TriangleMesh mesh;
   for (std::uint32_t n = 0; n < count; ++n)
@@ -99,7 +98,7 @@ mesh::TriangleMesh rims_of(const mesh::TriangleMesh& mesh) {
   return rims;
 }
 
-/// A box whose last two triangles are its lid, at +x.
+/// A box with its lid as the last two triangles, at +x.
 mesh::TriangleMesh box() { return test::box_mesh(Vec3(0.06, 0.05, 0.05)); }
 
 }  // namespace
@@ -197,7 +196,8 @@ DriveFigures drive(const DriveOptions& o) {
       go(in, 2.0 * o.radius_edges + 4.0);
       go(along, 5.0);
       Vec3 force = Vec3::Zero();
-      for (int rest = 0; rest < 600; ++rest)  // past a rim the tool goes on by a hundredth a frame
+      for (int rest = 0; rest < 600;
+           ++rest)  // past a rim the tool moves on by a hundredth per frame
         force = step(Vec3::Zero());
       figures.touched += force.norm() > 0.0;
       double worst = 0.0;

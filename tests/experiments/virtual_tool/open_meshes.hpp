@@ -8,11 +8,11 @@
 
 namespace voxtouch::virtual_tool {
 
-/// Names of all shapes: "sheet"; "fold:60", "fold:120", two sheets that meet at that angle; "tee",
-/// three that share an edge; "cross", two that pass through each other; "lidless", a box without
-/// its lid; "hole", a box without one triangle; "tube"; "bowl"; "moebius", a strip with half a
-/// turn; "shards", a sheet of triangles that nowhere touch; "fin", a closed block with a sheet on
-/// it; "inverted", a closed box inside out; "doubled", a sheet once each way round.
+/// Names of all shapes: "sheet"; "fold:60", "fold:120", two sheets at that angle; "tee", three with
+/// a common edge; "cross", two that intersect; "lidless", a box without its lid; "hole", a box
+/// without one triangle; "tube"; "bowl"; "moebius", a strip with half a turn; "shards", a sheet of
+/// separate triangles; "fin", a closed block with a sheet on it; "inverted", a closed box inside
+/// out; "doubled", a sheet in both orientations.
 std::span<const char* const> open_shapes();
 /// One of them, some 80 mm large. Throws std::invalid_argument for another name.
 mesh::TriangleMesh open_shape(const std::string& name);
@@ -29,11 +29,11 @@ struct DriveOptions {
 };
 struct DriveFigures {
   int runs = 0, passed = 0,
-      rims = 0;  ///< a triangle came nearer to the ball's middle than half of its radius: in a
-                 ///< face; at a rim, which came in between points
+      rims = 0;  ///< a triangle came nearer to the ball's centre than half of its radius: in a
+                 ///< face; at a rim, between points
   double into_worst = 0.0;                 ///< by how much a triangle was inside the exact ball [e]
   double rest_95 = 0.0, rest_worst = 0.0;  ///< |F| from frame to frame, hand still [N]
-  int touched = 0;                         ///< runs with a force where the hand rests
+  int touched = 0;                         ///< runs with a force when the hand rests
 };
 DriveFigures drive(const DriveOptions& options);
 

@@ -114,7 +114,7 @@ Place random_place(const std::string& scene, const mesh::TriangleMesh& mesh,
         kBlockAt + tilt() * Vec3(0.5 * kBlock.x(), uniform(random, -0.02, 0.02), 0.5 * kBlock.z()),
         tilt() * Vec3(std::sin(angle), 0.0, std::cos(angle))};
   }
-  if (scene == "corner") {  // the point is where the ball would be on the way from a free place
+  if (scene == "corner") {  // the point is where the ball would be on its path from a free place
                             // towards the walls
     const auto within = [&](double low, double high) {
       return Vec3(uniform(random, low, high), uniform(random, low, high),

@@ -16,7 +16,7 @@ inline constexpr double kStiffness = 300.0;  ///< [N/m]
 inline constexpr double kPeriod = 1e-3;      ///< [s]
 inline constexpr double kBall = 0.01;        ///< [m], radius of the ball that is usual
 
-/// A static mesh and a tool in it, as a scene has them. Stays where it is: the tool refers to it.
+/// A static mesh and a tool in it, as in a scene. Not movable: the tool refers to it.
 struct Rig {
   mesh::TriangleMesh mesh;
   rendering::ExactBodies bodies;
@@ -35,7 +35,7 @@ struct Rig {
                                 double friction = 0.0) {
     return frame(Pose{hand, turn}, friction);
   }
-  /// Forgets the tool and places it anew, with the whole force. False where `at` is no start.
+  /// Resets the tool and places it, with the full force. False if `at` is not a valid start.
   bool place(const Pose& at);
 };
 
@@ -49,16 +49,16 @@ pointshell::Pointshell ball_shell(double edge, double radius_m = kBall);
 /// "corner" (three walls that meet at the origin, along the grid), or "plate:<thickness in
 /// m>[:askew]", at 0 an open sheet; "open:<shape>" is one of `open_shapes`.
 mesh::TriangleMesh scene_mesh(const std::string& name);
-/// Turn of what is tilted in `scene_mesh`.
+/// Rotation of tilted shapes in `scene_mesh`.
 Quat tilt();
 
 double uniform(std::mt19937_64& random, double low, double high);
 Vec3 random_direction(std::mt19937_64& random);
 
-/// A point of the surface by area and its outward normal, of "open:" shapes either one; of "plane",
-/// "tilted" and plates on the upper face, away from edges. Of "edge" a point of the edge and a
-/// direction between its faces' normals, 5 degrees from either or more; of "corner" a way in from a
-/// free place.
+/// A point of the surface by area and its outward normal; either normal for "open:" shapes. On
+/// "plane", "tilted" and plates it is on the upper face, away from edges. On "edge" it is a point
+/// of the edge and a direction between its faces' normals, at least 5 degrees from either. On
+/// "corner" it is a direction from a free place.
 struct Place {
   Vec3 point, normal;
 };

@@ -94,7 +94,7 @@ PressFigures press(const PressOptions& o) {
     if (expected.norm() < 0.1 * kStiffness * o.depth_m)
       continue;  // past the walls of a corner
     if ((god - place.point - kBall * place.normal).norm() > 5e-3 &&
-        most_askew > 0.0) {  // round an edge, where minima part
+        most_askew > 0.0) {  // around an edge, where minima separate
       ++figures.slid;
       continue;
     }
@@ -119,8 +119,7 @@ SlideFigures slide(const SlideOptions& o) {
   std::mt19937_64 random(o.seed);
   Rig rig(scene_mesh(o.scene), o.edge, ball_mesh());
   GodObject truth(rig.mesh, kBall);
-  // Circle on the surface's own top: the hand's depth below the ball that touches is the same all
-  // round.
+  // Circle on top of the surface: the hand's depth below the touching ball is constant.
   const Vec3 offset(uniform(random, -1, 1) * o.edge, uniform(random, -1, 1) * o.edge, 0.0);
   const auto touching = [&](double angle) -> Pose {
     const Vec3 flat = offset + 0.02 * Vec3(std::cos(angle), std::sin(angle), 0.0);
@@ -256,7 +255,7 @@ StartFigures starts(const StartOptions& o) {
   };
   StartFigures figures;
   for (int quarter = 0; quarter < 4; ++quarter) {
-    for (int n = 0; n < o.tries; ++n) {  // in the plate's own frame
+    for (int n = 0; n < o.tries; ++n) {  // in the plate's frame
       const Quat turn =
           o.turned ? Quat(Eigen::AngleAxisd(uniform(random, 0, 3), random_direction(random)))
                    : lie.conjugate();

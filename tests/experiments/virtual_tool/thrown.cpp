@@ -7,7 +7,8 @@ namespace voxtouch::virtual_tool {
 namespace {
 
 constexpr double kMass = 0.15, kDamping = 1.0, kPull = 0.1, kMinForceN = 0.05;
-constexpr double kHalfSide = 0.08;  ///< of the wall: no throw goes as far aside
+constexpr double kHalfSide =
+    0.08;  ///< of the wall: larger than any sideways displacement of a throw
 
 mesh::TriangleMesh wall_mesh(const ThrowOptions& o) {
   const Pose at{Vec3(0.37e-3, 0.11e-3, 0.0), o.askew ? tilt() : Quat::Identity()};

@@ -1,8 +1,7 @@
-// How a node of the ring should be woken: three processes hand a sample round as device, rendering
-// and coupling do, once with each way, in turns, and the time of a round is reported. What a node
-// computes is left out; the ways differ in nothing else. With --protection the same under DDS
-// Security: a process of the ring has one set of keys, so kinds of protection are distinguished by
-// runs (tests/security/cost.py).
+// Compares ways to wake a node: three processes pass a sample on as device, rendering and coupling
+// do, once with each method, in turns; prints the time of a round. Computation is excluded. With
+// --protection the same under DDS Security: a process of the ring has one set of keys, so each kind
+// of protection needs a run (tests/security/cost.py).
 #include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -89,7 +88,7 @@ pid_t start(const Options& o, const std::string& method, const std::string& rela
   return posix_spawn(&pid, "/proc/self/exe", nullptr, nullptr, argv.data(), environ) == 0 ? pid : 0;
 }
 
-/// A device's part for `seconds`: writes at an absolute deadline, counts what comes back.
+/// A device's part for `seconds`: writes at an absolute deadline, counts the answers.
 void measure(const Options& o, const std::string& method, runtime::LatencyHistogram& latency) {
   const pid_t children[] = {start(o, method, "first"), start(o, method, "second")};
   {

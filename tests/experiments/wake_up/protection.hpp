@@ -1,6 +1,6 @@
 #pragma once
-/// Keys whose rules protect messages in one of the ways that DDS Security has, to measure what each
-/// costs. Every topic is allowed.
+/// Keys with governance for one of the protection kinds of DDS Security, to measure the cost of
+/// each. Every topic is permitted.
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace voxtouch::wake_up {
 
-/// Names of the kinds, from none to all; "submessage" is what `voxtouch keys` signs.
+/// Names of the kinds, from none to all; `voxtouch keys` uses "submessage".
 std::vector<std::string> protections();
 /// Into a new folder.
 void make_keys_of(const std::string& protection, const std::filesystem::path& folder);

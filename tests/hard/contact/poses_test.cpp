@@ -38,7 +38,7 @@ std::vector<Pose> broken(const Pose& good) {
   return bad;
 }
 
-/// What the rendering and the coupling node do with a sample, as arithmetic.
+/// The computations of rendering and coupling node for a sample.
 struct Ring {
   rendering::DeviceMapping mapping{scene::WorkspaceMapping{}};
   contact::ContactRenderer& contact;
@@ -157,7 +157,7 @@ TEST(F7InvalidPoses, NegatedQuaternionIsBitIdentical) {
     contact::ContactRenderer a = ground.renderer(shell, kind), b = ground.renderer(shell, kind);
     int fast = 0;
     for (int n = 0; n < 60; ++n) {
-      // Slow and fast turns: up to 0.18 rad a frame.
+      // Slow and fast rotations: up to 0.18 rad per frame.
       const Pose pose =
           ball.posed(Vec3(0.001, 0.002, 9.2e-3),
                      Quat(Eigen::AngleAxisd(0.0015 * n * n, Vec3(1, 2, 3).normalized())));

@@ -1,5 +1,5 @@
-// Sliding over voxel borders gives energy; how much at most, and what the observer of the coupling
-// makes of it.
+// Sliding over voxel borders generates energy: its upper bound, and the account of the coupling's
+// observer.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -20,8 +20,8 @@ constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
                                 contact::ContactModelKind::kAdapted,
                                 contact::ContactModelKind::kField};
 
-/// The bound that the map shows (deploy/pictures/stability_map.png): energy given on a closed loop,
-/// over mean force times way, for a ball of `radius_voxels`. core/coupling/passivity.hpp states the
+/// The bound of deploy/pictures/stability_map.png: energy generated on a closed loop, divided by
+/// mean force times path, for a ball of `radius_voxels`. core/coupling/passivity.hpp states the
 /// same.
 double most_ratio(contact::ContactModelKind model, double radius_voxels) {
   switch (model) {
@@ -46,7 +46,7 @@ TEST(F2SlidingOverVoxelBorders, ClosedLoopEnergyIsBounded) {
           EXPECT_LE(made.fraction, most_ratio(model, radius))
               << contact::name_of(model) << " R/e " << radius << " depth " << depth << " tilt "
               << tilt;
-          // The row's own bound: k e^2 for each point and crossing.
+          // The bound of the row: k e^2 for each point and crossing.
           EXPECT_LE(made.per_crossing, 0.01) << contact::name_of(model) << " R/e " << radius
                                              << " depth " << depth << " tilt " << tilt;
         }
@@ -58,8 +58,7 @@ struct Slid {
   double largest_n = 0.0, path_m = 0.0, longest_m = 0.0, mean_n = 0.0;
 };
 
-/// A hand that nothing moves slides round and round at `speed`, 1 kHz; the commands are what the
-/// observer books.
+/// A passive hand slides in circles at `speed`, 1 kHz; the observer counts the commands.
 Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_voxels, double speed,
            int rounds) {
   constexpr double kPeriod = 1e-3, kRound = 3e-3;
@@ -79,7 +78,7 @@ Slid slide(const Bench& bench, contact::ContactModelKind model, double depth_vox
     const Pose pose = bench.at(kRound * std::cos(n * turn), kRound * std::sin(n * turn), depth);
     const contact::StageResult r = contact.render(pose);
     coupling::CouplingInput in;
-    in.contact.force = r.contact.wrench.force;  // of translation alone: a ball that does not turn
+    in.contact.force = r.contact.wrench.force;  // translation only: the ball does not rotate
     in.contact_stiffness_n_per_m = r.contact.stiffness_bound_n_per_m,
     in.contact_stiffness = r.contact.stiffness;
     in.tool = pose;
@@ -134,7 +133,7 @@ struct Round {
     s.kind = "direct", s.stiffness_cap_n_per_m = 300.0;
     return s;
   }
-  /// To the angle and depth given, in small steps; the force that is held does its work on each.
+  /// To the given angle and depth, in small steps; the displayed force does its work on each.
   void go(double to_angle, double to_depth) {
     const double displacement = std::hypot(radius * (to_angle - angle), to_depth - depth);
     const int steps = std::max(1, static_cast<int>(std::ceil(displacement / kStep)));
@@ -185,8 +184,8 @@ struct Round {
   bool known = false;
 };
 
-/// Pushed in, slid and pulled out, and in rounds that never leave the contact, the hand
-/// gets no more than sliding over voxels gives in any case.
+/// Moved in, slid and pulled out, and in loops that never leave the contact, the hand gets at most
+/// the energy of sliding over voxels.
 TEST(F2SlidingOverVoxelBorders, LatchedForceAddsNoEnergy) {
   mesh::TriangleMesh hollow = test::joined(test::cylinder_mesh(0.05, 0.08, 192),
                                            test::inside_out(test::cylinder_mesh(0.04, 0.06, 192)));

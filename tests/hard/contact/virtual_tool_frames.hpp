@@ -1,5 +1,6 @@
 #pragma once
-/// What the virtual tool's hard cases share: a voxel edge, a slot, and what holds in every frame.
+/// Common parts of the virtual tool's hard cases: a voxel edge, a slot, and invariants of every
+/// frame.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +18,7 @@ inline bool finite(const exact::VirtualToolFrame& f) {
          f.contact_point.allFinite() && std::isfinite(f.residual_m);
 }
 
-/// What holds in every frame, whatever the scene is.
+/// Invariants of every frame in every scene.
 inline void expect_sound(const exact::VirtualToolFrame& f) {
   ASSERT_TRUE(finite(f));
   ASSERT_LE(f.queries, exact::limits::kMaxQueries);

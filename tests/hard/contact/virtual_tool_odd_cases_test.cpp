@@ -1,5 +1,5 @@
-// Hard cases of the virtual tool: odd poses, levers and grids, balls, broken meshes, noise, and
-// what must not change a bit.
+// Hard cases of the virtual tool: irregular poses, levers and grids, balls, broken meshes, noise,
+// and changes without effect.
 #include <fenv.h>
 #include <gtest/gtest.h>
 
@@ -56,8 +56,8 @@ TEST(VirtualToolPoses, AQuaternionAndItsNegativeAreOne) {
   }
 }
 
-/// A bar in a slot that cannot turn, a hand that turns on and on: the torque keeps its axis past
-/// half a turn by some degrees, then turns over.
+/// A bar in a slot that cannot rotate, and a hand that keeps rotating: the torque keeps its axis
+/// past 180 degrees by some degrees, then reverses.
 TEST(VirtualToolPoses, HalfRotationOfTheHandGivesNoNoise) {
   const mesh::TriangleMesh bar = test::box_mesh(Vec3(0.03, 0.008, 0.008));
   Rig rig(slot_mesh(0.0095), 0.001, bar);
@@ -68,7 +68,7 @@ TEST(VirtualToolPoses, HalfRotationOfTheHandGivesNoNoise) {
   Vec3 last = Vec3::Zero();
   for (int n = 0; n < 4000; ++n) {
     const double angle = std::min(0.001 * n, std::numbers::pi) +
-                         1e-3 * uniform(random, -1, 1);  // then trembles about half a turn
+                         1e-3 * uniform(random, -1, 1);  // then trembles about 180 degrees
     const exact::VirtualToolFrame f =
         rig.frame(Pose{Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(angle, Vec3::UnitZ())) * along});
     expect_sound(f);
@@ -101,8 +101,8 @@ TEST(VirtualToolPoses, AnyLeverNearTheReachIsSound) {
   }
 }
 
-/// Ball on ball: the top of a ball is no minimum. Energy is only lost: what the hand puts in on a
-/// closed loop is not less than nothing.
+/// Ball on ball: the top of a ball is not a minimum. Energy is only dissipated: the hand's work on
+/// a closed loop is not negative.
 TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
   Rig rig(test::sphere_mesh(0.02, 4), 0.001, ball_mesh());
   ASSERT_TRUE(rig.place({Vec3(1e-5, 0, 0.032), Quat::Identity()}));
@@ -120,8 +120,8 @@ TEST(VirtualToolBalls, OnABallSlideOffAndGiveNoEnergy) {
   EXPECT_LE(work, 1e-6);
 }
 
-/// A box that stands on its edge has no minimum either: it tips over or turns back. A hand that
-/// presses it on a closed way gets no energy.
+/// A box on its edge has no minimum either: it tips over or back. A hand that presses it on a
+/// closed path gets no energy.
 TEST(VirtualToolBoxes, OnTheirEdgeGiveNoEnergy) {
   for (const double edge : {0.002, 0.001}) {
     Rig rig(test::box_mesh(Vec3(0.06, 0.06, 0.04), {Vec3(0.3e-3, 0.1e-3, -0.02), Quat::Identity()}),
@@ -233,9 +233,9 @@ TEST_P(BrokenMesh, GivesSoundFrames) {
 }
 INSTANTIATE_TEST_SUITE_P(OpenInvertedMoebiusOverlapping, BrokenMesh, ::testing::Range(0, 4));
 
-/// Driven at from either side, rubbed, left, at 0.1 to 4 e a frame: no face of what encloses
-/// nothing comes into a ball, at rest nothing changes. Rims may come in between a ball's points, a
-/// few in a hundred: virtual_tool_runs open counts them.
+/// Approached from either side, rubbed, released, at 0.1 to 4 e per frame: no open face enters a
+/// ball, and at rest nothing changes. Rims may enter between a ball's points, in a few per cent of
+/// runs: virtual_tool_runs open counts them.
 TEST(VirtualToolOpenMeshes, HoldABallFromEitherSide) {
   int runs = 0, rims = 0;
   for (const char* const shape : open_shapes())
@@ -255,7 +255,7 @@ TEST(VirtualToolOpenMeshes, HoldABallFromEitherSide) {
   EXPECT_EQ(rims, 0);
 }
 
-/// The force begins at the sheet, on both of its sides alike.
+/// The force begins at the sheet, on both of its sides.
 TEST(VirtualToolOpenMeshes, PushFromEitherSideOn) {
   for (const double side : {-1.0, 1.0}) {
     Rig rig(scene_mesh("plate:0"), kEdge, ball_mesh());

@@ -1,5 +1,5 @@
-// Where a virtual tool may start: not where a wall stands in it, however thin; but wherever it
-// touches from outside.
+// Valid start poses of a virtual tool: without a wall inside it, however thin, also in contact from
+// outside.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -86,7 +86,7 @@ struct StartTool {
 void PrintTo(const StartTool& tool, std::ostream* out) { *out << tool.name; }
 class VirtualToolStarts : public ::testing::TestWithParam<StartTool> {};
 
-/// At random over plates and their rims, turned and not.
+/// At random over plates and their rims, with and without rotation.
 TEST_P(VirtualToolStarts, AreThosePosesWithoutAWallInside) {
   const std::uint64_t seed = testing::seed(71);
   SCOPED_TRACE(testing::seed_trace(seed));
@@ -117,8 +117,8 @@ TEST_P(VirtualToolStarts, AreThosePosesWithoutAWallInside) {
       GetParam().name, free.placed, free.runs, touching.placed, touching.runs, rims_touching.placed,
       rims_touching.runs, rims_across.placed, rims_across.runs);
   ASSERT_GT(std::min({touching.runs, rims_touching.runs, rims_across.runs}), 150);
-  // What reaches into the tool by a hundredth of a voxel or more is no start. The ball's facets lie
-  // up to 0.005 voxels inside the round ball.
+  // A pose with 0.01 voxels or more of overlap is not a valid start. The ball's facets are up to
+  // 0.005 voxels inside the round ball.
   EXPECT_LE(touching.placed + rims_touching.placed + rims_across.placed, touching.runs / 20);
   EXPECT_EQ(free.placed, free.runs);
 }
@@ -144,7 +144,7 @@ TEST(VirtualToolStartNearThinWalls, IsAFreeStart) {
         const Pose middle{lie * Vec3(0.3e-3, 0.2e-3, 0), lie};
         EXPECT_TRUE(Rig(test::joined(plate(1), plate(-1)), kEdge, ball_mesh()).place(middle));
         EXPECT_TRUE(Rig(plate(1), kEdge, ball_mesh()).place(middle));
-        // A box of the ball's height fills the slot with its sides, and stands flat.
+        // A box of the ball's height fits the slot exactly with its sides, and stands flat.
         const mesh::TriangleMesh box = test::box_mesh(Vec3(0.02, 0.016, 2 * kBall));
         EXPECT_TRUE(Rig(test::joined(plate(1), plate(-1)), kEdge, box).place(middle));
         EXPECT_TRUE(Rig(plate(-1), kEdge, box).place(middle));

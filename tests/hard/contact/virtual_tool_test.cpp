@@ -90,7 +90,7 @@ TEST(VirtualToolSlots, WiderThanTheToolExertNoForce) {
   }
 }
 
-/// Two slanted walls: the ball comes to rest between them, at the height that both allow.
+/// Two slanted walls: the ball rests between them, at the height of both contacts.
 TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
   const double half = std::numbers::pi / 6;  // 60 degrees between the walls
   const auto wall = [&](double side) {
@@ -110,9 +110,9 @@ TEST(VirtualToolSlots, InAWedgeTheToolRestsOnBothFaces) {
     EXPECT_LT((rig.frame(Vec3(2e-4, 0, 0.005)).wrench(kStiffness).force - steady).norm(), 0.05);
 }
 
-/// A pin of 10 mm with a radial clearance of a twentieth to the whole of e. Its bottom passes the
-/// mouth's edge nearer than a voxel: no row may take the face round the mouth for one that reaches
-/// over the hole. At e = 2 mm the interpolated distance is flat in the floor's corner for a voxel.
+/// A pin of 10 mm with a radial clearance of e/20 to e. Its bottom passes the mouth's edge within a
+/// voxel: no row may treat the face around the mouth as one over the hole. At e = 2 mm the
+/// interpolated distance is flat in the floor's corner for a voxel.
 TEST(VirtualToolSlots, PinEntersItsHoleOnAFineGrid) {
   for (const auto& [edge, clearance, drag] : {std::tuple{0.0005, 2e-4, 0.2},
                                               {0.001, 2e-4, 0.2},
@@ -140,8 +140,8 @@ TEST(VirtualToolTorque, BarOverAnEdgeMatchesTheExactTorque) {
     EXPECT_LT(lever(edge, seed).torque_error, 0.005);
 }
 
-/// A pin in its hole, 15 mm deep, the hand turned slowly: the torque is that of the exact pin, with
-/// its play, at every turn. The mouth's edge has points of its own at every height.
+/// A pin in its hole, 15 mm deep, the hand rotated slowly: the torque equals that of the exact pin,
+/// with its play, at every angle. The mouth's edge has points at every height.
 TEST(VirtualToolTorque, RotatedPinMatchesTheExactTorque) {
   const std::uint64_t seed = testing::seed(62);
   SCOPED_TRACE(testing::seed_trace(seed));
@@ -171,7 +171,7 @@ TEST(VirtualToolLoop, IsStableUpToTheStiffnessOfALinearWall) {
   }
 }
 
-/// Objects of a scene, each with a displacement of its own, and a ball.
+/// Objects of a scene, each with a displacement, and a ball.
 struct Moving {
   rendering::ExactBodies bodies;
   rendering::ExactTool tool;
@@ -192,8 +192,8 @@ struct Moving {
   }
 };
 
-/// Two blocks close in on a ball until there is no room: it stays between them, and comes free as
-/// they open again.
+/// Two blocks close on a ball until there is no space: it stays between them, and is free again
+/// when they open.
 TEST(VirtualToolSlots, PinchedBetweenTwoObjectsTheToolStaysBetween) {
   const mesh::TriangleMesh block = test::box_mesh(Vec3(0.04, 0.04, 0.02));
   Moving scene({block, block});
@@ -239,7 +239,7 @@ TEST(VirtualToolObjects, ThatMoveCarryATool) {
   }
 }
 
-/// A plate of 1 mm that goes 1.2 mm a frame carries the tool, or says that it passed it.
+/// A plate of 1 mm that moves 1.2 mm per frame carries the tool, or a flag reports that it passed.
 TEST(VirtualToolObjects, AreNeverFastEnoughToPassUnreported) {
   Moving scene({test::box_mesh(Vec3(0.06, 0.06, 0.5 * kEdge))});
   scene.displacements[0] = Vec3(0, 0, -0.02);
@@ -296,7 +296,7 @@ TEST(VirtualToolStart, FadesInAfterAReset) {
   }
   rig.tool.reset();
   EXPECT_TRUE(
-      rig.frame(Vec3(0, 0, 0.005)).not_initialised);  // in contact: the hand must come out first
+      rig.frame(Vec3(0, 0, 0.005)).not_initialised);  // in contact: the hand must leave first
   EXPECT_FALSE(rig.frame(Vec3(0, 0, 0.02)).not_initialised);
 }
 

@@ -1,4 +1,4 @@
-// Walls from a tenth of a voxel to five, met from both sides at all speeds; and tools pushed deep.
+// Walls from a tenth of a voxel to five, met from both sides at all speeds; and deep tools.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -23,7 +23,7 @@ double uniform(std::mt19937_64& random, double low, double high) {
   return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1p-53);
 }
 
-/// A wall about the origin of `base`, across its z axis, and a small ball that goes through it.
+/// A wall about the origin of `base`, across its z axis, and a small ball that passes through it.
 struct Wall {
   double thick;  ///< [e]
   Quat turn;
@@ -46,8 +46,8 @@ struct Wall {
   double touch_m() const { return 2.5 * kEdge + 0.5 * thick * kEdge; }
 };
 
-/// Whether a model feels a wall at all: `original` and `adapted` whatever has a surface layer,
-/// `field` where a voxel's corner lies inside.
+/// Whether a model has a force at a wall: `original` and `adapted` with any surface layer, `field`
+/// with a voxel corner inside.
 bool has_force(const Wall& wall, contact::ContactModelKind kind) {
   return kind != contact::ContactModelKind::kField ||
          (wall.thick >= 1.0 && wall.ground.field.has_inside());
@@ -58,12 +58,12 @@ const std::array kTurns = {Quat::Identity(),
 
 struct Passage {
   double pushed_on = 0.0,
-         most = 0.0;  ///< [N]: largest push along the motion before the middles meet; any push
+         most = 0.0;  ///< [N]: largest force along the motion before the centres meet; any force
   int fast = 0, tunnelling_suspected = 0,
       near = 0;  ///< frames; near: that moved while some point was next to the wall
 };
 
-/// Straight through the wall, `step` [e] a frame, from `side` (+1, -1) of it.
+/// Straight through the wall, `step` [e] per frame, from its side `side` (+1, -1).
 Passage drive_through(const Wall& wall, contact::ContactModelKind kind, double step, double side,
                       double phase) {
   contact::ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
@@ -181,16 +181,16 @@ TEST(FastMotion, IsClearedByResetAndQuietOffTheWall) {
   }
 }
 
-/// A mass that flies at a wall at 1 kHz and is pushed by nothing but the contact.
+/// A free mass that meets a wall at 1 kHz; only the contact acts on it.
 struct Drop {
-  double exit_speed = 0.0;  ///< [m/s] on the far side; 0: it came back or stays
+  double exit_speed = 0.0;  ///< [m/s] on the far side; 0: it returned or stays
   bool tunnelling_suspected = false, fast = false;
 };
 
 Drop drop(const Wall& wall, contact::ContactModelKind kind, double speed, double side,
           double phase) {
   contact::ContactRenderer renderer = wall.ground.renderer(wall.shell, kind);
-  // A stiffness at which 1 kHz is stable: m/T^2 of what the whole ball can show.
+  // A stable stiffness at 1 kHz: a fraction of m/T^2 for the whole ball.
   const double area = 4.0 * 3.14159 * std::pow(2.5 * kEdge, 2),
                mass = kPressure * area * kPeriod * kPeriod * 0.5;
   Drop out;
@@ -230,8 +230,7 @@ TEST(F4Tunnelling, FastPassThroughIsReported) {
                                             << " e, " << speed << " m/s, side " << side);
           if (!(d.exit_speed > 0.0))
             continue;
-          // A mass with more energy than the wall takes loses what it had to climb and gets it
-          // back.
+          // A mass with more energy than the wall stores loses it in the wall and gets it back.
           EXPECT_TRUE(d.fast ? d.tunnelling_suspected : d.exit_speed < 1.1 * speed)
               << "exit at " << d.exit_speed << " m/s";
           stopped_up_to = std::min(stopped_up_to, speed),

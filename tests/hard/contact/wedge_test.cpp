@@ -86,7 +86,7 @@ TEST(F1NormalsThatCancel, GiveZeroNetForceWithoutAJump) {
         }
         ++fine;
       }
-      const bool steps = m < 2;  // where points cross voxel borders: `original` and `adapted` only
+      const bool steps = m < 2;  // at voxel borders: `original` and `adapted` only
       std::printf(
           "%-16s %-9s net %.4f of one wall's force %.3g N; largest step over 1e-9 e %.2g, over "
           "1e-3 e %.4f; a turn "
@@ -145,8 +145,7 @@ TEST(F3ManyContacts, ForceDoesNotDependOnPointOrder) {
   }
 }
 
-/// `original` and `adapted` to 100 e: DeepPush in tests/unit/contact. Here the one that holds
-/// nothing.
+/// `original` and `adapted` to 100 e: DeepPush in tests/unit/contact. Here the memoryless one.
 TEST(F5DeepPenetration, FieldFlagsSaturationAndNeverPullsIn) {
   const pointshell::Pointshell shell = exact_shell(sphere_mesh(kRadius, 4), kEdge);
   const Ground ground(slab(Vec3(60, 60, 150) * kEdge, Vec3(0.2, 0.1, -75) * kEdge), kEdge);

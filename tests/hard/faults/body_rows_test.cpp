@@ -47,7 +47,7 @@ TEST(BodyWeight, IsFullyHeldAtAnyGripStiffness) {
     }
 }
 
-/// A slender bar along x of that length, held so far from its middle.
+/// A slender bar along x of that length, gripped at this distance from its middle.
 effects::BodyShape bar(double length_m, double off_m) {
   effects::BodyShape shape;
   const double along = 0.01 * 0.01 / 6.0, across = length_m * length_m / 12.0;
@@ -63,7 +63,7 @@ TEST(BodyAtTheGrip, OfAnyLengthSettlesInTwoSeconds) {
       for (const double grip_nm : {0.0, 0.3, 3.0}) {
         const double arm = std::abs(part * length);
         if (grip_nm == 0.0 && arm == 0.0)
-          continue;  // nothing turns it back
+          continue;  // no restoring torque
         const effects::BodyParameters p{.mass_kg = kMass,
                                         .gravity_m_per_s2 = {0, 0, -9.81},
                                         .grip_n_per_m = 500,
@@ -84,7 +84,7 @@ TEST(BodyAtTheGrip, OfAnyLengthSettlesInTwoSeconds) {
       }
 }
 
-/// Of free modes as the eigenvalues of the body's own equations have them.
+/// For free modes as the eigenvalues of the body's equations.
 TEST(BodyAtTheGrip, DampsEveryModeAtTheRequestedRatio) {
   effects::BodyShape shape = bar(0.3, 0.15);
   shape.inertia_m2(0, 1) = shape.inertia_m2(1, 0) = 1e-4;

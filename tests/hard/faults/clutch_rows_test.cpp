@@ -1,4 +1,4 @@
-// A clutch that is pressed and released in contact leaves the wall where it is.
+// A clutch that is pressed and released in contact does not displace the wall.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -16,7 +16,7 @@ struct Outcome {
   int passed = 0, reported = 0;  ///< reported: as having passed a wall
 };
 
-/// `attempts` balls pushed at a foil, both in mm, the voxel 2 mm, and 15 mm beyond it.
+/// `attempts` balls moved at a foil and 15 mm beyond it, both in mm, voxel 2 mm.
 Outcome foils(double radius_mm, double foil_mm, double step_mm, int attempts) {
   Inputs inputs;
   const double foil = 1e-3 * foil_mm, radius = 1e-3 * radius_mm;

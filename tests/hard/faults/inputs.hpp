@@ -1,5 +1,5 @@
 #pragma once
-/// Small scenes of boxes, written to a folder of their own.
+/// Small scenes of boxes, written to a temporary folder.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -16,7 +16,7 @@ struct Box {
   Vec3 low, high;
 };
 
-/// Boxes as one OBJ file, each with corners of its own.
+/// Boxes as one OBJ file, each with separate corners.
 inline std::string boxes_obj(const std::vector<Box>& boxes) {
   std::string text;
   int first = 1;

@@ -1,4 +1,4 @@
-// A static load is held whole, whatever is stiff next to it.
+// A static load is displayed in full, whatever stiffness acts next to it.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -19,7 +19,7 @@ void PrintTo(const LoadCase& load, std::ostream* out) { *out << load.name; }
 
 class StaticLoad : public testing::TestWithParam<LoadCase> {};
 
-/// A guide far away pulls with 1 N along x, at any place alike; what is stiff lies across it.
+/// A guide far away pulls with 1 N along x, equal at any place; stiff contacts act across it.
 TEST_P(StaticLoad, IsFullyHeldNextToStiffContacts) {
   for (const sim::SimParameters& device : {sim::sim_phantom(), sim::sim_lwr()}) {
     Inputs inputs;

@@ -106,8 +106,8 @@ TEST_P(SeamsOfObjects, AtRestActAsOneObject) {
   expect_as_one(*made.one, *made.three, "objects");
 }
 
-/// In, along and out again in steps of 0.1 mm: points that went through in one object are held in
-/// the next.
+/// In, along and out again in steps of 0.1 mm: points that passed through in one object stay
+/// latched in the next.
 TEST_P(SeamsOfObjects, UnderASlidingToolActAsOneObject) {
   const Floors made = floors(GetParam());
   double worst = 0.0, largest = 0.0;

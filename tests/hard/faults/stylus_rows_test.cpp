@@ -1,4 +1,4 @@
-// What a long tool displays at the point of contact is what was said before.
+// A long tool displays at the point of contact what the plan states.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -18,7 +18,7 @@ namespace voxtouch::hard {
 
 inline constexpr double kEdge = 0x1p-9;  ///< voxel edge of these scenes, about 2 mm
 inline constexpr double kStep =
-    0x1p-18;  ///< vertices are whole multiples of it, so that midpoints are exact
+    0x1p-18;  ///< vertices are integer multiples of it, so that midpoints are exact
 inline constexpr double kPerPoint = 128.0;    ///< [N/m]
 inline constexpr double kPerVolume = 0x1p29;  ///< [N/m^3]
 inline constexpr double kBallRadius = 0.0085;
@@ -29,7 +29,7 @@ Quat any_rotation(Random& random);
 /// Rounded to whole multiples of `step`.
 Vec3 stepped(const Vec3& x, double step);
 
-/// A tilted box with a ball let into it; closed parts that overlap.
+/// A tilted box with a ball that overlaps it; closed parts.
 mesh::TriangleMesh ground_mesh();
 /// A ball that lies askew about a point next to its origin.
 mesh::TriangleMesh tool_mesh();
@@ -38,7 +38,7 @@ mesh::TriangleMesh tool_mesh();
 std::vector<std::pair<voxmap::VoxelIndex, voxmap::VoxelKind>> voxels_of(
     const voxmap::Voxmap& voxmap);
 
-/// What one pose gives, model by model (index 0 is `original`).
+/// Results at one pose, by model (index 0 is `original`).
 inline constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
                                        contact::ContactModelKind::kAdapted,
                                        contact::ContactModelKind::kField};
@@ -59,16 +59,15 @@ struct Rig {
   Rig(const mesh::TriangleMesh& ground, const mesh::TriangleMesh& tool, double edge = kEdge,
       const ParallelFor& loop = serial_for());
 
-  /// Without memory, all models; zero results where there is no such model.
+  /// Without memory, all models; zero results for missing models.
   Answers probe(const Pose& pose) const;
 
  private:
   void make_models();
 };
 
-/// Poses at which the ball stands in light contact with the ground: from half a voxel above to one
-/// and a half deep. Positions are whole multiples of 2^-26 m, so that they too can be moved
-/// exactly.
+/// Poses of the ball in light contact with the mesh: from half a voxel above to one and a half
+/// deep. Positions are integer multiples of 2^-26 m, so that they can be displaced exactly.
 std::vector<Pose> touching_poses(const mesh::TriangleMesh& ground, std::size_t count,
                                  Random& random);
 

@@ -22,8 +22,8 @@ Point operator+(const Point& a, const Point& b) { return {a.x + b.x, a.y + b.y, 
 Point operator*(Real s, const Point& a) { return {s * a.x, s * a.y, s * a.z}; }
 Real dot(const Point& a, const Point& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 
-/// The quadratic programme min |a + s f + t g|^2 under the triangle's and the cube's nine bounds,
-/// by trying every set of up to two that may be active, in extended precision: nothing is clipped.
+/// The quadratic programme min |a + s f + t g|^2 under the nine bounds of triangle and cube. It
+/// tries every active set of up to two, in extended precision, without clipping.
 Real least_distance(const std::array<Vec3, 3>& corner) {
   const auto wide = [](const Vec3& v) { return Point{v.x(), v.y(), v.z()}; };
   const Point a = wide(corner[0]), f = wide(corner[1]) + Real{-1} * a,
@@ -101,7 +101,7 @@ TEST(P1PointOfAVoxel, IsTheNearestForRandomTriangles) {
     const double longest =
         std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
     if (normal.norm() < 1e-3 * longest * longest)
-      continue;  // the oracle's conditioning; slivers have tests of their own
+      continue;  // ill-conditioned for the oracle; slivers have separate tests
     ++met;
     const Vec3 p = pointshell::nearest_to_centre(x, normal.normalized(),
                                                  pointshell::clip_to_voxel(x[0], x[1], x[2]));
@@ -117,7 +117,7 @@ TEST(P1PointOfAVoxel, IsTheNearestForRandomTriangles) {
 
 TEST(P1PointOfAVoxel, KeepsItsVoxelDespiteRounding) {
   // Far from the grid's origin a point on its voxel's border may round into the next voxel: the
-  // voxel is kept, not asked again.
+  // stored voxel counts.
   const mesh::TriangleMesh mesh = ground_mesh();
   for (const double far : {0.0, 1.0, 1e6}) {
     mesh::TriangleMesh moved = mesh;
@@ -141,8 +141,8 @@ void expect_unit(const std::vector<pointshell::ShellPoint>& points) {
 
 TEST(P2NormalsThatCancel, GiveTheNearestFacesUnitNormalAndAFlag) {
   const voxmap::Grid grid{Vec3::Constant(-2.01), 1.0};
-  // A sheet whose two sides are one plane, cut into triangles differently, so that none repeats
-  // another.
+  // A sheet with both sides in one plane, triangulated differently, so that there are no
+  // duplicates.
   mesh::TriangleMesh sheet;
   sheet.vertices = {{0, 0, 0.4}, {6, 0, 0.4}, {6, 6, 0.4}, {0, 6, 0.4}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}, {1, 3, 2}};
@@ -175,7 +175,7 @@ TEST(P2NormalsThatCancel, GiveTheNearestFacesUnitNormalAndAFlag) {
   }
   EXPECT_GT(flagged, 0U);
 
-  // A cube's corner: three normals at right angles, whose mean is long enough and points into the
+  // A cube's corner: three normals at right angles, with a long enough mean that points into the
   // cube.
   for (const double shift : {0.0, 0.3, 0.5}) {
     Pose at;

@@ -1,4 +1,4 @@
-/// Rows V1 to V6 and V8 of the table of hard cases: what the ground is made of.
+/// Rows V1 to V6 and V8 of the table of hard cases: static meshes.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -104,7 +104,7 @@ voxmap::Voxmap chessboard(const voxmap::Grid& grid, int n) {
 
 TEST(V1PointOnAFace, EdgesAndCornersHitOneVoxel) {
   constexpr double e =
-      0.0037;  // no power of two: a multiple of it lies on the border, or an ulp next to it
+      0.0037;  // not a power of two: its multiples are on the border, or an ulp off
   const voxmap::Grid grid{Vec3(0.1, -0.2, 0.3), e};
   const voxmap::Voxmap map = chessboard(grid, 5);
   Random random(1);
@@ -161,8 +161,8 @@ TEST(V1PointOnAFace, EdgesAndCornersHitOneVoxel) {
 // -------------------------------------------------------------------------------------------------
 // V2
 
-/// With 1000 triangles more, all on the surface: zero-area of four kinds, slivers 1e-12 m wide,
-/// duplicates either way round.
+/// With 1000 additional triangles, all on the surface: four kinds of zero-area ones, slivers 1e-12
+/// m wide, duplicates in both orientations.
 mesh::TriangleMesh littered(mesh::TriangleMesh mesh, Random& random) {
   const std::size_t sound = mesh.triangles.size();
   const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -214,7 +214,7 @@ TEST(V2DegenerateTriangles, ChangeNeitherVoxelsNorForce) {
   for (std::size_t p = 0; p < clean.shell.size(); ++p) {
     ASSERT_TRUE(dirty.shell.point(p).allFinite() && dirty.shell.normal(p).allFinite());
     ASSERT_LT((clean.shell.point(p) - dirty.shell.point(p)).norm(), 2e-12)
-        << p;  // a sliver's own width
+        << p;  // width of a sliver
     ASSERT_LT((clean.shell.normal(p) - dirty.shell.normal(p)).norm(), 1e-7)
         << p;  // a sliver's fraction of the voxel's area
     ASSERT_NEAR(dirty.shell.normal(p).norm(), 1.0, 1e-14) << p;
@@ -278,7 +278,7 @@ std::vector<Defect> defects() {
   all.push_back({"one face removed", hole, false});
   all.push_back({"one face inverted", one, true});
   all.push_back({"all faces inverted", inside_out(tilted_box()), true});
-  // Two boxes that share an edge: the corners (+,+,*) of one are the corners (-,-,*) of the other.
+  // Two boxes with a common edge: the corners (+,+,*) of one are the corners (-,-,*) of the other.
   const Quat turn(Eigen::AngleAxisd(0.4, Vec3(1, 2, 3).normalized()));
   mesh::TriangleMesh first = tilted_box(), second = tilted_box(turn * (kEdge * Vec3(10, 8, 0)));
   second.vertices[0] = first.vertices[3], second.vertices[4] = first.vertices[7];
@@ -308,7 +308,7 @@ double distance_from_box(const Vec3& x, const Vec3& middle, const Quat& turn) {
   return local.cwiseMax(0.0).norm();
 }
 
-/// Convex pieces of 12 triangles each, or 11 and 12 where one is missing.
+/// Convex pieces of 12 triangles each, or 11 and 12 with one missing.
 Vec3 middle_of_piece(const mesh::TriangleMesh& mesh, std::size_t triangle) {
   const std::size_t first = triangle < 12 || mesh.vertices.size() == 8 ? 0 : 8;
   Vec3 sum = Vec3::Zero();
@@ -359,7 +359,7 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIn) {
     std::array<int, kModels.size()> pushes{};
     Random random(3);
     for (std::size_t t = 0; t < defect.mesh.triangles.size(); ++t) {
-      // Laid on the ground with this triangle's plane, turned a little about it.
+      // Placed with this triangle's plane on the static mesh, slightly rotated.
       const Vec3 normal = outward_normals(defect.mesh, middle_of_piece(defect.mesh, t))[t];
       const Quat lay =
           Quat(Eigen::AngleAxisd(
@@ -372,8 +372,8 @@ TEST(V3OpenNonManifoldInverted, ToolIsNeverPulledIn) {
         const Answers answers =
             rig.probe({Vec3(0.3 * kEdge, 0.4 * kEdge, -lowest - depth * kEdge), lay});
         for (std::size_t m = 0; m < kModels.size(); ++m) {
-          // The sides, upright to 0.05 rad, push along their own normals where `original` finds
-          // them in the layer.
+          // The sides, upright to 0.05 rad, act along their normals if `original` finds them in the
+          // layer.
           ASSERT_GE(answers[m].wrench.force.z(), -0.0501 * answers[m].wrench.force.norm())
               << model_name(m) << " triangle " << t << " depth " << depth;
           pushes[m] += answers[m].wrench.force.z() > 0.0;
@@ -449,7 +449,7 @@ TEST(V4OffsetOfAMillionMetres, ForceChangesByRoundingOnly) {
   SCOPED_TRACE(testing::seed_trace(seed));
   Random random(seed);
   const Vec3 far(1e6 + 0.123456789, -1e6 + 0.3, 1e6 - 0.7);
-  // No multiple of anything, so that every vertex and pose is rounded there.
+  // Arbitrary factor, so that every vertex and pose is rounded.
   const mesh::TriangleMesh ground = mesh::transform(ground_mesh(), 1.0 + 1e-3 / 3.0, {});
   const pointshell::Pointshell shell = test::exact_shell(tool_mesh(), kEdge);
   const voxmap::Grid grid = voxmap::default_grid(ground, kEdge);

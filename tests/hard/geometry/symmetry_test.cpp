@@ -1,6 +1,5 @@
-/// What may not change what is displayed: where the scene stands, how it is turned or mirrored, in
-/// which units of a power of two it is given, in which order triangles and points come, how many
-/// threads build it, how finely a flat face is cut.
+/// Invariances of the displayed force: position, rotation and mirroring of the scene, units of a
+/// power of two, order of triangles and points, number of threads, subdivision of flat faces.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -16,9 +15,8 @@
 namespace voxtouch::hard {
 namespace {
 
-/// By how much depths may differ: two ulps of a coordinate of 0.05 m. The field's nodes are single
-/// precision, where a rounding that falls the other way is 2^-24 * 4 voxels * e = 4.7e-10 m, of one
-/// point among many.
+/// Permitted difference of depths: two ulps of a coordinate of 0.05 m. The field's nodes are single
+/// precision: a different rounding is 2^-24 * 4 voxels * e = 4.7e-10 m, for one point among many.
 constexpr double kRounding = 0x1p-56, kFieldRounding = 1e-10;
 
 void expect_rounding(const Off& off, std::size_t poses) {
@@ -106,7 +104,7 @@ struct Symmetry {
   Mat3 matrix;
   double sign;  ///< -1: mirrors
   explicit Symmetry(const Mat3& s) : matrix(s), sign(std::round(s.determinant())) {}
-  Vec3 axis(const Vec3& x) const { return sign * (matrix * x); }  ///< of torques and turns
+  Vec3 axis(const Vec3& x) const { return sign * (matrix * x); }  ///< of torques and rotations
   mesh::TriangleMesh mesh(mesh::TriangleMesh m) const {
     for (Vec3& v : m.vertices)
       v = matrix * v;
@@ -174,8 +172,8 @@ TEST(V5ScaleByPowersOfTwo, ScalesVoxelsAndForcesExactly) {
     for (const Pose& pose : poses) {
       const Pose large{s * pose.position, pose.orientation};
       for (std::size_t m = 0; m < kModels.size(); ++m) {
-        // Depth times s; weights of one stay, areas grow with s^2; the lever again with s. Held
-        // depths of the stage likewise.
+        // Depths scale with s, areas with s^2, the lever with s, and latched depths of the stage
+        // with s; unit weights do not scale.
         const double f = m >= 2 ? s * s * s : s;
         for (const bool in_the_ring : {false, true}) {
           const contact::ContactResult a =
@@ -261,7 +259,7 @@ std::uint64_t hash_of(const voxmap::Voxmap& voxmap) {
     add(hash, voxel), add(hash, kind);
   return hash.value();
 }
-/// Nodes in and about the ground's voxels, and what was found over all of them.
+/// Nodes in and about the mesh's voxels, and a hash over all results.
 std::uint64_t hash_of(const voxmap::DistanceField& field, const voxmap::Voxmap& voxmap) {
   Fnv1a hash;
   for (const auto& [voxel, kind] : voxels_of(voxmap))
@@ -283,8 +281,8 @@ std::uint64_t hash_of(const pointshell::Pointshell& shell) {
   return hash.value();
 }
 
-/// The contact itself runs on one thread: `core` has none. What threads build is what one would
-/// have built.
+/// The contact runs on one thread: `core` creates none. Builds with several threads must equal
+/// builds with one.
 TEST(NumberOfThreads, LeavesAllResultsBitIdentical) {
   const std::uint64_t seed = testing::seed(77);
   SCOPED_TRACE(testing::seed_trace(seed));

@@ -19,8 +19,8 @@ constexpr double kT = 1e-3;
 #if defined(__SSE2__)
 constexpr unsigned kDenormalOperand = 0x2, kUnderflow = 0x10;
 
-/// Which of the two the processor met while `work` ran: a step that does costs up to a hundred
-/// times one that does not.
+/// Denormal operands or results during `work`: a step with them takes up to a hundred times as
+/// long.
 template <class Work>
 unsigned denormals_met(const Work& work) {
   _mm_setcsr(_mm_getcsr() & ~(kDenormalOperand | kUnderflow));

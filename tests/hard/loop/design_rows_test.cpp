@@ -1,4 +1,4 @@
-/// The hard cases of the loop, each as what must stay true.
+/// The hard cases of the loop, one invariant each.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,9 +46,9 @@ coupling_models::NonlinearLoop robot() {
   return loop;
 }
 
-/// Doubling k under a constant push P lets the device out from P/k to P/(2k) and gives it P^2/(2k),
-/// just what the spring had stored. What it gives beyond that is what the device's damping takes on
-/// the way: nothing if it is slow.
+/// Doubling k under a constant force P moves the device from P/k to P/(2k) and supplies P^2/(2k),
+/// exactly the stored energy. Energy beyond that equals the dissipation of the device's damping on
+/// the path: zero for a slow ramp.
 TEST(HardCaseL1, RampLimitsTheEnergyOfAStiffnessStep) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.contact_stiffness *= 0.5;
@@ -82,7 +82,7 @@ TEST(HardCaseL2, QuantiserLimitCycleIsBounded) {
           loop.resolution * coupling_models::quantiser_gain(loop, loop.contact_stiffness);
       EXPECT_LT(bound, 40.0 * loop.resolution);
       for (int i = 0; i < 40; ++i) {
-        loop.push = 1.0 + 0.013 * i;  // rests at all places between two steps
+        loop.push = 1.0 + 0.013 * i;  // rests at all positions between two steps
         const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
         EXPECT_EQ(v.outcome, coupling_models::LoopOutcome::kRest);
         EXPECT_LE(v.late_amplitude, bound) << i;
@@ -102,7 +102,7 @@ TEST(HardCaseL2, TheBoundOfAnOverdampedLoopIsItsGainAtRest) {
 
 TEST(HardCaseL2, FrictionOfHalfAStepLeavesNoLimitCycle) {
   coupling_models::NonlinearLoop stylus =
-      damped_phantom();  // with damping of its own: that which is injected has steps as well
+      damped_phantom();  // with damping: the injected damping has steps as well
   stylus.plant.mass = 0.05, stylus.plant.damping = 0.5;
   stylus.controller = filter(50.0, 0.707);
   stylus.contact_stiffness = 42.0;
@@ -136,7 +136,7 @@ TEST(HardCaseL3, ChatterIsAtMostOneForceStep) {
     loop.duration_s = loop.longest_s = 1000.0;  // 1e6 samples
     const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);
     EXPECT_GT(v.late_effort, 0.0);
-    // One step of force, and what the filter overshoots it by at most (the norm of its impulse
+    // One step of force, and the largest overshoot of the filter (the norm of its impulse
     // response).
     const double overshoot = coupling::design::overshoot_shape(loop.controller.damping_ratio);
     EXPECT_LE(v.late_effort, overshoot * loop.contact_stiffness * loop.resolution);
@@ -208,18 +208,18 @@ TEST(HardCaseL5, EndlessSilenceLeavesNoForce) {
   loop.disturbance = {.at_s = 2.0, .silence_s = 1e9};
   loop.duration_s = 3.5, loop.longest_s = 3.5;
   const coupling_models::NonlinearVerdict held =
-      coupling_models::simulate(loop);  // the last force, which nearly balances the push
+      coupling_models::simulate(loop);  // the last force, which nearly balances the hand
   loop.fade_after_lost = 3;
   const coupling_models::NonlinearVerdict faded = coupling_models::simulate(loop);
   EXPECT_EQ(faded.late_effort, 0.0);
-  EXPECT_GT(faded.end_position, held.end_position + 1.0);  // nothing holds the push any more
+  EXPECT_GT(faded.end_position, held.end_position + 1.0);  // no force opposes the hand
 }
 
 TEST(HardCaseL7, SaturationLeavesADesignStable) {
   for (coupling_models::NonlinearLoop loop : {robot(), damped_phantom()}) {
     loop.push = 2.0;
     for (const double limit : {2.0 / 0.6, 4.0}) {
-      loop.max_effort = limit;  // pushed to 60 % of it and more, with an impact that exceeds it
+      loop.max_effort = limit;  // pressed to 60 % of it and more, with an impact that exceeds it
       for (const double speed : {0.5, 1.0}) {
         loop.start_speed = speed;
         const coupling_models::NonlinearVerdict v = coupling_models::simulate(loop);

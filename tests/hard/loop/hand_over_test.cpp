@@ -16,8 +16,8 @@ namespace {
 using Sample = std::array<std::uint64_t, 13>;
 
 TEST(HardCaseL6, PosesAreNeverTornAndTimeNeverRunsBack) {
-  // The writer goes on until the reader has seen enough: on a busy machine it may be gone before a
-  // read starts.
+  // The writer continues until the reader has received enough: on a busy machine it might end
+  // before a read starts.
   constexpr std::uint64_t kSamples = 2'000'000;
   constexpr std::uint64_t kReads = 100;
   LatestValue<Sample> latest;
@@ -50,7 +50,7 @@ TEST(HardCaseL6, OverrunIsCountedAndTheGridIsKept) {
   constexpr std::int64_t kPeriod = 1'000'000;
   std::int64_t deadline = 5 * kPeriod;
   std::uint64_t skipped = 0;
-  // Turns that take 0.2, 0.9, 3.4, 0.1, 1.05 periods after their deadline.
+  // Cycles that end 0.2, 0.9, 3.4, 0.1, 1.05 periods after their deadline.
   for (const double elapsed : {0.2, 0.9, 3.4, 0.1, 1.05}) {
     const Deadline next =
         next_deadline(deadline, deadline + static_cast<std::int64_t>(elapsed * kPeriod), kPeriod);

@@ -1,5 +1,5 @@
-// A lever whose handle rests is turned against a stop: a sound contact, which moves energy from the
-// turn to the force.
+// A lever with a resting handle is rotated against a stop: a sound contact that moves energy from
+// rotation to force.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,12 +18,12 @@ constexpr double kVoxelM = 0.002;
 
 struct Turned {
   double lowest_j = 0.0, highest_j = 0.0,
-         bound_j = 0.0;  ///< of the port: the hand's work, and what a sound contact may owe
+         bound_j = 0.0;  ///< of the port: the hand's work, and the debt of a sound contact
   double largest_n = 0.0, late_n = 0.0;  ///< of the command; at the end
   double late_mm = 0.0;                  ///< of the handle in the last second, peak to peak
 };
 
-/// Turned by `degrees` in two seconds, and back again after two.
+/// Rotated by `degrees` in two seconds, and back after two.
 Turned turn(const std::string& device, int lever_mm, double degrees) {
   RigOptions options;
   options.scene = std::string(VOXTOUCH_STABILITY) + "/lever" + std::to_string(lever_mm) + ".yaml";

@@ -20,7 +20,7 @@ RigOptions asked(const char* scene, const char* motion) {
   return ask;
 }
 
-/// Where the tool was, seen by the encoder, and the energy bound that the passivity observer states
+/// The tool's position as seen by the encoder, and the energy bound of the passivity observer
 /// (core/coupling/passivity.hpp).
 class Watch {
  public:
@@ -60,9 +60,9 @@ void PrintTo(const Touch& t, std::ostream* out) {
 
 class EncoderResolution : public ::testing::TestWithParam<Touch> {};
 
-/// Sinks into the cup's wall by a tenth, a quarter and half a voxel, where the contact is at its
-/// stiffest, and rests at each depth. (Deeper than the voxel layer the force of three of the models
-/// does not change with the depth: nothing there could swing.)
+/// Moves into the cup's wall by a tenth, a quarter and half a voxel, the stiffest range of the
+/// contact, and rests at each depth. Below the voxel layer the force of three models is constant,
+/// and nothing can oscillate.
 Motion gentle_rests() {
   const Vec3 out = Vec3(-0.04417, -0.01607, 0.0).normalized();
   Motion motion;
@@ -100,7 +100,7 @@ TEST_P(EncoderResolution, LightRestHasNoLimitCycle) {
       }
       EXPECT_LE(rest.peak_to_peak_m(), 1.001 * step_m)
           << i << (friction ? "" : " without friction");
-      if (i > 1 && !(arm && friction)) {  // an arm's friction keeps the tool from going all the way
+      if (i > 1 && !(arm && friction)) {  // an arm's friction prevents the full displacement
         EXPECT_GT(force_n, 0.0) << i;
       }
       std::printf("%s rest %d: %.3f N, %.2f encoder steps peak to peak\n",
@@ -140,8 +140,8 @@ INSTANTIATE_TEST_SUITE_P(Cup, EncoderResolution,
 
 // --- L1
 
-/// What the encoder does to the force through the injected damping, from the one extreme to the
-/// other: 2 B q/T (1 - e^(-w T)), or the fraction of a window.
+/// Effect of the encoder on the force through the injected damping, peak to peak: 2 B q/T (1 -
+/// e^(-w T)), or the fraction of a window.
 double encoder_step_n(const RigOptions& ask, const coupling::CouplingSpec& spec) {
   const coupling::design::VelocityEstimate velocity = coupling::design::velocity_of(spec);
   const double period_s = 1.0 / ask.device.description.rate_hz;
@@ -150,14 +150,14 @@ double encoder_step_n(const RigOptions& ask, const coupling::CouplingSpec& spec)
          coupling::design::step_ratio(velocity.filter_rad_per_s(), velocity.window, period_s);
 }
 
-/// The scene is built anew, twice as stiff, and taken in while the tool is pressed into it.
-/// Quasi-statically the contact does the mean of both forces times the way on the hand; a step
-/// would do half as much again.
+/// The scene is rebuilt, twice as stiff, while the tool is pressed into it. Quasi-statically the
+/// work on the hand is the mean of both forces times the displacement; a step would do half as much
+/// again.
 TEST(L1StiffnessStep, ReloadUnderPressureGivesOnlyTheRampEnergy) {
   for (const double stiffness_times :
-       {0.03, 0.06}) {  // below the cap, so that the hand meets what the scene shows
+       {0.03, 0.06}) {  // below the cap, so that the hand gets the scene's stiffness
     RigOptions ask = asked("cup_field.yaml", "hit");
-    ask.device.description.coulomb_friction_n = 0.0;  // it would hold the tool where it is
+    ask.device.description.coulomb_friction_n = 0.0;  // it would keep the tool in place
     ask.stiffness_times = stiffness_times;
     LoopRig rig(ask);
     Watch watch;
@@ -201,8 +201,7 @@ TEST(L1StiffnessStep, ReloadUnderPressureGivesOnlyTheRampEnergy) {
 
 // --- L5
 
-/// What lies between coupling and device: commands are lost, come twice, come late and overtake
-/// each other.
+/// The connection of coupling and device: commands are lost, duplicated, delayed and reordered.
 class Wire {
  public:
   Wire(double loss, std::uint64_t seed) : loss_(loss), random_(seed) {}
@@ -215,7 +214,7 @@ class Wire {
     if (uniform() < 0.1)
       pending_.push_back({now + 1 + late(), command});
   }
-  /// What arrives at `now`, the last that was sent first.
+  /// Commands that arrive at `now`, the last sent first.
   std::vector<LoopRig::Command> arriving(std::uint64_t now) {
     std::vector<LoopRig::Command> out;
     for (std::size_t i = pending_.size(); i-- > 0;) {
@@ -328,8 +327,8 @@ TEST(L5Wire, SilenceFadesTheForceAndReturnsWithoutAStep) {
         }
       }
       ASSERT_GT(before_n, 0.1);
-      // 20 ms from all to nothing, by the guard; back over its 0.1 s, and the push of a tool that
-      // has sunk in.
+      // 20 ms from full force to zero, by the guard; back over its 0.1 s, and the larger force of a
+      // deeper tool.
       EXPECT_LE(watch.steepest_n(), 1.2 * before_n / 20.0 + encoder_step_n(ask, rig.spec()));
       const double step_m = ask.device.description.position_resolution_m;
       EXPECT_LE(watch.peak_to_peak_m(), 1.001 * step_m);

@@ -11,8 +11,8 @@
 namespace voxtouch::long_runs {
 namespace {
 
-/// What a contact of secant stiffness K at the tool's depth displays behind the spring: K K_c / (K
-/// + K_c).
+/// A contact of secant stiffness K at the tool's depth, displayed behind the spring: K K_c / (K +
+/// K_c).
 TEST(PressRows, DisplayContactAndSpringInARow) {
   for (const char* device : {"sim-phantom", "sim-lwr"})
     for (const char* scene : {"floor.yaml", "dropout.yaml"})

@@ -1,4 +1,4 @@
-/// The hard cases of running a coupling, one test each, through all that runs.
+/// The hard cases of a running coupling, one test each, through the complete path.
 #include <gtest/gtest.h>
 #include <time.h>
 
@@ -55,7 +55,7 @@ TEST(HardCases, AnyCutoffAndDampingRatioStaysBoundedOrIsRefused) {
   }
 }
 
-/// Largest error of a held contact after `steps` samples.
+/// Largest error of a constant contact after `steps` samples.
 double steady_error(std::int64_t steps) {
   coupling::ShapingFilter law(filter(5, 1, 0.75), kT);
   double worst = 0;
@@ -189,8 +189,8 @@ TEST(HardCases, RampedStiffnessStepAddsNoExtraEnergy) {
   }
   EXPECT_NEAR(loop.position.x(), -2.0 / 800, 1e-5);
   EXPECT_LE(steepest, 0.08) << "2 N more over 200 ms, and what the tool swings";
-  // A hand that pushes with 2 N is pushed back by 2.5 mm whatever the ramp, which is 5 mJ. A step
-  // would give dk p^2/2, another 5 mJ, on top.
+  // A hand that presses with 2 N is moved back by 2.5 mm for any ramp: 5 mJ. A step would add dk
+  // p^2/2, another 5 mJ.
   EXPECT_NEAR(credit - lowest, 0.005, 0.2 * 0.005);
 }
 

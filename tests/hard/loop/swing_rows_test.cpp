@@ -1,5 +1,4 @@
-// Loops that swing: reports from the ring, each as function calls with what the loop does when it
-// is right.
+// Oscillating loops: reports from the ring, each as function calls with the correct behaviour.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +15,7 @@ namespace voxtouch::long_runs {
 namespace {
 
 struct Row {
-  double position_m = 0.0;  ///< of the tool along the axis that is judged, before the encoder
+  double position_m = 0.0;  ///< of the tool along the tested axis, before the encoder
   double force_n = 0.0;     ///< commanded, its size
   double along_n = 0.0;     ///< commanded, along that axis
   double injected_n = 0.0;
@@ -137,7 +136,8 @@ TEST(Swings, InjectedDampingDoesNotFlipInASlideWithFriction) {
   EXPECT_LE(at_95, 0.05);
 }
 
-/// The rendering does not answer for a while, as when its process is stopped: the device goes on.
+/// The rendering does not answer for a while, as when its process is suspended: the device
+/// continues.
 TEST(Swings, AfterADropoutTheForceComesBack) {
   for (const int stopped : {50, 100, 150}) {
     RigOptions options = ask("dropout.yaml", "", "press", "");

@@ -1,6 +1,6 @@
 #pragma once
 /// A ball of 10 mm on a virtual tool, e = 2 mm, in a hand on a simulated device: the whole loop as
-/// function calls (LoopRig), next to what the device does not tell, its pose before the encoder.
+/// function calls (LoopRig), with the device's pose before the encoder.
 #include <fstream>
 
 #include "core/scene/scene_file.hpp"
@@ -25,7 +25,7 @@ inline std::string tool_scene(const TemporaryFolder& folder, const std::string& 
   return file;
 }
 
-/// What is left out of the device; the coupling is the one that fits it whole.
+/// Properties removed from the device; the coupling is designed for the complete one.
 struct LeftOut {
   bool encoder = false, friction = false;
 };
@@ -33,7 +33,7 @@ struct LeftOut {
 struct ToolSample {
   Vec3 true_hand, hand;  ///< before and behind the encoder [m]
   Vec3 true_force, contact,
-      commanded;  ///< rendered at the first, at the second; what the device is given [N]
+      commanded;  ///< rendered at the first, at the second; force given to the device [N]
 };
 struct ToolRun {
   double spring_n_per_m = 0.0, encoder_m = 0.0;

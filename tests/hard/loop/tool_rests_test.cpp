@@ -1,4 +1,5 @@
-// A hand that rests in contact, with the encoder's steps in the loop: no cycle goes on beyond them.
+// A hand that rests in contact, with the encoder's steps in the loop: no cycle persists beyond
+// them.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,8 +39,8 @@ double spread(const ToolRun& run, F&& of) {
   return (high - low).norm();
 }
 
-/// The most of a plane, the cup and a thin plate, each pressed where the hand wants 7 to 10 mm in
-/// at places that differ by fractions of a step.
+/// The largest values of a plane, the cup and a thin plate, each pressed with the hand's target 7
+/// to 10 mm inside, at places that differ by fractions of a step.
 Spread rests(const char* name, const sim::SimParameters& device, const char* kind, bool friction) {
   const TemporaryFolder folder;
   const std::string meshes = std::string(VOXTOUCH_DEPLOY) + "/meshes/", plate = write_plate(folder),
@@ -78,8 +79,7 @@ Spread rests(const char* name, const sim::SimParameters& device, const char* kin
   return most;
 }
 
-/// Within two steps, whatever the friction; and where the device's own friction holds it nothing
-/// moves at all.
+/// Within two steps, for any friction; if the device's friction holds it, nothing moves.
 void expect_no_cycle_beyond_steps(const Spread& s) {
   EXPECT_LE(s.pose_steps, 2.0);
   EXPECT_LE(s.encoder_steps, 3.0) << "a diagonal of two steps";
@@ -96,9 +96,9 @@ TEST(ToolRests, WithinEncoderStepsAndStillUnderFriction) {
   }
 }
 
-/// Nothing but the hand's and the device's damping stops it: one step of the encoder goes on coming
-/// and going. What is commanded then is the damper's answer to it; 2.8 N on the arm, were its
-/// velocity not a slower one where a step of 0.02 mm may be all that moves.
+/// Only the damping of hand and device stops it: one encoder step persists. The command is then the
+/// damper's answer to it. It would be 2.8 N on the arm without the slow velocity estimate for a
+/// step of 0.02 mm.
 TEST(ToolRests, WithinEncoderStepsWithoutFriction) {
   const Spread stylus = rests("sim-phantom", sim::sim_phantom(), "shaping_filter", false);
   expect_no_cycle_beyond_steps(stylus);

@@ -1,6 +1,6 @@
-// Where the noise of a force comes from that slides: the device's own movement, its encoder's
-// steps, or what the system makes of both. By function calls, which give the ring's figures: a ring
-// in lockstep had the same noise to all four digits that it printed.
+// Sources of the noise of a sliding force: the device's motion, its encoder's steps, or the
+// system's response to both. By function calls, which equal the ring's figures: a ring in lockstep
+// had the same noise to all four printed digits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,8 @@ namespace {
 constexpr double kSpeed = 0.05;
 constexpr std::size_t kHalf = 50;  ///< of the 100 samples, 100 ms, that a mean is of
 
-/// Over `kHalf` samples to either side it pushes, and slides at half of the hand's speed at least.
+/// In contact over `kHalf` samples to either side, and sliding at half of the hand's speed at
+/// least.
 bool slides(const ToolRun& run, std::size_t i) {
   for (std::size_t k = i - kHalf; k < i + kHalf; ++k)
     if (run.samples[k].true_force.isZero(0.0))
@@ -27,7 +28,7 @@ bool slides(const ToolRun& run, std::size_t i) {
          0.5 * kSpeed * 2e-3 * static_cast<double>(kHalf);
 }
 
-/// What is left of `of` next to its mean over 100 ms where it slides, as a root of mean squares.
+/// Deviation of `of` from its mean over 100 ms while sliding, root mean square.
 double noise(const ToolRun& run, const std::function<double(const ToolSample&)>& of) {
   double squares = 0.0;
   int count = 0;
@@ -46,7 +47,7 @@ struct Ground {
   const char *mesh, *motion;
   double duration_s;
   std::function<double(const Vec3&)>
-      depth;  ///< of the ball's middle [m]; none: what is rendered at the true pose stands for it
+      depth;  ///< of the ball's centre [m]; none: the rendering at the true pose is used instead
 };
 
 const std::vector<Ground>& grounds() {
@@ -67,15 +68,15 @@ const std::vector<Ground>& grounds() {
   return all;
 }
 
-/// Shares of the mean force where it slides.
+/// Ratios to the mean force while sliding.
 struct Fractions {
   double force_n = 0.0, slid_s = 0.0;
-  double total = 0.0;    ///< of what the device is given
+  double total = 0.0;    ///< of the force given to the device
   double moved = 0.0;    ///< of the spring times the true depth
-  double encoder = 0.0;  ///< of what the contact gives more at the pose that the device reports
+  double encoder = 0.0;  ///< of the contact's change between the true and the reported pose
   double rendered =
-      0.0;  ///< of what the rendering gives more than the spring times the depth, at the true pose
-  double coupled = 0.0;  ///< of what the coupling gives more than the contact: filter and damper
+      0.0;               ///< of the rendering's deviation from spring times depth, at the true pose
+  double coupled = 0.0;  ///< of the coupling's change of the contact force: filter and damper
 };
 
 Fractions fractions(const ToolRun& run, const Ground& ground) {
@@ -144,7 +145,7 @@ std::string tube(const TemporaryFolder& folder, int sides) {
   return file;
 }
 
-/// What the encoder's steps add to the noise without them.
+/// The encoder's contribution to the noise.
 double of_steps(const Fractions& with, const Fractions& without) {
   return std::sqrt(std::max(0.0, with.total * with.total - without.total * without.total));
 }
@@ -179,8 +180,8 @@ TEST(ToolSlides, QuietlyOnAnArmWithAndWithoutEncoder) {
   }
 }
 
-/// What is left on the cup is what the arm feels of its 64 sides: on a tube of 512 sides it is a
-/// third. Voxels have no part in it.
+/// The remainder on the cup is the effect of its 64 sides on the arm: on a tube of 512 sides it is
+/// a third. Voxels have no influence.
 TEST(ToolSlides, ArmNoiseOnTheCupComesFromItsFacets) {
   const auto noise_of = [](int sides, double voxel_m, const LeftOut& skipped) {
     const TemporaryFolder folder;
@@ -199,8 +200,8 @@ TEST(ToolSlides, ArmNoiseOnTheCupComesFromItsFacets) {
   EXPECT_LE(noise_of(512, 5e-4, {}), 0.067);
 }
 
-/// Its law damps a motion between hand and object, not the encoder's steps. Its swings along last
-/// longer, and these are what is left.
+/// Its law damps a motion between hand and object, not the encoder's steps. Its oscillations along
+/// the surface last longer, and only these remain.
 TEST(ToolSlides, SpringDamperHidesTheArmsEncoder) {
   for (const Ground& ground : grounds()) {
     const Fractions as_it_is = slide("sim-lwr", sim::sim_lwr(), ground, "spring_damper", {}),

@@ -1,10 +1,10 @@
-"""The table of hard cases, and other READMEs, name tests: each must exist, as a case of a test
+"""Tests named in the table of hard cases and in other READMEs must exist, as a case of a test
 program or as a test of ctest.
 
 usage: check_table.py tests/hard/README.md BUILD_FOLDER [README.md ...]
 
-Every row of the first file's table must name a test; of the other files every name of a test in
-backticks is looked up.
+Every row of the first file's table must name a test; in the other files every test name in
+backticks is checked.
 """
 
 import fnmatch

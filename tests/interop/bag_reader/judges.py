@@ -1,5 +1,5 @@
-"""rosbags and mcap, of PyPI, read every message of bags in both storages, whole, split and killed,
-without a workspace and without our code.
+"""rosbags and mcap, of PyPI, read every message of bags in both storages, complete, split and after
+a kill, without a workspace and without our code.
 
 usage: judges.py MAKE_BAG
 """
@@ -26,7 +26,7 @@ def equal(what, got, expected):
 
 
 def rosbags_types(storage):
-    """Of our messages: those of an MCAP stand in it, those of sqlite3 a user gives from idl."""
+    """Of our messages: an MCAP contains them; for sqlite3 the user provides them from idl."""
     store = get_typestore(Stores.ROS2_HUMBLE)
     if storage == "sqlite3":
         store.register(

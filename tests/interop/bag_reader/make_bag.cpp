@@ -66,7 +66,7 @@ int main(int argc, char** argv) {
       topic("/haptic/note", "std_msgs/msg/String", "", "string data\n", qos::ProfileId::kLatched);
   if (!state || !text)
     return fail("a topic was refused");
-  // header (1 byte of padding is said there), length 6, "hello", padding
+  // header (with 1 byte of padding), length 6, "hello", padding
   const char hello[] = "\0\1\0\1\6\0\0\0hello\0\0";
   recorder.push(*text, 1'700'000'000'000'000'000, std::as_bytes(std::span(hello, 16)));
   for (std::uint64_t i = 0; i < 500; ++i) {

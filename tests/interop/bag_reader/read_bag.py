@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Judges a voxtouch bag as rosbag2 (Humble) would see it, with the standard library only.
+"""Validates a voxtouch bag as rosbag2 (Humble) reads it, with the standard library only.
 
 usage: read_bag.py MAKE_BAG closed|killed
 """
@@ -20,9 +20,7 @@ FOREVER = {"sec": 9223372036, "nsec": 854775807}
 
 
 def tiny_yaml(text):
-    """Block maps, block lists, and scalars: all that metadata.yaml uses. For machines without
-    PyYAML.
-    """
+    """Block maps, block lists, and scalars of metadata.yaml. For machines without PyYAML."""
     rows = [
         (len(line) - len(line.lstrip()), line.strip()) for line in text.splitlines() if line.strip()
     ]
@@ -260,7 +258,7 @@ def main():
             expected[2:2] = ["run_0.db3-shm", "run_0.db3-wal"]
             if (
                 "voxtouch_recording.json" not in left
-            ):  # the logger's report of losses, which comes once a second: the kill may be sooner
+            ):  # the logger reports losses once a second: the kill may be earlier
                 expected.remove("voxtouch_recording.json")
         equal("files in the folder", left, expected)
         # Read-only, as rosbag2 opens it.

@@ -1,11 +1,11 @@
-"""Bags of `voxtouch up`: rosbags, mcap and our own reader open each of them, and each run is
-replayed: in lockstep, and in real time where nothing was lost, bit-identically.
+"""Bags of `voxtouch up`: rosbags, mcap and our reader open each of them. Each run is replayed
+bit-identically, in lockstep, and in real time if nothing was lost.
 
 usage: up_bags.py BIN DEPLOY [RINGS] [SECONDS]
-Plays RINGS rings (6), each of SECONDS (2) of the device's time, in turns of scene, storage and
-splitting, every sixth in lockstep, and kills the logger of every fifth. Prints a line a ring and
-what came of all. Exit status 1: a reader could not read a bag, read another number of messages than
-another one, or a replay differed where nothing is said to be missing.
+Runs RINGS rings (6), each for SECONDS (2) of the device's time, with alternating scene, storage and
+splitting, every sixth in lockstep, and kills the logger of every fifth. Prints a line per ring and
+a summary. Exit status 1: a reader failed, the readers' numbers of messages differ, or a replay
+differs without reporting missing data.
 """
 
 import collections
@@ -36,7 +36,8 @@ IDL = pathlib.Path(__file__).resolve().parents[3] / "idl"
 
 
 def types_of_idl():
-    """Of our messages, as a person gives them who has a workspace: sqlite3 bags hold none."""
+    """Definitions of our messages, as provided by a user with a workspace: sqlite3 bags have
+    none."""
     types = {}
     for file in sorted((IDL / "msg").glob("*.msg")):
         types |= get_types_from_msg(file.read_text(), f"voxtouch_msgs/msg/{file.stem}")
@@ -46,9 +47,7 @@ def types_of_idl():
 
 
 def by_rosbags(bag, is_mcap):
-    """How many messages of each topic, every one of them decoded; of an MCAP by the definitions
-    that stand in it.
-    """
+    """Number of messages of each topic, all decoded; for an MCAP with the definitions in it."""
     store = get_typestore(Stores.ROS2_HUMBLE)
     with Reader(bag) as reader:
         types = {}
@@ -162,7 +161,7 @@ def judge(bin_folder, bag, is_mcap, lockstep, killed):
         counts = by_rosbags(bag, is_mcap)
         if is_mcap and (other := by_mcap(bag)) != counts:
             faults.append(f"mcap reads {dict(other)}, rosbags {dict(counts)}")
-    except Exception as error:  # whatever a reader of others does is what is asked here
+    except Exception as error:  # any failure of a foreign reader is a result
         faults.append(f"a reader fails: {type(error).__name__}: {error}")
     status, output = replayed(bin_folder, bag)
     if "samples" not in output:

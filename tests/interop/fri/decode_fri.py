@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Reads FRI 1.0 packets without any code of the driver: the offsets below are written out by hand.
+"""Reads FRI 1.0 packets without the driver's code: the offsets below are written by hand.
 
-usage: decode_fri.py FILE...            a packet a line, as JSON; FILE is a pcap (link type RAW) or
-                                        packets one after the other
+usage: decode_fri.py FILE...            one packet per line, as JSON; FILE is a pcap (link type RAW)
+                                        or consecutive packets
        decode_fri.py --brief FILE...    sequence, state, quality, request, positions and torques
                                         only
-       decode_fri.py --check-fields FILE  every field holds the values that field_values() gives for
-                                          its name
+       decode_fri.py --check-fields FILE  every field has the values of field_values() for its name
        decode_fri.py --make-golden DIR  writes measurement.bin and command.bin, filled by
                                         field_values()
 Exit code 1: a file could not be read or a check failed.
@@ -144,9 +143,7 @@ def datagrams(data):
 
 
 def field_values(kind, name, code, count):
-    """Values that tell every field from every other: a number from its name, plus an eighth an
-    element.
-    """
+    """Different values for all fields: a number from the name, plus an eighth per element."""
     fixed = {
         "packetSize": {"MSR": 916, "CMD": 376},
         "datagramId": {"MSR": 0x2006, "CMD": 0x1005},

@@ -1,5 +1,5 @@
-// Writes a capture of named packets: more than the ring holds, so that its turn-over is in the file
-// too.
+// Writes a capture of named packets: more than the buffer holds, so that the file includes the
+// wrap-around.
 #include <cstdio>
 #include <exception>
 

@@ -1,6 +1,5 @@
 #pragma once
-/// Packets whose every field holds numbers that follow from the field's published name;
-/// decode_fri.py knows the same rule.
+/// Packets with values derived from each field's published name; decode_fri.py uses the same rule.
 #include <string_view>
 
 #include "devices/lwr/fri_codec.hpp"

@@ -1,8 +1,8 @@
-"""The RIHS01 hash of each of our types, computed once more from its .msg or .srv by PyPI's rosbags,
-which shares no code with us.
+"""The RIHS01 hash of each of our types, computed independently from its .msg or .srv by PyPI's
+rosbags.
 
-usage: hashes_test.py HEADERS; the folder with messages.hpp and services.hpp, where the hashes stand
-       that endpoints announce.
+usage: hashes_test.py HEADERS; the folder with messages.hpp and services.hpp, which contain the
+       announced hashes.
 """
 
 import pathlib
@@ -15,8 +15,8 @@ HEADERS, IDL = pathlib.Path(sys.argv[1]), pathlib.Path(__file__).resolve().paren
 
 
 def words_of(file):
-    """rosbags gives a `char` an id of its own. ROS takes it for a uint8: the hash that it publishes
-    of ServiceEventInfo, which has one, says so (qos_test).
+    """rosbags has a separate id for `char`. ROS treats it as uint8: its published hash of
+    ServiceEventInfo, which has one, confirms it (qos_test).
     """
     return re.sub(r"^char\b", "uint8", file.read_text(), flags=re.MULTILINE)
 
@@ -28,16 +28,15 @@ def announced():
 
 
 def renamed(tree, names):
-    """A parsed type, with the names of services where rosbags, which knows messages alone, has
-    those of messages.
-    """
+    """A parsed type, with the names of services in place of those of messages, the only ones
+    that rosbags supports."""
     if isinstance(tree, (tuple, list)):
         return type(tree)(renamed(part, names) for part in tree)
     return names.get(tree, tree) if isinstance(tree, str) else tree
 
 
 def service_types(package, name, text):
-    """What ROS describes a service by: its request, its response, the event of both, and all three
+    """ROS's description of a service: its request, its response, the event of both, and all three
     together.
     """
     request, response = re.split(r"^---$", text, flags=re.MULTILINE)

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""An installation alone: what it holds names no folder it was built in, its programs run from any
-folder, deploy/examples/contact is built against it, and its bag goes to the user's data
-folder.
+"""An installation alone: it does not contain the build folder's path, its programs run from any
+folder, deploy/examples/contact builds against it, and its bag goes to the user's data folder.
 
 usage: installed_test.py BUILD CMAKE
 """
@@ -38,7 +37,7 @@ class Installed(unittest.TestCase):
         cls.at = pathlib.Path(cls.folder.name)
         cls.prefix = cls.at / "moved"
         run(CMAKE, "--install", BUILD, "--prefix", cls.at / "prefix")
-        (cls.at / "prefix").rename(cls.prefix)  # nothing in it may know where it was
+        (cls.at / "prefix").rename(cls.prefix)  # it must not depend on its original path
         cls.elsewhere = cls.at / "elsewhere"
         cls.elsewhere.mkdir()
 

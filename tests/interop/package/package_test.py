@@ -241,7 +241,7 @@ class Bags(unittest.TestCase):
                     self.assertEqual(one[name].tobytes(), other[name].tobytes(), (topic, name))
         force = second["/haptic/coupling/command"]["wrench"]["force"]
         self.assertGreater(numpy.hypot(numpy.hypot(force["x"], force["y"]), force["z"]).max(), 0.01)
-        # What a bag of the other storage does not say, this one says itself.
+        # Data that the bag of the other storage lacks is in this one.
         status = second["/haptic/node_status"]
         self.assertIn("rendering", set(status["node"]))
         self.assertIsInstance(status["figures"][0], list)
@@ -325,7 +325,7 @@ def example(name, *words):
 
 class OwnEffect(unittest.TestCase):
     def test_the_ros2_example_pulls_the_tool(self):
-        """By a stand-in for rclpy over PyPI's cyclonedds."""
+        """With a replacement of rclpy over PyPI's cyclonedds."""
         with open(FOLDER / "ros2.log", "w", encoding="utf-8") as log:
             ring = start_ring(FOLDER / "ros2", DOMAIN, log, scene="cup_external", motion="rest")
             ran = run(
@@ -462,15 +462,15 @@ class Ring(unittest.TestCase):
             if topic in by_name
         }
         self.assertTrue(set(STREAMS) <= set(played))
-        # The recorder may have known `voxtouch change` too late to hear it ask; the rendering's
-        # record of the change says the same.
+        # The recorder may have discovered `voxtouch change` too late to receive its request; the
+        # rendering's record of the change has the same content.
         played["/haptic/rendering/change"] = (
             played["/haptic/rendering/change"][0],
             played["/haptic/rendering/made"][1],
         )
         self.assertEqual(len(played["/haptic/rendering/change"][1]), 1)
-        # What is written before the rendering knows the writer is answered by none, and on a busy
-        # machine that may take longer than it is played.
+        # Requests before the rendering discovers the writer are not answered, which on a busy
+        # machine may take longer than the ring runs.
         until = time.monotonic() + 20
         while (
             len(played["/haptic/rendering/change"][0].get_matched_subscriptions()) < 2
@@ -491,7 +491,7 @@ class Ring(unittest.TestCase):
         ours = voxtouch.open_bag(self.bag)
         states = ours["/haptic/device/state"]
         own = numpy.unique(states["session_id"], return_counts=True)
-        session = own[0][own[1].argmax()]  # the ring's: the bag holds all that was on the wire
+        session = own[0][own[1].argmax()]  # the ring's: the bag has all messages on the wire
         figures = [one for one in ours["/haptic/node_status"] if one["node"] == "device"][-1][
             "figures"
         ]
@@ -531,7 +531,7 @@ class Examples(unittest.TestCase):
                 env={**os.environ, "PYTHONPATH": str(FOLDER / "site")},
             )
             if file.name == "live_plot.py" and "No module named 'matplotlib'" in ran.stderr:
-                continue  # Ring runs it where matplotlib is
+                continue  # Ring runs it if matplotlib is installed
             self.assertEqual(ran.returncode, 0, ran.stderr)
             self.assertIn("--", ran.stdout)
 

@@ -1,9 +1,9 @@
 """A process of PyPI's cyclonedds in the ring's domain: reads and writes every topic of voxtouch's
-table, prints what it saw as JSON.
+table, prints the result as JSON.
 
 usage: other_types.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN ours|foreign
-ours: with the types that `voxtouch types` wrote; it writes what it read last. foreign: with types
-of the same names that hold arrays and nothing of ours.
+ours: with the types of `voxtouch types`; it writes the last sample that it read. foreign: with
+types of the same names that contain arrays instead of our fields.
 """
 
 import dataclasses
@@ -56,7 +56,7 @@ def ours(row):
 
 
 def facts(path, samples):
-    """What a test can hold against the ring's own figures."""
+    """Figures for comparison with the ring's."""
     found = {"count": len(samples)}
     if path == "device/state":
         found["sessions"] = sorted({s.session_id for s in samples})

@@ -1,6 +1,6 @@
-// Processes of PyPI's cyclonedds 11 on every topic of a ring: with the types that `voxtouch types`
-// writes, and with types of the same names that hold arrays. Such a type, looked up, ends every
-// process of Cyclone DDS 0.10.
+// Processes of PyPI's cyclonedds 11 on every topic of a ring: with the types of `voxtouch types`,
+// and with types of the same names that have arrays. A lookup of such a type ends every process of
+// Cyclone DDS 0.10.
 #include <gtest/gtest.h>
 
 #include <signal.h>
@@ -38,8 +38,8 @@ std::ptrdiff_t lines_of(const Process& up) {
   return count;
 }
 
-/// What a Python process saw of every topic, until a thousand samples of the device had come, and
-/// then wrote; null, with a failure, where it did not come to its end.
+/// Samples of every topic in a Python process, until it had a thousand device samples and wrote
+/// one; null, with a failure, if it did not finish.
 json stranger(const std::filesystem::path& types, const std::string& how) {
   if (!std::filesystem::exists(VOXTOUCH_PYTHON)) {
     ADD_FAILURE() << VOXTOUCH_PYTHON

@@ -1,14 +1,13 @@
-"""Every client that can be had here, with its default settings, at one ring: standard topics, the
-loop's topics at 1 kHz, changes of an effect.
+"""Every available client, with its default settings, with one ring: standard topics, the loop's
+topics at 1 kHz, changes of an effect.
 
 usage: clients.py VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS ROS2_CLIENT
        [TABLE]
-Prints a table, and writes it to TABLE as Markdown. ROS2_CLIENT is built by deploy/interop; where it
-is not there, the test says so. Lost samples and times are of the machine as it was. Next to other
-programs that take the processors a client of ordinary priority stands still, and how much it loses
-then says nothing of it: what a client must hold is judged where others took little, and reported
-with their fraction otherwise. Exit status 77, with a sentence: this machine allows no network
-namespaces.
+Prints a table, and writes it to TABLE as Markdown. deploy/interop builds ROS2_CLIENT; without it
+the test reports that. Lost samples and times depend on the machine: on busy processors a client of
+ordinary priority stalls. Limits are therefore checked only if other programs used little processor
+time; otherwise the figures are printed with that fraction. Exit status 77, with a sentence: this
+machine allows no network namespaces.
 """
 
 import os
@@ -57,7 +56,7 @@ MOST_LOST, ANSWERED_MS = (
 
 
 def commands(clients, rust):
-    """Name, command and way of asking of each client with the settings that it has by itself."""
+    """Name, command and method of requests of each client with its default settings."""
     own = dict(clients.commands(SECONDS))
     yield "Cyclone DDS 0.10.2 (C)", own["Cyclone DDS 0.10, Humble"], "service"
     yield "Cyclone DDS 11 (Python)", own["Cyclone DDS 11, Humble"], "service"

@@ -1,5 +1,5 @@
-// A process of Debian's Cyclone DDS with the settings that it is given: which topics of ROS it
-// finds, what it gets of the ring, and how soon a change of an effect is answered. usage:
+// A process of Debian's Cyclone DDS with given settings: the ROS topics that it discovers, the
+// samples that it receives from the ring, and the time of replies to effect changes. usage:
 // cyclone_client DOMAIN SETTINGS SECONDS [CHANGES]; settings may be empty. Prints one JSON object.
 #include <array>
 #include <chrono>
@@ -69,7 +69,7 @@ class Read {
   Entity topic_, reader_;
 };
 
-/// One of the loop's topics: what came of the samples, which the device has numbered.
+/// One of the loop's topics: received samples, numbered by the device.
 template <class T>
 struct Stream : Read {
   Stream(const Entity& participant, const char* name)
@@ -97,8 +97,7 @@ struct Counted : Read {
   std::size_t received = 0;
 };
 
-/// Milliseconds until each of so many changes was answered as made. A shorter list: a person did
-/// not answer.
+/// Milliseconds until each change was confirmed as done. A shorter list means missing replies.
 std::vector<double> ask_for_changes(const Entity& participant, int count) {
   using std::chrono::seconds;
   test::ServiceClient<msg::ChangeEffect> client(participant.get(), qos::kChangeEffect, "haptic",

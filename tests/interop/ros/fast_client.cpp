@@ -1,8 +1,8 @@
-// A process of Fast DDS, set up as rmw_fastrtps does it: which topics of ROS it finds, with their
-// user data, what it gets of the ring, the ROS graph as bytes, and how soon a change of an effect
-// is answered. Changes go by topic, since the two RMWs differ in the wire form of services. usage:
-// fast_client DOMAIN default|humble_localhost|jazzy_localhost SECONDS [CHANGES]. Prints one JSON
-// object.
+// A process of Fast DDS, configured as rmw_fastrtps does: the ROS topics that it discovers, with
+// their user data, the samples that it receives from the ring, the ROS graph as bytes, and the time
+// of replies to effect changes. Changes use the topic, since the two RMWs differ in the wire form
+// of services. usage: fast_client DOMAIN default|humble_localhost|jazzy_localhost SECONDS
+// [CHANGES]. Prints one JSON object.
 #include <unistd.h>
 
 #include <array>
@@ -38,7 +38,7 @@ using namespace eprosima::fastrtps::rtps;
 using eprosima::fastrtps::types::ReturnCode_t;
 using Bytes = std::vector<unsigned char>;
 
-/// Messages of any type as they are on the wire.
+/// Messages of any type as serialised bytes.
 class AnyBytes : public TopicDataType {
  public:
   explicit AnyBytes(const char* name) {
@@ -115,8 +115,8 @@ class Announcements : public DomainParticipantListener {
   }
 };
 
-/// What rmw_fastrtps sets for ROS_LOCALHOST_ONLY=1 in Humble, and for the range LOCALHOST from Iron
-/// on.
+/// Settings of rmw_fastrtps for ROS_LOCALHOST_ONLY=1 in Humble, and for the range LOCALHOST from
+/// Iron on.
 DomainParticipantQos set_up(const std::string& how) {
   DomainParticipantQos qos = PARTICIPANT_QOS_DEFAULT;
   auto udp = std::make_shared<UDPv4TransportDescriptor>();
@@ -196,8 +196,7 @@ T number_at(const Bytes& bytes, std::size_t place) {
   return value;
 }
 
-/// One of the loop's topics: what came of the samples, which the device has numbered, behind the
-/// session's number.
+/// One of the loop's topics: received samples, with the device's number after the session's.
 struct Stream : Read {
   using Read::Read;
   void look(double now_s) {
@@ -232,8 +231,7 @@ Bytes change(std::uint64_t request, double gain) {
   return bytes;
 }
 
-/// Milliseconds until each of so many changes was answered as made. A shorter list: a person did
-/// not answer.
+/// Milliseconds until each change was confirmed as done. A shorter list means missing replies.
 std::vector<double> ask_for_changes(DomainParticipant* participant, Subscriber* subscriber,
                                     int count) {
   using Clock = std::chrono::steady_clock;
@@ -253,7 +251,8 @@ std::vector<double> ask_for_changes(DomainParticipant* participant, Subscriber* 
   };
   for (const auto begin = Clock::now(); !is_matched() && since(begin) < 10.0;)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));  // the rendering has to know it too
+  std::this_thread::sleep_for(
+      std::chrono::milliseconds(500));  // the rendering must discover it too
   std::vector<double> took_ms;
   constexpr std::uint32_t kDone = 2;
   for (int n = 1; n <= count; ++n) {
@@ -362,5 +361,5 @@ int main(int argc, char** argv) {
     std::printf("%s%.3f", comma, one), comma = ", ";
   std::printf("]}\n");
   std::fflush(stdout);
-  _exit(0);  // what Fast DDS takes down is no part of this
+  _exit(0);  // skips the destructors of Fast DDS
 }

@@ -1,8 +1,9 @@
-"""A process of PyPI's cyclonedds 11 with the settings that it is given: which topics of ROS it
-finds, what it gets of the ring, and how soon a change of an effect is answered.
+"""A process of PyPI's cyclonedds 11 with given settings: the ROS topics that it discovers, the
+samples that it receives from the ring, and the time of replies to effect changes.
 
-usage: pypi_client.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN SETTINGS SECONDS [CHANGES]; settings may be
-       empty. Prints one JSON object.
+usage: pypi_client.py FOLDER_OF_VOXTOUCH_TYPES DOMAIN SETTINGS SECONDS [CHANGES]
+
+SETTINGS may be empty. Prints one JSON object.
 """
 
 import json

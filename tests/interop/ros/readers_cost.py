@@ -1,13 +1,12 @@
 #!/usr/bin/env python3
-"""What readers cost the ring: its p50 and p99 without and with processes next to it that read all
-of its 1 kHz topics and all standard ones, in turns.
+"""Cost of readers for the ring: its p50 and p99 without and with processes that read all of its 1
+kHz topics and all standard ones, in turns. Six readers and eight turns take 3 minutes.
 
-    deploy/build voxtouch_cyclone_client && tests/interop/ros/readers_cost.py --build build      #
-    six readers, eight turns: 3 minutes
+    deploy/build voxtouch_cyclone_client && tests/interop/ros/readers_cost.py --build build
 
-The wish is p99 with six readers of at most 1.05 times that without. Told, not judged: the machine
-decides, so let it be quiet. Each reader is a process of Debian's Cyclone DDS that looks 200 times a
-second.
+Target: p99 with six readers of at most 1.05 times that without. The result is only printed, because
+it depends on the machine, which should be idle. Each reader is a process of Debian's Cyclone DDS
+that polls 200 times a second.
 """
 
 import argparse
@@ -24,7 +23,7 @@ from turns import in_turns, ring_latency  # noqa: E402
 
 @contextlib.contextmanager
 def readers(ask, count):
-    """They find the ring by themselves when it comes, and are ended with it."""
+    """They discover the ring when it starts, and are ended with it."""
     running = [
         subprocess.Popen(
             [ask.build / "bin/voxtouch_cyclone_client", str(ask.domain), "", "3600"],

@@ -1,13 +1,12 @@
-"""What ROS 2 tools find of a ring that runs with its default settings, in network namespaces of the
-test's own.
+"""Discovery of a ring with default settings by ROS 2 tools, in private network namespaces.
 
 usage: ros_tools.py CASE VOXTOUCH CYCLONE_CLIENT FAST_CLIENT|none PYTHON_WITH_CYCLONEDDS
 found: every set-up of rmw_cyclonedds and rmw_fastrtps finds every topic and gets the device's
-samples; another host finds and sends nothing. graph_iron, graph_humble: nodes, endpoints and type
-hashes, read as rmw_dds_common writes them. doctor: what `voxtouch doctor` says of cards and of a
-Humble tool, and the environment that it prints. peers: nodes on two hosts without multicast meet by
---discovery-peer, and with CYCLONEDDS_URI the rest of the settings holds. Exit status 77, with a
-sentence: this machine allows no network namespaces.
+samples; another host discovers nothing and cannot send. graph_iron, graph_humble: nodes, endpoints
+and type hashes, read as rmw_dds_common writes them. doctor: output of `voxtouch doctor` about cards
+and a Humble tool, and the environment that it prints. peers: nodes on two hosts without multicast
+connect by --discovery-peer, and with CYCLONEDDS_URI the other settings apply. Exit status 77, with
+a sentence: this machine allows no network namespaces.
 """
 
 import json
@@ -24,7 +23,7 @@ NODES = ["coupling", "device", "rendering", "validator"]
 AUTO = (
     "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>32</MaxAutoParticipantIndex>"
 )
-CYCLONE = {  # what rmw_cyclonedds hands to Cyclone DDS
+CYCLONE = {  # configuration that rmw_cyclonedds gives to Cyclone DDS
     "Humble": "",
     "Humble, ROS_LOCALHOST_ONLY=1": (
         "<CycloneDDS><Domain><General><Interfaces><NetworkInterface"
@@ -117,14 +116,14 @@ class Ring:
         raise SystemExit("the ring did not start")
 
     def close(self):
-        """Its summary, where it was asked for one (--json)."""
+        """Its summary, if requested (--json)."""
         self.up.send_signal(signal.SIGINT)
         summary, _ = self.up.communicate(timeout=30)
         return json.loads(summary) if summary else {}
 
 
 def ask(command):
-    """What a client of this folder has found; nothing where it failed."""
+    """Findings of a client of this folder; empty if it failed."""
     end = subprocess.run(command, stdout=subprocess.PIPE, text=True, timeout=60, check=False)
     return (
         json.loads(end.stdout)
@@ -204,11 +203,11 @@ def found(voxtouch, cyclone, fast, python):
         "rt/clock",
         "rt/joint_states",
         "rt/robot_description",
-    }  # of a person; of a page; in simulated time; of arms
+    }  # of an operator; of a page; in simulated time; of arms
     expected -= {
         "rt/haptic/external",
         "rt/haptic/rendering/external",
-    }  # of a scene that follows a person outside
+    }  # of a scene that follows an external program
     seconds = 3.0
     for name, command in clients.commands(str(seconds)):
         answer = ask(command)
@@ -260,7 +259,7 @@ print(received)
 
 
 class Cdr:
-    """Little-endian CDR, as far as ParticipantEntitiesInfo goes. Offsets count from behind the
+    """Little-endian CDR, as needed for ParticipantEntitiesInfo. Offsets count from the end of the
     encapsulation header.
     """
 
@@ -322,7 +321,7 @@ HASHES = {  # as ROS 2 publishes them
 
 
 def expect_array_hash():
-    """Of a type with a fixed array, which none of the standard types that a ring speaks has."""
+    """Of a type with a fixed array, which none of the ring's standard types has."""
     sys.path.insert(0, str(REPOSITORY / "idl"))
     from type_hash import type_hash
 
@@ -364,7 +363,7 @@ def graph(voxtouch, fast, distribution, gid_size):
     newest = {}
     for text in answer[
         "graph"
-    ]:  # of each participant the one with the most endpoints: they come and stay
+    ]:  # of each participant the one with the most endpoints: their number changes
         participant, nodes = participant_info(bytes.fromhex(text), gid_size)
         expect(len(nodes) == 1, "one node a participant")
         if participant not in newest or len(nodes[0][2] + nodes[0][3]) > len(
@@ -505,7 +504,7 @@ def received_from(other, voxtouch, *arguments):
 
 
 def expect_settings_under_those_of_the_environment(voxtouch):
-    """What DDS says of its configuration: where it stands and what its value is."""
+    """DDS's configuration: source and value."""
     with tempfile.NamedTemporaryFile() as trace:
         added = (
             "<CycloneDDS><Domain><Discovery><SPDPInterval>700 ms</SPDPInterval></Discovery>"
@@ -553,7 +552,7 @@ def peers(voxtouch):
 
 
 def enter_own_network():
-    """Starts this program anew in a network namespace, unless it runs in one of its own."""
+    """Restarts this program in a new network namespace, unless it runs in one."""
     if os.environ.get("VOXTOUCH_OWN_NETWORK") != "1":
         unshare = ["unshare", "-n"] if os.geteuid() == 0 else ["unshare", "-rn"]
         if subprocess.run([*unshare, "ip", "link", "set", "lo", "up"], check=False).returncode != 0:

@@ -30,7 +30,7 @@ def join(domain):
 
 
 def subscription(participant, topic, depth=10, latched=False):
-    """As rclpy makes one by default; `latched`: as tf2 makes one of what is said once."""
+    """A default reader of rclpy; `latched`: as tf2 creates one for static data."""
     qos = Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.History.KeepLast(depth),
@@ -76,7 +76,7 @@ class Looker:
             self.frames.take(message, path == "tf_static")
 
     def errors(self):
-        """All that RViz would complain of, frames of what is shown now included."""
+        """All errors that RViz would report, including frames of displayed markers."""
         lost = [
             f"marker {key}: tf has no way from {m.header.frame_id} to world"
             for key, (m, _) in self.markers.shown.items()

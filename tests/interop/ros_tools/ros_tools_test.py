@@ -1,5 +1,5 @@
-"""RViz, Foxglove and rclpy at a ring, as far as their rules can be held without them: readers with
-their default QoS, in a process of PyPI's cyclonedds.
+"""RViz, Foxglove and rclpy with a ring, as far as their rules can be tested without them: readers
+with their default QoS, in a process of PyPI's cyclonedds.
 """
 
 import json
@@ -235,7 +235,7 @@ class Pictures(unittest.TestCase):
 
 
 class Stopped(unittest.TestCase):
-    """A reliable reader that stands still: none waits for it."""
+    """A suspended reliable reader blocks no writer."""
 
     def test_costs_neither_the_ring_nor_other_readers(self):
         looker = Looker(join(DOMAIN), paths=("pose", "markers"), depth=1000)
@@ -254,7 +254,7 @@ class Stopped(unittest.TestCase):
             until(lambda: looker.markers.of("tool"), 10, "meshes")
             latencies = {"runs": [], "stands": []}
             for how, number in (("runs", signal.SIGCONT), ("stands", signal.SIGSTOP)) * 2:
-                # New readers make the ring send meshes, of which the one that stands takes none.
+                # New readers make the ring send meshes, of which the suspended one takes none.
                 other.send_signal(number)
                 output = len(up.output())
                 for _n in range(3):
@@ -284,7 +284,7 @@ class Stopped(unittest.TestCase):
 
 
 class Layouts(unittest.TestCase):
-    """The files for RViz and Foxglove name what there is."""
+    """The files for RViz and Foxglove name existing topics and frames."""
 
     def test_name_existing_topics_and_frames(self):
         known = {row.dds_name()[2:]: row for row in TOPICS.values()}

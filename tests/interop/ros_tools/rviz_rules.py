@@ -1,8 +1,8 @@
-"""What RViz and tf2 demand of the messages that they draw, asked of every message as it comes.
+"""Requirements of RViz and tf2 on the messages that they draw, checked for every message.
 
 The rules are those of rviz_default_plugins (marker_common.cpp, marker_array_display.cpp,
-markers/*.cpp, validate_floats) and tf2 (buffer_core.cpp) as we know them, not compared with a
-release; nothing of voxtouch is in them: it knows no namespace, id or frame of this project.
+markers/*.cpp, validate_floats) and tf2 (buffer_core.cpp), from knowledge and not compared with a
+release. They use no namespace, id or frame of this project.
 """
 
 import math
@@ -43,7 +43,7 @@ def finite(*vectors):
 
 
 class Frames:
-    """A tf2 buffer that keeps names, parents and the newest place, and what tf2 would warn of."""
+    """A tf2 buffer that stores names, parents and the newest pose, and tf2's warnings."""
 
     def __init__(self):
         self.of, self.errors = {}, []
@@ -73,7 +73,7 @@ class Frames:
             self.of[child] = {"parent": parent, "fixed": fixed, "stamp": stamp, "way": track}
 
     def reach(self, frame, root):
-        """Whether tf2 can turn `frame` into `root`."""
+        """Whether tf2 can transform `frame` to `root`."""
         for _ in range(100):
             if frame == root:
                 return True
@@ -84,7 +84,7 @@ class Frames:
 
 
 class Markers:
-    """A MarkerArray display: what stands on the screen, and what it would complain of."""
+    """A MarkerArray display: the displayed markers, and its errors."""
 
     def __init__(self):
         self.shown, self.errors, self.deleted, self.corners_sent = {}, [], [], []

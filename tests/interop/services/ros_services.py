@@ -1,8 +1,8 @@
-"""A client of ROS 2 services in rmw_cyclonedds' wire form, with types written down here and not
-taken from voxtouch.
+"""A client of ROS 2 services in rmw_cyclonedds' wire form, with types defined here, independent of
+voxtouch.
 
-A request and its reply stand each behind 16 bytes of the same CDR: what the client calls itself,
-and the request's number.
+A request and its reply each follow 16 bytes of the same CDR: the client's id, and the request's
+number.
 """
 
 import time
@@ -329,8 +329,8 @@ QOS = (
 
 
 class Client:
-    """As rmw_cyclonedds makes one: its number is its writer's instance handle, and both endpoints
-    tell the same client.
+    """As in rmw_cyclonedds: its number is its writer's instance handle, and both endpoints announce
+    the same client.
     """
 
     count = 0
@@ -360,9 +360,8 @@ class Client:
         self.writer.write(self.kind(client=self.guid, number=self.number, **fields))
 
     def call(self, patience_s=20.0, again_s=None, **fields):
-        """The reply; an error where none comes. `again_s`: asks once more after each such time, for
-        what may be asked twice; each reply will do.
-        """
+        """The reply; an error without one. `again_s`: repeats the request after each such time,
+        if that is permitted; any reply counts."""
         begin = time.monotonic()
         self.send(**fields)
         first, asked = self.number, begin

@@ -1,4 +1,4 @@
-"""Services, parameters, /parameter_events and /rosout of a running ring, asked by an independent
+"""Services, parameters, /parameter_events and /rosout of a running ring, used by an independent
 client in rmw_cyclonedds' wire form.
 """
 
@@ -67,7 +67,7 @@ def dry_and_thick(folder):
 
 
 def change(*words):
-    """What `voxtouch change` says."""
+    """Output of `voxtouch change`."""
     end = subprocess.run(
         [BIN / "voxtouch", "change", *words, "--domain", str(DOMAIN)],
         capture_output=True,
@@ -134,7 +134,7 @@ class Asked(unittest.TestCase):
         return "" if result.successful else result.reason
 
     def replayed(self):
-        """What `voxtouch replay` says of the bag, when the ring has ended."""
+        """Output of `voxtouch replay` for the bag, after the ring has ended."""
         self.up.process.send_signal(2)
         self.up.process.wait(200)
         self.assertNotIn("voxtouch_rendering died", self.up.output())
@@ -410,8 +410,8 @@ class Services(Asked):
             deaf.send(parameters=[parameter("\x1b[31m" + "z" * 1000, float("inf"))] * 64)
         for _ in range(3000):
             deaf.send(parameters=[parameter("viscosity.gain", 2.0)])
-        # Of a flooded second not every request is taken; when that second is over is the
-        # rendering's to say, so whoever is not answered asks again.
+        # Not every request of a flooded second is answered, and only the rendering knows when that
+        # second ends. An unanswered client repeats its request.
         answered = self.clients["get_parameters"].call(
             patience_s=60.0, again_s=0.5, names=["friction.coulomb"]
         )
@@ -425,8 +425,8 @@ class Services(Asked):
     def test_i_leaves_a_bag_with_every_change_and_the_first_sample(self):
         status, replayed = self.replayed()
         self.assertGreater(replayed["changes"], 10)
-        # Of streams a recorder that gets no processor loses samples in the middle of a run, and
-        # replay says so; InLockstep nothing is lost.
+        # A recorder without processor time loses samples of streams during a run, and replay
+        # reports it; InLockstep nothing is lost.
         known = (LOST_OF_STREAMS, LATER_SPRING)
         self.assertEqual(
             [
@@ -443,9 +443,8 @@ class Services(Asked):
 
 
 class InLockstep(Asked):
-    """Nothing that is recorded is lost, on the busiest machine: each change is replayed
-    bit-identically, once, whoever asked for it.
-    """
+    """No record is lost, on the busiest machine: each change is replayed bit-identically, once,
+    for any client."""
 
     more = ("--lockstep",)
 
@@ -476,9 +475,8 @@ class InLockstep(Asked):
 
 
 class Arm(unittest.TestCase):
-    """A device that is an arm reports its joints, and itself; the arm's own kinematics are compared
-    with the description by `urdf_test`.
-    """
+    """An arm reports its joints, and itself; `urdf_test` compares the arm's kinematics with the
+    description."""
 
     def test_publishes_its_joints_and_description(self):
         self.expect_joints("emulated-lwr", ["A1", "A2", "E1", "A3", "A4", "A5", "A6"])

@@ -1,8 +1,9 @@
-"""The message package of a ROS 2 workspace: what it needs is declared, and what its launch file
-starts is a ring.
+"""The message package of a ROS 2 workspace: its dependencies are declared, and its launch file
+starts a ring.
 
 usage: workspace_test.py IDL BIN [arguments of unittest]
-No ROS is here: `launch` is stood in for by classes that take its words and no others.
+
+ROS is not installed: classes with the same arguments replace `launch`.
 """
 
 import importlib.util
@@ -55,7 +56,7 @@ class Package(unittest.TestCase):
 
 class Launch(unittest.TestCase):
     def described(self):
-        """The launch file's description, made of stand-ins."""
+        """The launch file's description, made of replacements."""
 
         class Said:
             def __init__(self, *positional, **named):

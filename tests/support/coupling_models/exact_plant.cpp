@@ -62,7 +62,7 @@ ExactPlant::Flow ExactPlant::flow(double h) const noexcept {
   if (w2_ > 0.0) {
     out.x_const = (1.0 - out.xx) / stiffness_;
   } else {
-    out.xx = 1.0;  // exactly: a body without a spring has no place of its own
+    out.xx = 1.0;  // exact: a body without a spring has no equilibrium position
     out.x_const = h * h * twice_integrated(2.0 * half_rate_ * h, decay * decay) / mass_;
   }
   if (fade_rate_ > 0.0) {
@@ -100,14 +100,14 @@ double ExactPlant::net_at_rest(double u, double fade) const noexcept {
   return (fade_rate_ > 0.0 ? u + (f_ - u) * fade : u) + push_ - stiffness_ * x_;
 }
 
-/// Time for which the resting body stays where it is, at most h; the effort moves on by it.
+/// Time, at most h, for which the resting body stays in place; the effort advances by it.
 double ExactPlant::rest_until_slip(double h, double u) noexcept {
   const double now = net_at_rest(u, 1.0);
   if (std::abs(now) > friction_)
     return 0.0;
   double stay = h;
   if (fade_rate_ > 0.0) {
-    const double last = net_at_rest(u, 0.0);  // where it goes, monotonously
+    const double last = net_at_rest(u, 0.0);  // its limit, approached monotonically
     if (std::abs(last) > friction_) {
       const double edge = std::copysign(friction_, last);
       stay = std::min(h, std::log((now - last) / (edge - last)) / fade_rate_);
@@ -151,7 +151,7 @@ double ExactPlant::slide_until_rest(double h, double u, double direction) noexce
   }
   double low = 0.0, v_low = direction * v_, v_high = direction * last.v;
   for (double t = 0.5 * high; v_low <= 0.0 && t > 1e-9 * h;
-       t *= 0.5) {  // it starts from rest: find where it has set off
+       t *= 0.5) {  // it starts from rest: find when it started to move
     const double v = direction * state_at(t).v;
     if (v > 0.0) {
       low = t, v_low = v;
@@ -207,7 +207,8 @@ void ExactPlant::advance(double h, double u) noexcept {
   if (fade_rate_ <= 0.0)
     f_ = u;
   if (friction_ > 0.0) {
-    // Short against the plant's own swing, so that the body turns round at most twice in a piece.
+    // Short compared with the plant's oscillation, so that the body reverses at most twice in a
+    // piece.
     const double pieces = std::ceil(2.0 * h * std::sqrt(w2_));
     for (int i = 1; i < static_cast<int>(pieces); ++i)
       advance_with_friction(h / pieces, u);

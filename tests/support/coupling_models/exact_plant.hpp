@@ -9,16 +9,16 @@
 namespace voxtouch::coupling_models {
 
 /// One axis. Nothing is discretised: over an interval with constant u, position, speed and effort
-/// are the sums of exponentials that solve the equations, whatever the interval's length.
+/// are the sums of exponentials that solve the equations, for an interval of any length.
 ///
-/// Dry friction is exact as well: while the body slides one way it is a constant effort, so the
-/// closed form holds up to the instant at which the speed becomes zero; there the body rests until
-/// the net effort exceeds the friction (that instant is a logarithm). Friction therefore never
-/// drives, and a body at rest under less than the friction stays where it is, bit-identically.
+/// Dry friction is exact as well. While the body slides in one direction it is a constant effort,
+/// so the closed form is valid until the speed becomes zero. The body then rests until the net
+/// effort exceeds the friction (that instant is a logarithm). Friction therefore never drives, and
+/// a body at rest below the friction stays in place, bit-identically.
 class ExactPlant {
  public:
   /// Mass of device and hand together > 0, damping, stiffness and lag >= 0. A lag within 0.1 % of a
-  /// pole of the plant is moved off it by as much, where the closed form would divide by zero.
+  /// pole of the plant is moved off it by as much, because the closed form would divide by zero.
   ExactPlant(const coupling::design::LoopPlant& plant, double coulomb_friction,
              double push) noexcept;
 
@@ -28,7 +28,7 @@ class ExactPlant {
   double position() const noexcept { return x_; }
   double speed() const noexcept { return v_; }
   double effort() const noexcept { return f_; }
-  /// What the effort has given to device and hand so far, integral of f v [J], exact.
+  /// Energy that the effort has supplied to device and hand so far, integral of f v [J], exact.
   double work() const noexcept { return work_; }
   /// Kinetic energy and that of the hand's spring [J].
   double energy() const noexcept { return 0.5 * (mass_ * v_ * v_ + stiffness_ * x_ * x_); }

@@ -47,8 +47,8 @@ LoopLaw::LoopLaw(const NonlinearLoop& loop)
     filter_ = Pt2(controller_.w0_rad_per_s, controller_.damping_ratio, controller_.gain);
 }
 
-/// Slope of the last n periods and half of what it is more than that of the 2 n before; at rest
-/// before the first.
+/// Slope of the last n periods plus half of its excess over that of the 2 n before; at rest before
+/// the first.
 double LoopLaw::velocity_of_window(double position, double period_s) {
   const std::size_t n = static_cast<std::size_t>(controller_.velocity_window);
   if (past_.empty())
@@ -96,7 +96,7 @@ double LoopLaw::coupled(double wall, double stiffness, double period_s) noexcept
     return spring_damper_
         .step({wall, 0.0, 0.0}, stiffness, controller_.stiffness, controller_.damping, period_s)
         .x();
-  const double damper = controller_.damping / period_s;  // the same law where the contact may pull
+  const double damper = controller_.damping / period_s;  // the same law with a bilateral contact
   offset_ = (wall + damper * offset_) / (stiffness + controller_.stiffness + damper);
   return wall - stiffness * offset_;
 }

@@ -12,12 +12,12 @@ namespace voxtouch::coupling_models {
 /// Effort of the wall, positive against the penetration, at `position`.
 double wall_effort(WallLaw law, double stiffness, double knee, double position) noexcept;
 
-/// What the coupling does with one sample's position.
+/// The coupling's computation for one sample's position.
 class LoopLaw {
  public:
   explicit LoopLaw(const NonlinearLoop& loop);
   /// The effort for the device, negative against a penetration. `position` as measured, or the last
-  /// one where that was lost.
+  /// one if it was lost.
   double step(double position, double stiffness, double period_s);
   bool saturated() const noexcept { return saturated_; }  ///< in the last step
 

@@ -1,5 +1,5 @@
 #pragma once
-/// One simulated run, sample by sample; nonlinear_loop.cpp decides how long and what it means.
+/// One simulated run, sample by sample; nonlinear_loop.cpp sets its duration and evaluates it.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,7 +12,7 @@
 
 namespace voxtouch::coupling_models {
 
-/// Efforts that are under way to the device, by time of arrival, counted from the current sample.
+/// Pending efforts, by time of arrival at the device, counted from the current sample.
 class PendingEfforts {
  public:
   struct Effort {
@@ -20,8 +20,7 @@ class PendingEfforts {
   };
   static constexpr std::size_t kMaxEfforts = 256;
 
-  /// The newest effort; those that would arrive after it have been overtaken and are dropped. Their
-  /// number.
+  /// Adds the newest effort; drops those that would arrive after it, and returns their number.
   std::uint64_t send(double in_s, double value) noexcept {
     std::uint64_t dropped = 0;
     for (; size_ > 0 && at(size_ - 1).in_s >= in_s; --size_)
@@ -54,7 +53,7 @@ struct Range {
   double width() const noexcept { return high > low ? high - low : 0.0; }
 };
 
-/// What a stretch of the run has seen.
+/// Figures of a stretch of the run.
 struct Stretch {
   Range position, effort;
   void add(const Stretch& s) noexcept { position.add(s.position), effort.add(s.effort); }
@@ -113,17 +112,17 @@ class LoopRun {
     if (d.silence_s > 0.0 && disturbed() && time_ < d.at_s + d.silence_s)
       return true;
     return loop_.loss > 0.0 && random_.chance(loop_.loss) &&
-           lost_in_a_row_ < loop_.most_lost_in_a_row;
+           consecutive_losses_ < loop_.most_consecutive_losses;
   }
   void measure() noexcept {
     ++statistics_.samples;
     if (loses()) {
-      ++statistics_.lost, ++lost_in_a_row_;
+      ++statistics_.lost, ++consecutive_losses_;
       statistics_.longest_loss =
-          std::max(statistics_.longest_loss, static_cast<std::uint64_t>(lost_in_a_row_));
+          std::max(statistics_.longest_loss, static_cast<std::uint64_t>(consecutive_losses_));
       return;
     }
-    lost_in_a_row_ = 0;
+    consecutive_losses_ = 0;
     const double noise = loop_.measurement_noise > 0.0
                              ? random_.uniform(-loop_.measurement_noise, loop_.measurement_noise)
                              : 0.0;
@@ -132,7 +131,8 @@ class LoopRun {
   double faded(double effort) noexcept {
     if (loop_.fade_after_lost <= 0)
       return effort;
-    const double step = lost_in_a_row_ > loop_.fade_after_lost ? -1.0 / kFadeOutS : 1.0 / kFadeInS;
+    const double step =
+        consecutive_losses_ > loop_.fade_after_lost ? -1.0 / kFadeOutS : 1.0 / kFadeInS;
     weight_ = std::clamp(weight_ + step * loop_.plant.period_s, 0.0, 1.0);
     return weight_ * effort;
   }
@@ -185,7 +185,7 @@ class LoopRun {
   double measured_ = 0.0, applied_ = 0.0, error_ = 0.0, weight_ = 1.0, most_work_ = 0.0,
          time_ = 0.0;
   double last_period_ = loop_.plant.period_s;
-  int lost_in_a_row_ = 0;
+  int consecutive_losses_ = 0;
 };
 
 }  // namespace voxtouch::coupling_models

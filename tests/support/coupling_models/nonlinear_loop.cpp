@@ -31,8 +31,8 @@ void refuse_nonsense(const NonlinearLoop& l) {
        "the delay is beyond some 200 of the shortest periods.");
 }
 
-/// The rest that the quantiser may leave; the loop's linear response is only found where it
-/// decides.
+/// The residual motion that the quantiser may leave; the loop's linear response is computed only if
+/// it matters.
 class Rest {
  public:
   Rest(const NonlinearLoop& loop) : loop_(loop), amplitude_(loop.resolution) {}
@@ -179,8 +179,8 @@ double settling_time(const NonlinearLoop& loop) {
   double slowest = std::max(p.period_s, p.effort_lag_s);
   if (damping > 0.0) {
     const double rate = 0.5 * damping / mass, w2 = p.hand_stiffness / mass;
-    // Two real poles of a held device: the slower one is near B / k_h. A free one has none of its
-    // own: its energy fades by B.
+    // Two real poles of a gripped device: the slower one is near B / k_h. A free one has none: its
+    // energy decays by B.
     const double slower = rate * rate > w2 && w2 > 0.0 ? rate + std::sqrt(rate * rate - w2) : 0.0;
     slowest = std::max({slowest, 1.0 / rate, slower > 0.0 ? slower / w2 : 0.0});
   }

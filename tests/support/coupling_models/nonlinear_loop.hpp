@@ -1,11 +1,11 @@
 #pragma once
-/// A time-domain simulation of the loop with what the linear model leaves out: a contact that only
-/// pushes, quantised position, jitter, lost samples, saturation, dry friction. One axis. It runs
-/// the very filter of the ring (core/coupling/pt2.hpp).
+/// A time-domain simulation of the loop with effects outside the linear model: a unilateral
+/// contact, quantised position, jitter, lost samples, saturation, dry friction. One axis. It uses
+/// the ring's filter (core/coupling/pt2.hpp).
 ///
-/// Positive is into the wall, whose surface is at 0, where the hand's spring rests as well. The
-/// plant is solved in closed form (exact_plant.hpp), so nothing of the result comes from a step
-/// length.
+/// Positive is into the wall, with its surface at 0, which is also the rest position of the hand's
+/// spring. The plant is solved in closed form (exact_plant.hpp), so the result does not depend on a
+/// step length.
 #include <cstdint>
 
 #include "core/coupling/design/sampled_loop.hpp"
@@ -20,16 +20,17 @@ enum class WallLaw : std::uint8_t {
   kHardening,   ///< unilateral; 0.3 k to the knee, k beyond
 };
 
-/// What changes in the middle of a run. Zero is "does not".
+/// Changes during a run; zero: no change.
 struct LoopDisturbance {
-  double at_s = 0.0;              ///< when all of it begins
+  double at_s = 0.0;              ///< when they begin
   double stiffness_factor = 1.0;  ///< the contact's stiffness becomes this many times itself,
   double stiffness_ramp_s = 0.0;  ///< linearly within this time
   double more_delay_s = 0.0;      ///< added to the delay from then on; may be negative
-  double silence_s = 0.0;  ///< all samples of this time are lost, whatever `most_lost_in_a_row`
+  double silence_s =
+      0.0;  ///< all samples of this time are lost, whatever `most_consecutive_losses`
 };
 
-/// Everything of one run. Zero is "none" for all that can be none.
+/// Parameters of one run; zero: none.
 struct NonlinearLoop {
   coupling::design::LoopPlant plant;
   coupling::design::LoopController controller;
@@ -42,13 +43,13 @@ struct NonlinearLoop {
   double coulomb_friction = 0.0;
   double max_effort =
       0.0;  ///< 0: no saturation. Clamps the filter's input to it / gain and the sum to it
-  double jitter = 0.0;  ///< periods uniformly within (1 +- jitter) T
-  bool measured_period =
-      false;  ///< the controller is stepped with the period as it was (the ring); false: with T
+  double jitter = 0.0;           ///< periods uniformly within (1 +- jitter) T
+  bool measured_period = false;  ///< the controller uses the actual period (as the ring); false: T
   double delay_jitter_s =
       0.0;  ///< added to the delay, uniformly; an effort that newer ones have overtaken is dropped
-  double loss = 0.0;  ///< chance that a sample is lost; its input is held and the filter goes on
-  int most_lost_in_a_row = 3;
+  double loss =
+      0.0;  ///< probability that a sample is lost; its input is repeated and the filter continues
+  int most_consecutive_losses = 3;
   int fade_after_lost =
       0;  ///< more lost in a row than this: effort fades out within kFadeOutS; 0: never
   bool damping_only_in_contact =
@@ -70,7 +71,7 @@ struct NonlinearLoop {
 };
 
 inline constexpr double kFadeOutS = 0.02,
-                        kFadeInS = 0.2;  ///< of `fade_after_lost`; in: when samples come again
+                        kFadeInS = 0.2;  ///< of `fade_after_lost`; in: when samples arrive again
 
 enum class LoopOutcome : std::uint8_t {
   kRest,       ///< the last quarter's amplitude is at most `quiet`
@@ -81,7 +82,7 @@ enum class LoopOutcome : std::uint8_t {
 };
 inline constexpr double kRunaway = 1e3;  ///< [m] or [rad]
 
-/// What the run did in fact, so that a test can see that it did what was asked.
+/// Counts of the run, so that a test can check that the requested events occurred.
 struct LoopStatistics {
   std::uint64_t samples = 0, lost = 0, longest_loss = 0, overtaken = 0, saturated = 0;
   double period_min = 0.0, period_max = 0.0, period_mean = 0.0;
@@ -95,7 +96,7 @@ struct NonlinearVerdict {
          late_amplitude = 0.0;      ///< peak to peak, third and last quarter of the run
   double late_effort = 0.0;         ///< peak to peak of the commanded effort in the last quarter
   double energy_extracted_j = 0.0;  ///< largest energy that the coupling has given to the hand, net
-  double work_j = 0.0;              ///< what it has given to the hand by the end; negative: taken
+  double work_j = 0.0;              ///< energy supplied to the hand by the end; negative: absorbed
   double quiet = 0.0;               ///< amplitude that counts as rest
   double end_position = 0.0;
   double deepest = 0.0;  ///< largest position of the run
@@ -103,32 +104,31 @@ struct NonlinearVerdict {
   LoopStatistics statistics;
 };
 
-/// The same loop and seed give bit-identical results.
+/// Equal loops and seeds give bit-identical results.
 ///
 /// The verdict compares the peak-to-peak positions of the run's quarters. A run that is not at rest
-/// but still falls is doubled, up to `longest_s`, and judged again: slow decays are reported from
-/// oscillations by going on, not by hoping. Given up is a run that at its present rate would not
-/// fall by a tenth within a quarter of the longest run either, at two lengths in a row. So
-/// `duration_s` should be some times the slowest time constant; `settling_time` says which.
+/// but still decays is doubled, up to `longest_s`, and evaluated again, so slow decays are
+/// distinguished from oscillations. It ends early if, at two consecutive lengths, its rate would
+/// not give a decay of a tenth within a quarter of the longest run. `duration_s` should thus be
+/// several times the slowest time constant; see `settling_time`.
 ///
-/// Rest is what a quantiser may leave for ever: q ||T_c||_1 peak to peak (the step's response of
-/// the position to an error of the measurement, summed; found by running the loop linearly), but at
-/// most 30 q; at least q, and 1e-4 of the run's largest quarter.
+/// Rest is the residual motion of a quantiser: q ||T_c||_1 peak to peak (the sum of the position's
+/// step response to a measurement error, found by a linear simulation), but at most 30 q; at least
+/// q, and 1e-4 of the run's largest quarter.
 NonlinearVerdict simulate(const NonlinearLoop& loop);
 
 /// Sum over the samples of |position| after one sample was measured 1 too large: ||T_c||_1 of the
-/// bilateral loop with stiffness `contact_stiffness`. To 1 %, or of the first half million samples
-/// where it decays more slowly. 1 where it does not decay.
+/// bilateral loop with stiffness `contact_stiffness`. To 1 %, or over the first half million
+/// samples for a slower decay. 1 without decay.
 double quantiser_gain(const NonlinearLoop& loop, double contact_stiffness);
 
-/// Contact stiffness from which on the loop is unstable, by doubling up from `stable` and halving
-/// the gap to `accuracy` (relative): what a promise can be compared with. Every other parameter is
-/// `loop`'s. `stable` itself if the loop is unstable there already, `highest` if it never becomes
-/// so.
+/// Contact stiffness from which on the loop is unstable, by doubling from `stable` and bisection to
+/// `accuracy` (relative), for comparison with a certificate. Every other parameter is `loop`'s.
+/// `stable` if the loop is already unstable there, `highest` if it is never unstable.
 double simulated_limit(NonlinearLoop loop, double stable, double highest, double accuracy = 0.02);
 
-/// Slowest time constant that the loop's parts have on their own [s]: free flight 2 M / B, the held
-/// device's, filters. A margin close to 1 is slower still.
+/// Slowest time constant of the loop's parts alone [s]: free flight 2 M / B, the gripped device's,
+/// filters. A margin close to 1 is slower.
 double settling_time(const NonlinearLoop& loop);
 
 }  // namespace voxtouch::coupling_models

@@ -121,7 +121,7 @@ PopulationMember draw_member(std::uint64_t seed, std::uint64_t index) {
   out.device.timing.period_s = log_in(random, kPeriods);
   out.device.timing.delay_s = even_in(random, kDelaysInPeriods) * out.device.timing.period_s;
   out.device.timing.jitter = 0.2;
-  out.device.timing.lost_in_a_row = 1 + static_cast<int>(random.below(3));
+  out.device.timing.consecutive_losses = 1 + static_cast<int>(random.below(3));
   out.contact.all_points = log_in(random, r.contact);
   out.contact.one_point = out.contact.all_points / random.log_uniform(1.0, 100.0);
   out.hand = draw_hand(r, random);

@@ -20,7 +20,7 @@ struct Interval {
 
 enum class DeviceFamily : std::uint8_t { kPhantomLike, kLwrLike };
 
-/// What a family's members are drawn from. Translation only.
+/// Ranges of a family's members. Translation only.
 struct FamilyRanges {
   Interval mass, damping, contact, max_effort, max_stiffness, coulomb_friction;
   Interval hand_mass, hand_damping, hand_stiffness;
@@ -40,7 +40,7 @@ struct PopulationMember {
 
 /// Member `index` of population `seed`: even indices Phantom-like, odd ones LWR-like. Half of the
 /// devices have one mass, the others up to three times the least; half have dry friction. Hands:
-/// the family's whole range or a part of it, 70 % may release, 10 % are "any passive hand".
+/// the family's whole range or a part of it; 70 % may release, 10 % are "any passive hand".
 PopulationMember draw_member(std::uint64_t seed, std::uint64_t index);
 
 /// Every vertex of a family's ranges of mass, damping, contact, period, delay, lag and encoder

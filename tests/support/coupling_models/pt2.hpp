@@ -1,5 +1,5 @@
 #pragma once
-/// The ring's second-order low-pass for one number, without what ShapingFilter has round it.
+/// The ring's second-order low-pass for one number, without the other parts of ShapingFilter.
 #include "core/coupling/pt2.hpp"
 
 namespace voxtouch::coupling_models {

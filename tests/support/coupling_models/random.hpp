@@ -12,8 +12,8 @@ namespace voxtouch::coupling_models {
 class Random {
  public:
   explicit Random(std::uint64_t seed) noexcept : state_(seed) {}
-  /// A stream of its own for member `index` of an experiment: one member can be repeated without
-  /// those before it.
+  /// A separate stream for member `index` of an experiment: one member can be repeated without the
+  /// earlier ones.
   Random(std::uint64_t seed, std::uint64_t index) noexcept : state_(seed) {
     state_ = next() ^ (index * 0xd1342543de82ef95u);
     state_ = next();

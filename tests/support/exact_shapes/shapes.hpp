@@ -1,6 +1,6 @@
 #pragma once
-/// Closed-form meshes for tests of the virtual tool on triangles. Lengths in metres; outward unless
-/// said.
+/// Closed-form meshes for tests of the virtual tool on triangles. Lengths in metres; outward by
+/// default.
 #include <cmath>
 #include <vector>
 
@@ -14,14 +14,14 @@ using Outline = std::vector<Eigen::Vector2d>;  ///< counter-clockwise, seen whol
 mesh::TriangleMesh box(const Vec3& low, const Vec3& high);
 /// A subdivided icosahedron: 42, 162, 642, 2562, 10242 vertices for 1 to 5 levels.
 mesh::TriangleMesh ball(double radius, int levels);
-/// Open square in z = 0 of n x n cells, normals +z; a T-junction at each odd cell where
-/// `t_junctions`.
+/// Open square in z = 0 of n x n cells, normals +z; with `t_junctions` a T-junction at each odd
+/// cell.
 mesh::TriangleMesh sheet(double side, int n, bool t_junctions = false);
 /// `outline` from z0 to z1, closed.
 mesh::TriangleMesh prism(const Outline& outline, double z0, double z1);
 /// A round block of `radius` with a hole of `outline` through it, closed.
 mesh::TriangleMesh block_with_hole(const Outline& outline, double radius, double z0, double z1);
-/// Closed wedge whose sharp edge is the y axis from -half to half, pointing to +z, with the given
+/// Closed wedge with the y axis from -half to half as sharp edge, pointing to +z, with the given
 /// angle [rad].
 mesh::TriangleMesh wedge(double angle, double depth, double half);
 /// Closed bowl: half a hollow ball of `inner` and `outer` radius, open to +z, centre at the origin;

@@ -1,5 +1,5 @@
 #pragma once
-/// What is asked of the heap, beneath `operator new` too: Eigen calls malloc itself. Linking
+/// Counts heap allocations, beneath `operator new` too: Eigen calls malloc itself. Linking
 /// `voxtouch_heap_count` replaces malloc, calloc, realloc and aligned_alloc for the whole program.
 #include <cstddef>
 
@@ -7,7 +7,7 @@ namespace voxtouch::test {
 
 struct HeapUse {
   long calls = 0;
-  std::size_t bytes = 0;  ///< asked for, whether or not given back
+  std::size_t bytes = 0;  ///< requested, including freed ones
 };
 enum class HeapOf { kThisThread, kAllThreads };
 
@@ -15,7 +15,7 @@ enum class HeapOf { kThisThread, kAllThreads };
 bool heap_is_counted() noexcept;
 
 namespace heap_count {
-/// Counts from here on. Throws std::logic_error where a call of malloc is not seen.
+/// Starts counting. Throws std::logic_error if a call of malloc is not observed.
 void begin(HeapOf whose);
 HeapUse end() noexcept;
 }  // namespace heap_count

@@ -36,7 +36,7 @@ enum class AxisFault : std::uint8_t {
   kEncoderScale
 };
 
-/// A hand at the tool: a mass that moves with it, held by spring and damper to a slow sine.
+/// A hand at the tool: a mass that moves with it, coupled by spring and damper to a slow sine.
 struct AxisHand {
   double mass_kg = 0.0, damping_ns_per_m = 0.0, stiffness_n_per_m = 0.0;
   double amplitude_m = 0.0, frequency_hz = 0.5, phase = 0.0;

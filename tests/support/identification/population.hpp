@@ -1,5 +1,5 @@
 #pragma once
-/// Random devices, what identification reports of them, and the table of both.
+/// Random devices, the results of their identification, and a table of both.
 #include <array>
 #include <cstdint>
 #include <string>
@@ -13,10 +13,8 @@ namespace voxtouch::testing {
 enum class Family : std::uint8_t { kRigid, kStribeck, kMode };
 
 /// Mass 0.03 to 15 kg, viscous 0 to 5 Ns/m, delay 0.2 to 5 ms, half of them with a force lag of 0.2
-/// to
-/// 3 ms next to it, encoder step 0.5 um to 0.1 mm, 500 Hz to 4 kHz, friction and bias up to 0.6 of
-/// the
-/// allowed force. The axes of a device have one clock, encoder and delay.
+/// to 3 ms in addition, encoder step 0.5 um to 0.1 mm, 500 Hz to 4 kHz, friction and bias up to 0.6
+/// of the permitted force. The axes of a device have a common clock, encoder and delay.
 std::array<AxisTruth, 3> random_device(std::mt19937_64& random, Family family);
 
 struct AxisRun {

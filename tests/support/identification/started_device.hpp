@@ -8,9 +8,9 @@
 
 namespace voxtouch::testing {
 
-/// Who is at the device during the check.
+/// The hand at the device during the check.
 enum class Holding : std::uint8_t { kReleased, kStill, kMoving };
-/// What the device is, compared with its file.
+/// The device compared with its file.
 enum class Planted : std::uint8_t {
   kHealthy,
   kDelayTwice,
@@ -27,7 +27,7 @@ struct StartRun {
   /// root mean square of the acceleration of a free tool of the file's least mass [m/s^2]
   double acceleration = 0.0;
 };
-/// `truth` is what the file says; the device differs from it as planted.
+/// `truth`: the values of the file; the device differs from it as planted.
 StartRun check_start(std::array<AxisTruth, 3> truth, Planted planted, Holding holding,
                      std::uint64_t seed);
 

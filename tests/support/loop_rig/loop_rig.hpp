@@ -1,6 +1,6 @@
 #pragma once
 /// The whole ring as function calls: device, scene, coupling, gate and guard, one sample after the
-/// other, without DDS, clock or thread. What a wire does to samples and commands is the caller's.
+/// other, without DDS, clock or thread. The caller simulates the wire.
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -18,7 +18,7 @@ struct RigOptions {
   std::optional<contact::ContactModelKind> model;  ///< instead of the scene's
   sim::SimParameters device = sim::sim_phantom();
   std::optional<DeviceDescription> designed_for =
-      {};  ///< instead of the device's: what the coupling is fitted to
+      {};  ///< replaces the device's description: the coupling is fitted to it
   std::optional<sim::OperatorConfig> hand;  ///< instead of the device's usual one
   std::string motion;                       ///< of the scene
   std::optional<Motion> path;               ///< in W, instead of a motion of the scene
@@ -26,8 +26,7 @@ struct RigOptions {
   std::uint64_t seed = 0;
 };
 
-/// A scene and the coupling that was designed for it: what rendering and coupling node hold
-/// together.
+/// A scene and the coupling designed for it: the state of rendering and coupling node.
 class RigFront {
  public:
   RigFront(const scene::Scene& scene, std::unique_ptr<rendering::BuiltScene> built,
@@ -40,8 +39,7 @@ class RigFront {
   const rendering::SceneFrame& frame() const noexcept { return frame_; }
   const coupling::CouplingCounters& counters() const noexcept { return coupling_.counters(); }
   const coupling::EnergyAccounts& energy() const noexcept { return coupling_.energy(); }
-  /// Another scene takes the place of the one that runs, as after a reload. Not while one still
-  /// fades in.
+  /// Replaces the running scene, as a reload does. Not during a fade.
   void swap_to(std::unique_ptr<rendering::BuiltScene> next);
 
  private:
@@ -59,7 +57,7 @@ class RigFront {
 
 class LoopRig {
  public:
-  /// A command under way.
+  /// A command in transit.
   struct Command {
     std::uint64_t sequence = 0;
     devices::GuardInput input;
@@ -71,10 +69,10 @@ class LoopRig {
   const devices::DeviceSample& read() noexcept;
   std::uint64_t sequence() const noexcept { return sequence_; }
   Command answer(const devices::DeviceSample& sample, std::uint64_t sequence) noexcept;
-  /// A command reaches the device, whatever it is: the newest one that the gate accepts counts in
-  /// the next `finish`.
+  /// A command reaches the device: the newest one accepted by the gate is used in the next
+  /// `finish`.
   devices::GateVerdict arrive(const Command& command) noexcept;
-  /// Ends the period: guard, driver. What the device was given.
+  /// Ends the period: guard, driver. Returns the force given to the device.
   const Wrench& finish() noexcept;
   /// A period on a wire that does nothing.
   const Wrench& step() noexcept;
@@ -112,9 +110,9 @@ class LoopRig {
   std::uint64_t sequence_ = 0, next_ = 0, refused_writes_ = 0;
 };
 
-/// Resident memory of this process, and what of its heap is in use [bytes]: what was freed while
-/// building stays resident, and would hide a small leak. A sanitiser that owns the heap makes the
-/// second zero.
+/// Resident memory of this process, and the used part of its heap [bytes]: memory freed while
+/// building stays resident and would hide a small leak. The second is zero under a sanitiser with
+/// its own heap.
 struct Memory {
   std::int64_t resident = 0, heap = 0;
 };

@@ -84,8 +84,8 @@ rendering::ContactAt WallLoop::contact_at(const Pose& tool) noexcept {
     const double force = k * (depth - over + wall.beyond * over),
                  slope = over > 0.0 ? k * wall.beyond : k;
     normals += wall.normal, ++hits;
-    // The gradient of the depth: over waves the push leans against the way up, so that no closed
-    // path gives energy.
+    // The gradient of the depth: over waves the force also acts against the motion uphill, so that
+    // no closed path gives energy.
     const Vec3 push = wall.normal - wall.texture_m * wall.texture_per_m *
                                         std::cos(wall.texture_per_m * tool.position.x()) *
                                         Vec3::UnitX();

@@ -13,7 +13,7 @@
 
 namespace voxtouch::long_runs {
 
-/// A half-space that pushes a point of the tool out along `normal` (unit, W).
+/// A half-space that repels a point of the tool along `normal` (unit, W).
 struct LoopWall {
   Vec3 normal = Vec3::UnitZ();
   double at_m = 0.0;  ///< it begins at normal . x = at_m
@@ -25,27 +25,27 @@ struct LoopWall {
 };
 
 struct WallLoopOptions {
-  sim::SimParameters device;       ///< as it is simulated
+  sim::SimParameters device;       ///< simulation parameters
   DeviceDescription designed_for;  ///< as the coupling is designed for it
   sim::OperatorConfig hand;
   Motion motion;
   std::vector<LoopWall> walls;
   std::string kind = "auto";
-  double times_promise = 1.0;  ///< the spring's stiffness over the one that is certified
+  double times_promise = 1.0;  ///< the spring's stiffness divided by the certified one
   double loss = 0.0;           ///< chance that a command is lost
-  bool late = false;           ///< a command may come a period late, by chance
+  bool late = false;           ///< a command may arrive a period late, at random
   bool virtual_tool = false;   ///< the spring alone: as if the walls were rigid
   std::uint64_t seed = 0;
 };
 
-/// The coupling for a device whose contact may be of any stiffness.
+/// The coupling for a device with contacts of any stiffness.
 coupling::design::Design design_for(const DeviceDescription& device, const std::string& kind);
 
 class WallLoop {
  public:
   /// `design`: of `design_for` these options.
   WallLoop(const WallLoopOptions& options, const coupling::design::Design& design);
-  /// A period. What the device was given.
+  /// One period. Returns the force given to the device.
   const Wrench& step() noexcept;
 
   const sim::SimulatedDevice& device() const noexcept { return *device_; }

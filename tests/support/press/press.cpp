@@ -15,7 +15,7 @@ constexpr int kDepths = 10, kMaxFrames = 4000;
 constexpr double kDepthStepM = 0.001, kPressStepM = 5e-5, kBehindApproachS = 4.0, kSettlesInS = 0.7;
 constexpr int kStartFrames = 20;
 
-/// Where the hand touches first, and the way on against the push there.
+/// The hand's first touch, and the direction against the force there.
 struct Touch {
   Pose pose;
   double time_s = 0.0;

@@ -9,20 +9,18 @@ namespace voxtouch::test {
 
 /// At the hand.
 struct Pressed {
-  double depth_m = 0.0;  ///< of the hand, from where it touches first
-  double force_n =
-      0.0;  ///< returned by the coupling when it has come to rest, within the device's limit
+  double depth_m = 0.0;  ///< of the hand, from the first touch
+  double force_n = 0.0;  ///< returned by the coupling at rest, within the device's limit
 
   bool operator==(const Pressed&) const = default;
 };
 
-/// The tool follows `motion` to its first touch, and from there goes straight on against the push
-/// that it met, ten steps of 1 mm of the hand. At each the coupling runs until it rests, so its
-/// damping has no part in it; effects have theirs. The scene's time goes on by one sample a frame,
-/// so what moves stands nearly still. Empty where the motion touches nothing in its approach and
-/// the 4 s behind it, where nothing may be displayed, and where the dynamic object moves by itself.
-/// `built` forgets the samples that it had before. Some hundred frames of the scene; not for the
-/// loop.
+/// The tool follows `motion` to its first touch, and then moves straight on against the force
+/// there, ten steps of 1 mm of the hand. At each the coupling runs until it rests, so its damping
+/// has no influence; that of effects has. The scene's time advances by one sample per frame, so
+/// moving objects are nearly at rest. Empty if the motion touches nothing in its approach and 4 s
+/// after it, if nothing may be displayed, and if the dynamic object is a free body. Resets `built`.
+/// Some hundred frames of the scene; not for the loop.
 std::vector<Pressed> press(rendering::BuiltScene& built, const scene::Scene& scene,
                            const device_fit::FittedCoupling& fitted,
                            const coupling::design::DeviceModel& device, const Motion& motion);

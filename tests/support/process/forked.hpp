@@ -1,5 +1,5 @@
 #pragma once
-/// A part of a test in a process of its own.
+/// A part of a test in a separate process.
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -16,9 +16,8 @@ struct ForkEnd {
   rusage used{};
 };
 
-/// Runs `body` in a copy of this process, which ends at once, by _exit, with what `body` returns. A
-/// test ends only what it started: the copy is ended by force where this is destroyed before
-/// `wait`.
+/// Runs `body` in a copy of this process, which ends at once, by _exit, with the result of `body`.
+/// The copy is killed if this object is destroyed before `wait`.
 class Forked {
  public:
   explicit Forked(const std::function<int()>& body) : pid_(fork()) {

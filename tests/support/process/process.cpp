@@ -32,12 +32,12 @@ std::filesystem::path make_folder() {
   return name;
 }
 
-/// The first domain from 61 to 85 whose name no other test holds; held, as a socket of that name,
-/// until this process and all that it started have ended: nodes of a ring that was killed take a
-/// moment to go, and the next test's would find them there. Above 100 the ports of a domain (7400 +
-/// 250 of them each) are those that the kernel gives to any participant who asks for any.
+/// The first domain from 61 to 85 whose name no other test holds. It is held, as a socket of that
+/// name, until this process and all its children have ended. Nodes of a killed ring take a moment
+/// to end, and the next test would find them there. Above 100 the ports of a domain (7400 + 250 of
+/// them each) are in the kernel's range of ephemeral ports.
 int claim_domain() {
-  constexpr int kFirst = 61, kCount = 25;  // from 86 on tests in Python have domains of their own
+  constexpr int kFirst = 61, kCount = 25;  // from 86 on the domains belong to tests in Python
   for (int n = 0; n < kCount; ++n) {
     const int domain = kFirst + (static_cast<int>(getpid()) + n) % kCount;
     const std::string name = "voxtouch test domain " + std::to_string(domain);

@@ -1,5 +1,5 @@
 #pragma once
-/// Programs under test as child processes; a test ends only what it started.
+/// Programs under test as child processes; a test ends only processes that it started.
 #include <sys/types.h>
 
 #include <chrono>
@@ -30,7 +30,7 @@ class Process {
   bool running();
   /// Waits for its end; ends it by force after `patience` (status 128 + 9 then).
   Finished wait(std::chrono::seconds patience = std::chrono::seconds(60));
-  std::string err() const;  ///< what it has said so far
+  std::string err() const;  ///< output so far
 
  private:
   pid_t pid_ = 0;
@@ -43,7 +43,7 @@ inline bool runs(const Process& up) {
   return up.err().find(" samples  force") != std::string::npos;
 }
 
-/// A folder of its own, removed at the end.
+/// A temporary folder, removed at the end.
 class TemporaryFolder {
  public:
   TemporaryFolder();
@@ -55,15 +55,15 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
-/// Also where none has asked for its status yet: whoever inherits the children of a process that
-/// was killed may take seconds.
+/// Also if its status was not yet collected: the process that inherits the children of a killed one
+/// may take seconds.
 bool has_ended(pid_t process);
 /// A DDS domain that no other test of this machine uses at the same time; the same for the whole
 /// process.
 std::string fresh_domain();
 /// Pids of the living children of `parent`.
 std::vector<pid_t> children_of(pid_t parent);
-/// The living child whose program's path ends with `program`; 0 if there is none.
+/// The living child with a program path that ends with `program`; 0 if there is none.
 pid_t child_called(pid_t parent, const std::string& program);
 
 }  // namespace voxtouch::test

@@ -1,4 +1,4 @@
-/// The Pareto front and its knee: ties, what takes no part, one point, none.
+/// The Pareto front and its knee: ties, ignored points, one point, none.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -71,8 +71,8 @@ TEST(ContactErrors, CountMissedButNotImperceptibleContacts) {
   EXPECT_EQ(p95_of({5, 1, 2}), 5.0);
 }
 
-/// However well the half that is displayed points: what feels nothing in the other half ranks
-/// behind whatever pushes outward everywhere.
+/// However accurate the displayed half is: a setting without force in the other half ranks behind
+/// one that acts outward everywhere.
 TEST(ContactErrors, RankAHalfMissedContactBehindABadAngle) {
   std::vector<WrenchPair> half, all;
   for (int n = 0; n < 20; ++n) {
@@ -138,7 +138,7 @@ TEST(ContactPlaces, TouchAndAreTheSameForTheSameSeed) {
   }
 }
 
-/// A clock of its own: one kind of step takes ten times what was guessed, another a fifth.
+/// A separate clock: one kind of step takes ten times its estimate, another a fifth.
 TEST(MeasuredProgress, EstimatesTheRestFromEqualSteps) {
   double now = 0.0, reported_left = 0.0, last = 0.0;
   MeasuredProgress progress([&] { return now; },
@@ -183,8 +183,8 @@ TEST(MeasuredProgress, UsesEstimatesWithoutAClock) {
   EXPECT_EQ(last, 1.0);
 }
 
-/// What the places of the grid are measured with: a field that ends below the contacts gives
-/// bit-identical results, from fewer nodes.
+/// Used for the grid's positions: a field that ends below the contacts gives bit-identical results,
+/// from fewer nodes.
 TEST(Accuracy, TruncatedFieldIsBitIdenticalInContact) {
   const scene::Scene scene = shipped("cylinder");
   constexpr double kDepthEdges = 1.5;
@@ -233,8 +233,8 @@ TEST(Accuracy, ModelsComeInTheirOrderAndErrorsFallWithTheVoxel) {
   EXPECT_LT(rows[1].shell_points, rows[3].shell_points);
 }
 
-/// `field` knows depth everywhere; `adapted` in one layer of voxels only, so its force falls
-/// behind; both feel the tool from outside.
+/// `field` has depth everywhere; `adapted` in one layer of voxels only, so its force is smaller
+/// deep inside; both detect the tool from outside.
 TEST(Accuracy, MeasuresTheSpreadOverDepthAndGridPlace) {
   AccuracyOptions options;
   options.contacts = 24, options.spread_contacts = 16;

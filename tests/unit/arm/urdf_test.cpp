@@ -1,5 +1,4 @@
-// Robot descriptions: read back as text, their chain puts the flange where the arm's own kinematics
-// does.
+// Robot descriptions: parsed from text, their chain places the flange as the arm's kinematics does.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -96,7 +95,7 @@ TEST(Urdf, FlangeMatchesTheArm) {
       });
 }
 
-/// What a Phantom's driver shows: computed from tip and stylus, it leads back to both.
+/// The joints of a Phantom's driver, computed from tip and stylus, reproduce both.
 TEST(Urdf, PhantomJointsReproduceTipAndStylus) {
   const std::vector<ReadJoint> chain = joints_of(to_urdf(phantom::phantom_description()));
   std::mt19937_64 random(voxtouch::testing::seed(6));

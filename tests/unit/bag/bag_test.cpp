@@ -37,7 +37,7 @@ void write_bag(const std::filesystem::path& folder, std::uint64_t count,
   EXPECT_GOOD(writer.close());
 }
 
-/// What holds for both storages.
+/// Tests for both storages.
 class EachBag : public testing::TestWithParam<Storage> {
  protected:
   std::string file_in(const std::string& name) const {
@@ -107,7 +107,7 @@ TEST(Bag, ClosedOpensOnAReadOnlyDisk) {
   fs::permissions(folder / "run", fs::perms::owner_all);
   ASSERT_TRUE(bag) << bag.error().sentence;
   EXPECT_EQ(bag->message_count(), 11u);
-  // What makes that so: the file's header (bytes 18, 19) asks for no write-ahead log any more.
+  // The reason: the file's header (bytes 18, 19) no longer has the flag of a write-ahead log.
   const std::string header = text_of(folder / "run" / "run_0.db3").substr(0, 20);
   EXPECT_EQ(header[18], 1);
   EXPECT_EQ(header[19], 1);
@@ -217,8 +217,8 @@ TEST_P(EachBag, CountsFullDiskLossesAndStaysReadable) {
   EXPECT_EQ(bag.metadata()->message_count, counts[0].written);
 }
 
-// The operating system refuses to let any file grow: what a disk that runs full looks like, for
-// metadata.yaml too.
+// The operating system refuses to let any file grow, which emulates a full disk, also for
+// metadata.yaml.
 TEST_P(EachBag, ResumesOnceTheDiskHasRoomAgain) {
   const TemporaryFolder folder;
   voxtouch::test::Forked child([&] {

@@ -1,6 +1,6 @@
 #pragma once
-/// DDS for tests: on loopback only, on a domain of this process's own, with two participants that
-/// meet over the wire.
+/// DDS for tests: on loopback only, on a private domain of this process, with two participants
+/// connected over the wire.
 #include <dds/dds.h>
 #include <unistd.h>
 
@@ -51,7 +51,7 @@ inline std::string topic_name(const char* base) {
   return "rt/bag_test_" + std::to_string(getpid()) + "/" + base;
 }
 
-/// Waits up to 10 s for what usually takes milliseconds.
+/// Waits up to 10 s for events that usually take milliseconds.
 inline bool eventually(const std::function<bool()>& happened) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (!happened()) {
@@ -79,8 +79,7 @@ inline dds_entity_t make_writer(dds_entity_t participant, const dds_topic_descri
   return writer;
 }
 
-/// CDR by hand, after the standard (XCDR1, little-endian): the tests' own idea of what the wire
-/// looks like.
+/// CDR by hand, after the standard (XCDR1, little-endian), independent of the project's code.
 class CdrBuilder {
  public:
   template <class T>
@@ -99,8 +98,8 @@ class CdrBuilder {
     bytes_.push_back({});
     return *this;
   }
-  /// The protocol sends multiples of 4; Cyclone DDS says in the header's last bits how many bytes
-  /// that added.
+  /// The protocol sends multiples of 4; the last bits of Cyclone DDS's header have the number of
+  /// padding bytes.
   std::vector<std::byte> padded() const {
     auto bytes = bytes_;
     while (bytes.size() % 4 != 0)

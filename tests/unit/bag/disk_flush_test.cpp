@@ -1,4 +1,4 @@
-/// When the disk is asked to make a bag durable: never while it records, always when it is closed.
+/// When a bag is flushed to the disk: never while it records, always when it is closed.
 #include <dlfcn.h>
 #include <unistd.h>
 

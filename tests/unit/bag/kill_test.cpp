@@ -1,4 +1,4 @@
-/// A recorder that is killed: what is in the bag then.
+/// Content of the bag of a killed recorder.
 #include <sys/mman.h>
 
 #include <atomic>
@@ -22,13 +22,13 @@ std::int64_t now_ns() {
       .count();
 }
 
-/// What child and parent both see.
+/// Memory common to child and parent.
 struct Shared {
   std::atomic<std::uint64_t> pushed{0};
   std::atomic<std::int64_t> last_time_ns{0};
 };
 
-/// Records one message a millisecond, each with the time of its push, until it is killed.
+/// Records one message per millisecond, each with its time, until it is killed.
 [[noreturn]] void record_for_ever(const std::filesystem::path& folder, Storage storage,
                                   Shared& shared) {
   auto writer = BagWriter::create(folder, {.storage = storage});
@@ -76,8 +76,8 @@ TEST_P(KilledRecorder, LosesAtMostASecond) {
   // metadata.yaml is a second behind at most.
   const std::int64_t described_ns = bag.metadata()->starting_time_ns + bag.metadata()->duration_ns;
   EXPECT_LE(shared.last_time_ns - described_ns, 1'000'000'000);
-  if (GetParam().first == Storage::kSqlite3) {  // without its -wal file it lacks more, but not what
-                                                // a checkpoint has moved into the .db3
+  if (GetParam().first == Storage::kSqlite3) {  // without its -wal file it lacks more, but not the
+                                                // checkpointed messages in the .db3
     std::filesystem::create_directory(folder / "alone");
     std::filesystem::copy_file(folder / "run/run_0.db3", folder / "alone/run_0.db3");
     const auto alone =

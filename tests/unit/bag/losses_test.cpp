@@ -1,4 +1,4 @@
-// Recorded data that is gone: the recorder counts it, and the reader names it.
+// Lost recorded data: the recorder counts it, and the reader reports it.
 #include <fstream>
 
 #include "nodes/bag/bag_reader.hpp"
@@ -149,7 +149,7 @@ TEST(LossesOfMcap, OfAFileCutWhileRecordingAreCounted) {
   EXPECT_TRUE(says(to.refresh(), "was cut"));
 }
 
-/// What is written behind the cut gives the file its size again.
+/// Data written behind the cut restores the file's size.
 TEST(LossesOfMcap, OfAFileCutBeforeMoreIsWrittenAreCounted) {
   const TemporaryFolder folder;
   BagWriter to = expect_value(BagWriter::create(folder / "run", {}));

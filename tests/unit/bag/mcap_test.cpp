@@ -1,5 +1,5 @@
-/// What only an MCAP has: a file that is whole at each commit, chunks that overlap in time,
-/// checksums, and forms that others write.
+/// Properties of MCAP only: a file that is valid at each commit, chunks that overlap in time,
+/// checksums, and forms of other writers.
 #include <zlib.h>
 
 #include <algorithm>
@@ -58,7 +58,7 @@ BagWriter mcap_writer(const std::filesystem::path& folder) {
   return expect_value(BagWriter::create(folder, {.storage = Storage::kMcap}));
 }
 
-/// Three chunks; of the times some of a later chunk lie before those of an earlier one.
+/// Three chunks; some times of a later chunk are before those of an earlier one.
 void write_overlapping(const std::filesystem::path& folder, bool close = true) {
   auto writer = mcap_writer(folder);
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -73,7 +73,7 @@ void write_overlapping(const std::filesystem::path& folder, bool close = true) {
     EXPECT_GOOD(writer.close());
 }
 
-/// The footer's place of the summary; nothing where the file does not end as an MCAP does.
+/// The footer's offset of the summary; empty if the file has no valid end.
 std::optional<std::uint64_t> summary_of(const std::filesystem::path& path) {
   const auto bytes = content_of(path);
   const std::size_t tail = mcap::kFooterSize + mcap::kMagic.size();
@@ -110,7 +110,7 @@ TEST(McapBag, ListsItsTypes) {
   auto writer = mcap_writer(folder / "run");
   (void)expect_value(writer.add_topic(kState)), (void)expect_value(writer.add_topic(kNote));
   TopicInfo other = kState;
-  other.name = "/other/device/state";  // of the same type, whose schema stands there once
+  other.name = "/other/device/state";  // of the same type, with its schema stored once
   (void)expect_value(writer.add_topic(other));
   EXPECT_GOOD(writer.commit());
   const auto check = [&] {
@@ -155,7 +155,7 @@ TEST(McapBag, ChunksThatOverlapAreReadInOrderOfTimeAndOfArrival) {
   EXPECT_EQ(*times, (std::pair<std::int64_t, std::int64_t>{1000, 1395}));
 }
 
-// In lockstep what is said seldom has the time 0 whenever it is said.
+// In lockstep rare messages have the time 0 whenever they are written.
 TEST(McapBag, LaterChunkMayBeginBeforeAllOthers) {
   const TemporaryFolder folder;
   auto writer = mcap_writer(folder / "run");
@@ -198,7 +198,7 @@ TEST(McapBag, OfTimeZeroIsReadByOthersToo) {
     record = mcap::next_record(records);
   ASSERT_TRUE(record);
   EXPECT_EQ(mcap::Cursor(record->content).number<std::uint64_t>(),
-            1u);  // where the chunk begins: 0 would be none to some
+            1u);  // start of the chunk: some readers treat 0 as missing
 }
 
 TEST(McapBag, LargeAndManyMessagesAreWrittenEarly) {
@@ -263,9 +263,9 @@ TEST(McapBag, DamagedBytesAreRefusedOrHarmless) {
   EXPECT_GT(refused, 100);
 }
 
-/// As rosbag2's preset "fastwrite" leaves it (no chunks), and as its default does (chunks that are
-/// not compressed, with schema and channel in them), here both in one file; without a summary, as
-/// of a recorder that was killed.
+/// As rosbag2's preset "fastwrite" writes (no chunks), and as its default does (uncompressed chunks
+/// with schema and channel), here both in one file; without a summary, as after a kill of the
+/// recorder.
 TEST(McapBag, OfOtherWritersIsRead) {
   const auto message = [](Bytes& out, std::uint64_t time, std::byte what) {
     const auto at = out.begin(Op::kMessage);

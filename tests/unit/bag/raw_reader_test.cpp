@@ -54,7 +54,7 @@ void write_header(dds_entity_t writer, int i, std::string text) {
   ASSERT_EQ(dds_write(writer, &header), DDS_RETCODE_OK);
 }
 
-// Where the raw reader stands: in the writer's own participant, or on the other side of the wire.
+// Location of the raw reader: in the writer's participant, or across the wire.
 class RawReading : public testing::TestWithParam<bool> {
  protected:
   TwoHosts hosts_;
@@ -83,7 +83,7 @@ TEST_P(RawReading, TakesEveryMessageWithATextByteForByte) {
   const dds_entity_t writer = writer_of<Header>(hosts_.here(), name, reliable());
   RawReader reader = reader_of<Header>(reading_side(), name, reliable());
   ASSERT_TRUE(eventually([&] { return matched(writer) && matched(reader.get()); }));
-  // Texts of all lengths modulo 4, so that every kind of padding is there.
+  // Texts of all lengths modulo 4, for every kind of padding.
   const auto text = [](int i) { return std::string(static_cast<std::size_t>(i % 9), 'n'); };
   for (int i = 0; i < kSamples; ++i)
     write_header(writer, i, text(i));
@@ -130,8 +130,8 @@ TEST_P(RawReading, ReportsNothingWhenTheWriterLeaves) {
   EXPECT_EQ(reader.take([](std::span<const std::byte>) {}), 0U);
 }
 
-// Writers with a deadline, a lease and reliability: what a recorder asks for must match what is
-// offered.
+// Writers with a deadline, a lease and reliability: the recorder's requested QoS must match the
+// offered one.
 TEST_P(RawReading, MatchesEveryWriterWithTheQosOfARecording) {
   const auto offered = [](auto set) {
     qos::Qos qos = reliable();

@@ -42,7 +42,7 @@ TEST(OfferedQos, HoldsTheOtherPolicies) {
       << text;
 }
 
-/// What a recording needs, with a queue of 1 MB, and writers of the one topic or other.
+/// A recording with a queue of 1 MB, and writers of single topics.
 class Recording : public testing::Test {
  protected:
   Recording() { options_.rig = "recording_test"; }

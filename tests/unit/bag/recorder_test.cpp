@@ -16,13 +16,13 @@ using namespace std::chrono_literals;
 
 const TopicInfo kTopic{"/t", "p/msg/T", "cdr", "", 0};
 
-/// A disk that stands still while its gate is shut, and refuses what it is reported to refuse. Its
-/// state outlives the recorder.
+/// A disk that blocks while its gate is shut, and refuses on request. Its state outlives the
+/// recorder.
 struct DiskState {
   std::mutex mutex;
   std::condition_variable changed;
   bool shut = false;
-  bool waiting = false;  // the disk thread stands before the gate
+  bool waiting = false;  // the disk thread waits at the gate
   bool refuse_topics = false, refuse_messages = false;
   std::vector<std::pair<std::int64_t, std::vector<std::byte>>> written;
   std::uint64_t lost = 0;
@@ -105,11 +105,11 @@ TEST(BagRecorder, PushNeverBlocksAndDropsAreCounted) {
     queued += pushed == PushResult::kQueued;
     dropped += pushed == PushResult::kDropped;
   }
-  EXPECT_TRUE(disk->stalled());  // all 5000 came back before the disk moved
+  EXPECT_TRUE(disk->stalled());  // all 5000 calls returned before the disk continued
   EXPECT_EQ(queued, 100u);
   EXPECT_EQ(dropped, 4900u);
   EXPECT_EQ(recorder.report().topics[0].dropped,
-            4900u);  // asking does not wait for the disk either
+            4900u);  // queries do not wait for the disk either
   ASSERT_TRUE(recorder.add_topic({"/later", "p/msg/T", "cdr", "", 0}));
   EXPECT_TRUE(disk->stalled());
   disk->set_shut(false);
@@ -174,7 +174,7 @@ TEST(BagRecorder, WritesWhatWasQueuedBeforeItStops) {
       for (std::uint64_t i = 0; i < 1000; ++i)
         queued += recorder.push(topic, 0, ring_message(1, i)) == PushResult::kQueued;
     });
-    const RecordingReport report = recorder.stop();  // in the middle of it
+    const RecordingReport report = recorder.stop();  // during it
     pusher.join();
     EXPECT_EQ(report.topics[0].written, queued);
     EXPECT_EQ(disk->closes, 1);

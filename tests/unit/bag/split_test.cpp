@@ -69,8 +69,7 @@ TEST_P(SplitBag, ByTimeHasAFileForEachSpanAndMetadataNamesThem) {
   expect_all();
 }
 
-/// A reader that takes a file for one that none writes does not look into its write-ahead log: it
-/// would find no tables.
+/// A reader that assumes a read-only file ignores its write-ahead log, and would find no tables.
 TEST_P(SplitBag, NewFileIsReadableAfterAKill) {
   auto writer = writer_of({.time_ns = 1000 * kMs});
   const TopicId state = expect_value(writer.add_topic(kState));
@@ -78,9 +77,8 @@ TEST_P(SplitBag, NewFileIsReadableAfterAKill) {
   EXPECT_GOOD(writer.append(state, 0, noisy_message(9, 0, 1000)));
   EXPECT_GOOD(writer.append(state, 1000 * kMs, noisy_message(9, 1, 1000)));
   fs::create_directory(folder / "alone");
-  fs::copy_file(
-      folder / "run" / file(1),
-      folder / "alone" / file(1));  // as it is on the disk now, without what lies next to it
+  fs::copy_file(folder / "run" / file(1),
+                folder / "alone" / file(1));  // the file on the disk, without its companions
   const auto alone = expect_value(WholeBag::open(folder / "alone" / file(1)));
   EXPECT_EQ(alone.topics().size(), 2u);
 }
@@ -114,7 +112,7 @@ TEST_P(SplitBag, OversizedMessageHasItsOwnFile) {
 TEST_P(SplitBag, KeepsTheOldFileAndReportsIfNoNewOneOpens) {
   auto writer = writer_of({.time_ns = 10});
   const TopicId state = expect_value(writer.add_topic(kState));
-  std::ofstream(folder / "run" / file(1)) << "mine";  // in the way
+  std::ofstream(folder / "run" / file(1)) << "mine";  // blocks the name
   std::string said;
   for (std::uint64_t i = 0; i < 20; ++i)
     if (const auto appended =

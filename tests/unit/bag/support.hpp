@@ -1,5 +1,5 @@
 #pragma once
-/// Shared by the bag tests: a folder of their own, messages of a known form, values out of results.
+/// Common parts of the bag tests: a temporary folder, messages of a known form, values of results.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -13,7 +13,7 @@
 
 namespace voxtouch::bag::test {
 
-/// An empty folder that goes with the test.
+/// An empty folder that is removed with the test.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -49,7 +49,7 @@ inline std::vector<std::byte> ring_message(std::uint64_t session, std::uint64_t 
   return bytes;
 }
 
-/// The same, filled with what no compression makes smaller.
+/// The same, with incompressible content.
 inline std::vector<std::byte> noisy_message(std::uint64_t session, std::uint64_t sequence,
                                             std::size_t fill) {
   std::vector<std::byte> bytes = ring_message(session, sequence, fill);

@@ -24,7 +24,7 @@ class FollowedLatched : public testing::Test {
     value.model = model, value.grip = grip, value.session_id = session;
     writer.write(value);
   }
-  /// The session of what is taken within a while; 0: nothing is.
+  /// The session of a sample taken within `patience`; 0: none.
   std::uint64_t taken(milliseconds patience = seconds(10)) {
     std::uint64_t session = 0;
     const auto until = std::chrono::steady_clock::now() + patience;
@@ -47,8 +47,8 @@ class FollowedLatched : public testing::Test {
   LatchedReader<msg::DeviceDescription> reader{own, qos::kDeviceDescription, "r"};
 };
 
-/// As after a cut of the network that is longer than the lease: the participant is the same, its
-/// writer has another handle, and what is latched comes again at once, before the node has looked.
+/// As after a network split that is longer than the lease: the participant is the same, its writer
+/// has another handle, and latched samples arrive again at once, before the node polls.
 TEST_F(FollowedLatched, TakesSamplesOfARediscoveredWriter) {
   std::optional<Writer<msg::DeviceDescription>> writer(writer_of(other));
   say(*writer, 7);
@@ -61,7 +61,7 @@ TEST_F(FollowedLatched, TakesSamplesOfARediscoveredWriter) {
   ASSERT_TRUE(matches(1));
   say(*writer, 8);
   std::this_thread::sleep_for(
-      milliseconds(200));  // it comes while a writer is followed that has gone
+      milliseconds(200));  // it arrives while a writer is followed that has left
   EXPECT_EQ(taken(milliseconds(20)), 0U);
   ASSERT_TRUE(reader.following().follow(other.guid()));
   EXPECT_EQ(taken(), 8U);
@@ -79,7 +79,7 @@ TEST_F(FollowedLatched, RefusesOthersWhileTheFollowedWriterIsThere) {
   for (int n = 0; n < 500 && reader.following().refused() == 0; ++n)
     std::this_thread::sleep_for(milliseconds(10));
   EXPECT_EQ(reader.following().refused(), 1U);
-  foreign.reset();  // another program has gone: that changes nothing
+  foreign.reset();  // another program has left, which changes nothing
   ASSERT_TRUE(matches(1));
   foreign.emplace(writer_of(stranger));
   ASSERT_TRUE(matches(2));

@@ -126,7 +126,7 @@ TEST(SoleInDomain, UntilAnotherProcessHasAPort) {
     const Port other(static_cast<std::uint16_t>(first + offset));
     ASSERT_TRUE(other.bound()) << offset;
     EXPECT_FALSE(alone({})) << offset;
-    EXPECT_TRUE(alone({other.fd()})) << offset;  // it is one's own
+    EXPECT_TRUE(alone({other.fd()})) << offset;  // it belongs to this process
   }
   for (const int offset : {-1, 250}) {
     const Port of_another_domain(static_cast<std::uint16_t>(first + offset));

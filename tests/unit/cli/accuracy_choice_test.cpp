@@ -1,4 +1,4 @@
-/// From words to settings: defaults, order, and what is refused with which sentence.
+/// From words to settings: defaults, order, and refusals with their sentences.
 #include <gtest/gtest.h>
 
 #include <stdexcept>

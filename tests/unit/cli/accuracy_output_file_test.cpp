@@ -1,4 +1,4 @@
-/// Files that are written after a long run: what is refused at once, what stays and what does not.
+/// Files written after a long run: refused at once, kept, or removed.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -1,4 +1,4 @@
-/// What `voxtouch accuracy` says of its rows: for a person, a machine and a spreadsheet.
+/// Output of `voxtouch accuracy`: text, JSON and CSV.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -20,7 +20,7 @@ TEST(ForceLoss, LastsUntilTheGuardPassesCommandsWholeAgain) {
   EXPECT_EQ(loss.total_ns(), 80 * kMs);
   for (std::int64_t t = 181; t < 300; ++t)
     loss.note(t * kMs, true, 5.0);
-  loss.note(500 * kMs, false, 0.0);  // the process stood still
+  loss.note(500 * kMs, false, 0.0);  // the process was suspended
   loss.note(520 * kMs, true, 1.0);
   EXPECT_EQ(loss.count(), 2U);
   EXPECT_EQ(loss.total_ns(), (80 + 221) * kMs);

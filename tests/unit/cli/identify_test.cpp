@@ -1,4 +1,4 @@
-// Identification through driver, gate and guard, on devices whose plants are known.
+// Identification through driver, gate and guard, on devices with known plants.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -68,7 +68,7 @@ Vec3 apparent_mass(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& jacobian)
   return (jacobian * mass.inverse() * jacobian.transpose()).diagonal().cwiseInverse();
 }
 
-/// At the origin of D, where the arm starts.
+/// At the origin of D, at which the arm starts.
 Vec3 lwr_mass() {
   const arm_sim::PlantParameters plant = lwr_sim::lwr_plant();
   const arm_sim::ArmDynamics dynamics(plant.bodies);

@@ -9,7 +9,7 @@ namespace machine_checks_test {
 
 namespace fs = std::filesystem;
 
-/// A file system of its own, as far as the checks look at one.
+/// A temporary file system with the files that the checks read.
 class Root : public testing::Test {
  protected:
   Root()

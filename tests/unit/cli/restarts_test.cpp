@@ -1,4 +1,4 @@
-// What a node did in all its processes, on reports that are made up.
+// Figures of a node over all its processes, on synthetic reports.
 #include "nodes/cli/up/restarts.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(Restarts, SumCountsAndKeepTheFirstSampleAndExtremes) {
                              {"first_sample", {3, "sample number"}},
                              {"disagree", {2, "samples"}},
                              {"written", {50, "messages"}},
-                             {"locks", {1, "times"}},
+                             {"fault_latches", {1, "times"}},
                              {"most_residual_m", {0.5, "m"}},
                              {"stiffness_at_hand_n_per_m", {900, "N/m"}},
                              {"design_gain", {0.4, "1"}}});
@@ -43,7 +43,7 @@ TEST(Restarts, SumCountsAndKeepTheFirstSampleAndExtremes) {
   EXPECT_EQ(value(all, "first_sample"), 3);
   EXPECT_EQ(value(all, "disagree"), 2) << "a disagreement is not forgotten";
   EXPECT_EQ(value(all, "written"), 55);
-  EXPECT_EQ(value(all, "locks"), 1) << "of the earlier process alone";
+  EXPECT_EQ(value(all, "fault_latches"), 1) << "of the earlier process alone";
   EXPECT_EQ(value(all, "most_residual_m"), 0.5);
   EXPECT_EQ(value(all, "stiffness_at_hand_n_per_m"), 900);
   EXPECT_EQ(value(all, "design_gain"), 0.6) << "as it runs now";
@@ -57,8 +57,7 @@ TEST(Restarts, HaveNoFirstSampleWithoutAnAnswer) {
   EXPECT_EQ(value(all, "first_sample"), 2500);
 }
 
-/// A bound is an extreme of its own process: the larger one must not excuse what the other process
-/// gave away.
+/// A bound is an extreme of one process: the larger one must not excuse the other process's debt.
 TEST(Restarts, KeepTheWorseEnergyAccountWithItsOwnBound) {
   const auto account = [](double lowest_j, double bound_j) {
     return with({{"samples", {10, "samples"}},

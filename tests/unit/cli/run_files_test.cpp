@@ -1,4 +1,4 @@
-// Where runs keep their files.
+// Folders of run files.
 #include "nodes/cli/up/run_files.hpp"
 
 #include <gtest/gtest.h>

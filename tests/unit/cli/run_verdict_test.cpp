@@ -138,8 +138,8 @@ INSTANTIATE_TEST_SUITE_P(
              "721 of rendering (process 7 on host) and 3 of ROS 2's /player)"},
         Case{"foreign_descriptions", RunFact::kForeignSamples,
              [](RunRecord& r) { set(r, "rendering", "foreign_samples", 3); }, "3 samples"},
-        Case{"a_lock", RunFact::kLocked, [](RunRecord& r) { set(r, "coupling", "locks", 1); },
-             "the coupling latched"},
+        Case{"a_fault_latch", RunFact::kFaultLatched,
+             [](RunRecord& r) { set(r, "coupling", "fault_latches", 1); }, "the coupling latched"},
         Case{"a_node_killed", RunFact::kNodeEnded,
              [](RunRecord& r) {
                r.events.push_back({RunFact::kNodeEnded, "rendering", 137});
@@ -147,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(
              "rendering ended by signal 9"}),
     [](const auto& one) { return std::string(one.param.name); });
 
-/// Two reasons for one thing hide what is to be done.
+/// Two reasons for one fault would hide the remedy.
 TEST(RunVerdict, KilledNodeNeedsNoFinalReport) {
   RunRecord run = good_run();
   run.reports["rendering"].state = NodeState::kRunning;
@@ -189,7 +189,7 @@ TEST(RunVerdict, NotesHarmlessForeignTraffic) {
   const std::string notes = ::testing::PrintToString(notes_of(run, verdict));
   for (const char* words :
        {"1 changes", "requested by: 2 of ROS 2's /tuner", "12 node statuses",
-        "1625 Recover messages came from tool (process 8 on host)", "on device/description"})
+        "1625 Recover messages from tool (process 8 on host)", "on device/description"})
     EXPECT_TRUE(notes.contains(words)) << notes;
 }
 

@@ -1,4 +1,4 @@
-// What is reported never holds up or ends the one who reports it, whatever stderr is.
+// A log call never blocks or ends its caller, whatever stderr is.
 #include "nodes/console/log.hpp"
 
 #include "nodes/console/progress.hpp"
@@ -23,8 +23,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-/// What `reported` leaves in a process of its own, whose stderr is `fd` (-1: closed). The log is
-/// one for a process and lives as long.
+/// Runs `reported` in a separate process with stderr `fd` (-1: closed). The log exists once per
+/// process and as long.
 int in_a_process_with_stderr(int fd, const std::function<void()>& reported) {
   test::Forked child([&]() -> int {
     alarm(20);  // a call that blocks is a death by signal 14
@@ -125,7 +125,7 @@ TEST(Log, CountsTextsLostToAClosedStream) {
                                        EXPECT_EQ(texts_lost(), 20'000U);
                                      }),
             7);
-  Pipe pipe;  // whose reader has gone; SIGPIPE is as it was at the start
+  Pipe pipe;  // its reader has ended; SIGPIPE has its default action
   close(pipe.end[0]);
   EXPECT_EQ(in_a_process_with_stderr(pipe.end[1],
                                      [&] {
@@ -191,7 +191,7 @@ void show_steps_for(milliseconds time) {
     step("reading mesh 2 of 3");
 }
 
-/// A terminal that passes on what it gets byte for byte.
+/// A terminal that forwards its input byte for byte.
 struct Terminal {
   Terminal() {
     EXPECT_EQ(openpty(&outer, &inner, nullptr, nullptr, nullptr), 0);

@@ -1,5 +1,5 @@
-// Rendering allocates nothing: malloc itself is counted, since operator new alone would not see
-// Eigen's own calls.
+// Rendering allocates nothing: malloc itself is counted, since operator new would miss Eigen's
+// calls.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ TEST(ContactRenderer, AllocatesNothingInAnyFrame) {
     std::uint32_t most_inside = 0;
     const long asked = heap_count_of([&] {
       for (int n = 0; n < 2000;
-           ++n) {  // free, touching, gone through, wholly inside, and out again
+           ++n) {  // free, touching, passed through, fully inside, and out again
         const double depth = n < 1000 ? 0.04 * n : 0.04 * (2000 - n);
         Pose pose{e * Vec3(30.1, 29.7, 72.0 - depth),
                   Quat(Eigen::AngleAxisd(0.001 * n, Vec3::UnitX()))};

@@ -1,4 +1,4 @@
-// What points that weigh their area change in the paper's two models. R = 10 e, 0.5 e deep.
+// Effect of area weights in the paper's two models. R = 10 e, 0.5 e deep.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -40,7 +40,7 @@ struct Setting {
   std::function<Place(std::mt19937_64&)> place;
 };
 
-/// `offset_edges`: where in its voxel the face lies, for a plane along the grid.
+/// `offset_edges`: position of the face in its voxel, for a plane along the grid.
 Setting plane(const std::string& name, const Quat& turn, double offset_edges) {
   const Pose pose{Vec3(0.1, 0.2, 0.3 + offset_edges * kEdge), turn};
   return {name, box_mesh(Vec3(0.12, 0.12, 0.04), pose), [pose](std::mt19937_64& random) {
@@ -112,7 +112,7 @@ TEST(AreaWeights, ReduceTheMeanNormalsNoise) {
   EXPECT_LT(quantile(of_adapted, 0.5), 1.0);
 }
 
-/// A point that stands for two of half its area pushes as both.
+/// A point that replaces two of half its area has the force of both.
 TEST(AreaWeights, SplittingAPointChangesNothing) {
   const voxmap::Voxmap map = block({Vec3::Zero(), 1.0}, {0, 0, 0}, {20, 20, 5});
   pointshell::Pointshell whole = shell_of(

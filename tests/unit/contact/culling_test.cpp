@@ -94,7 +94,7 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
   const voxmap::Voxmap voxmap = scene(grid);
   const pointshell::Pointshell ball = sphere_shell(9.3 * e, e);
   std::vector<std::pair<Vec3, Vec3>>
-      scattered;  // a shell whose order means nothing: the tree may be slow, not wrong
+      scattered;  // a shell in random order: the tree may be slow, not wrong
   for (int n = 0; n < 700; ++n)
     scattered.emplace_back(
         e * Vec3(uniform(random, -9, 9), uniform(random, -9, 9), uniform(random, -9, 9)),
@@ -115,8 +115,8 @@ TEST(Culling, NeverDropsAHitInThousandsOfRandomPoses) {
         u[n % 3] = (n % 8 < 4 ? -8.0 : 80.0) + uniform(random, -0.01, 0.01);
       const Pose pose{grid.origin + e * u, random_rotation(random)};
       query.find(pose, hits);
-      // The query brings the quaternion to unit norm; take its rotation so that the last bit is the
-      // same.
+      // The query normalises the quaternion; uses its rotation so that the results are
+      // bit-identical.
       const BruteForce all = brute_force(voxmap, shell, hits.pose_WT);
       ASSERT_EQ(points(hits.surface), all.surface) << "pose " << n << " u " << u.transpose();
       ASSERT_EQ(points(hits.interior), all.interior) << "pose " << n << " u " << u.transpose();

@@ -1,5 +1,5 @@
-// How near the force of `field` comes to the law's own integral over the tessellated tool, at e = 1
-// mm.
+// Error of the force of `field` compared with the law's integral over the tessellated tool, at e =
+// 1 mm.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +17,8 @@ struct Setting {
   const char* name;
   mesh::TriangleMesh mesh;
   std::function<double(const Vec3&)> depth;
-  std::function<Vec3(std::mt19937_64&)> touching;  ///< where the tool's centre touches with kDepth
+  std::function<Vec3(std::mt19937_64&)>
+      touching;  ///< position of the tool's centre that touches with kDepth
 };
 
 Setting plane(const char* name, const Quat& turn) {
@@ -49,8 +50,8 @@ Setting sphere() {
           }};
 }
 
-/// Facets of the tool lie at most 2.3 um below its sphere; the integral is over the facets, so that
-/// this is no error here.
+/// Facets of the tool are at most 2.3 um below its sphere; the integral is over the facets, so this
+/// is not an error here.
 void measure(const Setting& s) {
   const Ball tool(kRadius, 5);
   const Ground ground(s.mesh, kEdge, 3.0);
@@ -137,8 +138,8 @@ TEST(FieldAccuracy, HalvingTheVoxelsLeavesTheForce) {
          return pose * Vec3(uniform(random, -0.01, 0.01), uniform(random, -0.01, 0.01),
                             0.01 + kRadius - depth);
        }},
-      // Along the edge the interpolation rounds off the ridge where the nearest face changes, by up
-      // to half a voxel: 4 and 8 mm deep that still costs this much.
+      // Along the edge the interpolation rounds off the ridge at which the nearest face changes, by
+      // up to half a voxel: 4 and 8 mm deep this is the error.
       {"edge of a box, 4 times as deep", box_mesh(Vec3(0.06, 0.06, 0.06), pose),
        [&](std::mt19937_64& random, double depth) {
          return pose * (Vec3(0.03, 0, 0.03) + (kRadius - 4 * depth) * Vec3(1, 0, 1).normalized() +

@@ -1,4 +1,4 @@
-// `field` keeps pushing when the tool is deep, and says where that ends.
+// `field` keeps its force deep inside, and flags where that ends.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,8 +72,8 @@ TEST(FieldDepth, FullyEnclosedToolIsPushedOutAndFlagged) {
   }
 }
 
-/// Straight through plates of all thicknesses: wherever going deeper meets less force than before,
-/// the frame says so.
+/// Straight through plates of all thicknesses: a frame is flagged wherever the force decreases with
+/// depth.
 TEST(FieldDepth, SaturatedForceIsFlaggedBeforeItFalls) {
   const Ball tool(10 * kEdge, 4);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);

@@ -218,7 +218,7 @@ TEST(FieldModel, IsRefusedWithoutAreasOrWithoutAField) {
   EXPECT_EQ(sentence({1.0, contact::PointWeights::kArea}, &ground.field), "no exception");
 }
 
-/// Printed, not judged: no test depends on the speed of a machine.
+/// Printed only: no test depends on the speed of a machine.
 TEST(FieldModel, PrintsItsCostNextToAdapted) {
   const Ground ground(box_mesh(Vec3(0.08, 0.08, 0.04), {Vec3::Zero(), turned_by(0.2)}), kEdge);
   const Ball tool(30 * kEdge, 5);

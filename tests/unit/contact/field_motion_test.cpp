@@ -1,5 +1,5 @@
-// `field` has no steps: points that enter, leave, cross bricks and the borders of what is stored;
-// and little energy of its own.
+// `field` has no steps, for points that enter, leave, cross bricks and the borders of stored data;
+// and generates little energy.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace field_motion_test {
 
 constexpr double kEdge = 1e-3, kStep = 1e-3 * kEdge;
 
-/// Depth of each shell point in one frame, 0 where it is no hit.
+/// Depth of each shell point in one frame, 0 without a hit.
 std::vector<double> depths_of(const contact::ContactRenderer& renderer, const Ground& ground,
                               std::size_t points) {
   std::vector<double> depth(points, 0.0);
@@ -26,8 +26,8 @@ std::vector<double> depths_of(const contact::ContactRenderer& renderer, const Gr
   return depth;
 }
 
-/// Walks from pose to pose in steps of 1e-3 e (with the turn on top) and holds each step against
-/// the docstring's bound k sum A_i (G s + d_i theta).
+/// Moves from pose to pose in steps of 1e-3 e (plus the rotation) and compares each step with the
+/// documented bound k sum A_i (G s + d_i theta).
 void walk(const char* name, const Ground& ground, const mesh::TriangleMesh& tool,
           const std::vector<Pose>& path) {
   const pointshell::Pointshell shell = exact_shell(tool, kEdge);
@@ -118,8 +118,8 @@ TEST(FieldMotion, HasNoForceStepThroughAPlate) {
         tool.posed(Vec3(0, 0, -0.010), turned_by(0.6))});
 }
 
-/// Round a closed way at constant depth the continuum gives no work. Reported per newton and metre
-/// of the way.
+/// On a closed path at constant depth the continuum does no work. Reported per newton and metre of
+/// the path.
 TEST(FieldMotion, SlidingRoundAClosedLoopGivesHardlyAnyEnergy) {
   const Ball tool(15 * kEdge, 5);
   const pointshell::Pointshell shell = exact_shell(tool.mesh, kEdge);

@@ -1,6 +1,6 @@
 #pragma once
-/// Meshes, grounds and tools for the tests of the contact model `field`, and the law's integral
-/// worked out another way.
+/// Meshes, static scenes and tools for the tests of the contact model `field`, and the law's
+/// integral by another method.
 #include <functional>
 #include <random>
 #include <vector>
@@ -14,15 +14,15 @@ namespace voxtouch::test {
 mesh::TriangleMesh box_mesh(const Vec3& size, const Pose& pose = {});
 /// A square of the pose's x and y, `thick_m` thick; 0: an open sheet of two triangles.
 mesh::TriangleMesh plate_mesh(double wide_m, double thick_m, const Pose& pose = {});
-/// An icosahedron whose faces are split in four `splits` times, its vertices on the sphere.
+/// An icosahedron with faces split in four `splits` times, its vertices on the sphere.
 mesh::TriangleMesh sphere_mesh(double radius_m, int splits);
 /// About the z axis, from -length/2 to length/2.
 mesh::TriangleMesh cylinder_mesh(double radius_m, double length_m, int sides);
 mesh::TriangleMesh joined(const mesh::TriangleMesh& a, const mesh::TriangleMesh& b);
-/// Faces turned inside out.
+/// Inverts the faces.
 mesh::TriangleMesh inside_out(mesh::TriangleMesh mesh);
 
-/// A static mesh as the model looks it up.
+/// A static mesh with the model's data.
 struct Ground {
   voxmap::Voxmap voxmap;
   voxmap::DistanceField field;
@@ -37,8 +37,8 @@ struct Ground {
 
 inline constexpr double kPressure = 1e9;  ///< k [N/m^3]
 
-/// A ball whose centre is not the origin of T and lies askew in its voxel: a shell on a grid
-/// through the centre would be symmetric, and its errors would cancel.
+/// A ball with its centre off the origin of T and at an arbitrary place in its voxel: a shell on a
+/// grid through the centre would be symmetric, and its errors would cancel.
 struct Ball {
   mesh::TriangleMesh mesh;
   Vec3 centre;  ///< in T

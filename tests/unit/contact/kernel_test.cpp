@@ -1,5 +1,5 @@
-// What the kernels sum up: bit-identical results on every kind of processor, and what plain loops
-// over the hits come to.
+// Sums of the kernels: bit-identical results on every kind of processor, and equal to plain loops
+// over the hits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
                                 contact::ContactModelKind::kAdapted,
                                 contact::ContactModelKind::kField};
 
-/// Those that this processor has, the plain ones first.
+/// Kinds that this processor supports, the plain ones first.
 std::vector<contact::Instructions> kinds() {
   std::vector<contact::Instructions> out;
   for (const auto kind :
@@ -62,8 +62,8 @@ bool same_numbers(const Matrix& a, const Matrix& b) {
              : ::testing::AssertionFailure() << "flags";
 }
 
-/// A box with a slot: a ball in it touches a floor, two walls that face each other, and goes
-/// through all of them.
+/// A box with a slot: a ball in it touches a floor and two opposite walls, and passes through all
+/// of them.
 mesh::TriangleMesh slotted() {
   return joined(
       joined(box_mesh(Vec3(0.04, 0.06, 0.05), {Vec3(-0.0302, 0.0011, 0.0253), Quat::Identity()}),
@@ -208,8 +208,7 @@ TEST_F(KernelTest, SumEqualsAPlainLoop) {
   }
 }
 
-/// The same hits, whose points are certain nowhere in single precision: doubles look at all of
-/// them.
+/// The same hits with single precision uncertain everywhere: doubles decide for all of them.
 contact::Hits all_in_doubles(const contact::Hits& hits) {
   contact::Hits out = hits;
   contact::HitSource source = hits.source();

@@ -1,5 +1,5 @@
-// A contact model alone: the model's bits in every frame, nothing held in a wall, and reported
-// where the tool is passing one.
+// A memoryless contact model: bit-identical to the model in every frame, nothing latched in a wall,
+// and a flag when the tool passes one.
 #include <gtest/gtest.h>
 
 #include "field_scenes.hpp"
@@ -17,7 +17,7 @@ bool same(const Matrix& a, const Matrix& b) {
   return (a.array() == b.array()).all();
 }
 
-/// In at one side of a slab, about in it, and out at the other, turned at random.
+/// In at one side of a slab, around in it, and out at the other, randomly rotated.
 template <class F>
 void through(double half_m, F&& at) {
   std::mt19937_64 random(7);

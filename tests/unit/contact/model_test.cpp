@@ -1,4 +1,4 @@
-// The memoryless laws in the hard cases, through the whole way from pose to wrench.
+// The memoryless laws in the hard cases, through the whole path from pose to wrench.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +54,7 @@ TEST(ContactModels, PushOnePointByItsDepthBelowTheVoxelCentre) {
     const contact::ContactResult above =
         renderer.probe({Vec3(0.0063, 0.0102, 0.0207), Quat::Identity()});
     EXPECT_EQ(above.surface_hits,
-              1U);  // in the layer, but not below its centre: in S, without a push
+              1U);  // in the layer, but not below its centre: in S, without a force
     EXPECT_TRUE(above.wrench.zero());
     EXPECT_EQ(above.stiffness_bound_n_per_m, 0.0);
   }
@@ -62,7 +62,7 @@ TEST(ContactModels, PushOnePointByItsDepthBelowTheVoxelCentre) {
 
 TEST(ContactModels, TakeTorqueAboutTheToolsOriginInWorldAxes) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {20, 20, 20});
-  // The tool's x axis turned to world y: the point is 4 mm away along world y, the force along
+  // The tool's x axis rotated to world y: the point is 4 mm away along world y, the force along
   // world z.
   const pointshell::Pointshell shell = shell_of({{Vec3(0.004, 0, 0), Vec3::UnitZ()}}, kEdge);
   const Pose pose{Vec3(0.0103, 0.0063, 0.0202),
@@ -132,8 +132,7 @@ TEST(ContactModels, StiffnessBoundExceedsTheMeasured) {
 
 TEST(ContactModels, GiveTheSameForceForASceneAMillionMetresAway) {
   const Vec3 shift(1e6, -1e6, 1e6);
-  const double e =
-      0x1p-9;  // so that origin and positions are exact there, and only the arithmetic is tested
+  const double e = 0x1p-9;  // exact origin and positions, so that only the arithmetic is tested
   const voxmap::Grid here{e * Vec3(3, -5, 7), e}, there{here.origin + shift, e};
   const voxmap::Voxmap near = block(here, {0, 0, 0}, {60, 60, 30}),
                        far = block(there, {0, 0, 0}, {60, 60, 30});
@@ -242,7 +241,7 @@ TEST(ContactModels, RepeatedPosesAreBitIdentical) {
     for (const Pose& pose : poses)
       forward.push_back(renderer.probe(pose).wrench);
     for (std::size_t n = poses.size(); n-- > 0;) {
-      renderer.render(poses[n]);  // what the ring does must not leak into a probe
+      renderer.render(poses[n]);  // the ring's state must not affect a probe
       EXPECT_TRUE(same_bits(renderer.probe(poses[n]).wrench, forward[n]));
       EXPECT_TRUE(same_bits(other.probe(poses[n]).wrench, forward[n]));
     }

@@ -1,5 +1,5 @@
-// Faces at whole voxels, as CAD makes them, on the grid that a scene gives an object: no rounding
-// may decide what is displayed.
+// Faces at whole voxels, as CAD makes them, on an object's default grid: rounding must not affect
+// the result.
 #include <gtest/gtest.h>
 
 #include <array>

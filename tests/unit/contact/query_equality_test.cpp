@@ -76,8 +76,8 @@ class Compared {
   std::size_t decided = 0, hit = 0;
 
  private:
-  /// Eight sums in the tool's frame, one for each place in a leaf, added up in halves and turned:
-  /// the bits that a query gives.
+  /// Eight sums in the tool's frame, one for each place in a leaf, added in halves and rotated:
+  /// bit-identical to a query.
   Vec3 normal_sum(const std::vector<contact::Hit>& hits) const {
     Vec3 lanes[8] = {}, plain = Vec3::Zero();
     for (Vec3& lane : lanes)
@@ -160,7 +160,7 @@ TEST(QueryEquality, HoldsAtAndNextToVoxelBorders) {
         Vec3 at;
         for (int a = 0; a < 3; ++a)
           at[a] = near_border(random, origin[a] + e * static_cast<double>(random() % 64));
-        // Along the axes as well: quarter turns, whose matrix may or may not be exact.
+        // Also along the axes: rotations by 90 degrees, whose matrix may or may not be exact.
         const Quat turn =
             n % 2 == 0
                 ? Quat::Identity()
@@ -173,8 +173,8 @@ TEST(QueryEquality, HoldsAtAndNextToVoxelBorders) {
 }
 
 TEST(QueryEquality, HoldsForRotatedToolsCloseToFaces) {
-  // Every point lies 1e-9 to 1e-4 voxels from a face, where single precision does not know the side
-  // any more, and what is on either side is drawn at random.
+  // Every point is 1e-9 to 1e-4 voxels from a face, where single precision is uncertain, and the
+  // voxels on either side are random.
   std::mt19937_64 random(17);
   const double e = 0.003;
   voxmap::Voxmap voxmap({Vec3(-0.7, 0.31, 0.123), e}, {0, 0, 0}, {63, 63, 63});
@@ -251,7 +251,7 @@ TEST(QueryEquality, HoldsFarFromTheGridAndForToolsThatDwarfIt) {
 }
 
 TEST(QueryEquality, LeavesFewPointsToDoubles) {
-  // The band is what is slow: one point in a thousand for a tool of 200 voxels.
+  // The uncertain band is slow: one point in a thousand for a tool of 200 voxels.
   const voxmap::Voxmap voxmap = ground({Vec3::Zero(), 0.001});
   contact::HitSource source;
   source.edge = 0.001;

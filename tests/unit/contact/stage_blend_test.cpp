@@ -86,12 +86,12 @@ TEST(Blend, HasNoStepAtTheMemorylessSwitch) {
 }
 
 TEST(Blend, IsFiniteAndContinuousForCancellingNormals) {
-  // Four hits that set the mean and one that turns through the exact opposite of it, for coherences
+  // Four hits that set the mean and one that rotates through its exact opposite, for coherences
   // around 0.35 (s = 1/2).
   Laws laws;
   const double step = 1e-4;
   const double half = std::acos(
-      0.6875);  // (4 cos(open) - 1) / 5 = 0.35: here the blended direction vanishes at turn = 0
+      0.6875);  // (4 cos(open) - 1) / 5 = 0.35: here the blended direction vanishes at angle 0
   for (const double open : {0.7, half - 1e-2, half - 1e-3, half - 1e-6, half, half + 1e-6,
                             half + 1e-3, half + 1e-2, 0.9}) {
     Wrench last;

@@ -1,5 +1,5 @@
-// What the stage remembers: points that have gone through keep pushing, come back without a jump,
-// and are forgotten.
+// Memory of the stage: points that have passed through keep their force, return without a jump, and
+// are forgotten.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -219,7 +219,7 @@ TEST(Hold, FadesWithTheDistanceToTheReentry) {
 
 TEST(Hold, ForgetsAPointThatReachesFreeSpaceWhileOthersStay) {
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {59, 59, 59});
-  // The second point lies in the top layer all the while and pushes sideways only.
+  // The second point stays in the top layer and acts sideways only.
   contact::ContactRenderer renderer(
       voxmap,
       shell_of({{Vec3::Zero(), Vec3::UnitZ()}, {kEdge * Vec3(20, 0, 0.5), Vec3::UnitX()}}, kEdge),
@@ -232,7 +232,7 @@ TEST(Hold, ForgetsAPointThatReachesFreeSpaceWhileOthersStay) {
   EXPECT_NEAR(up(at(5.2, 59.2)), 0.3, 1e-12);
   at(5.2, 58.8);
   EXPECT_NEAR(up(at(-0.8, 58.8)), 0.0,
-              1e-12);  // out to the side, where only the other point is in contact
+              1e-12);  // out to the side, with only the other point in contact
   EXPECT_NEAR(up(at(0.2, 58.8)), 0.0,
               1e-12);  // back in a layer: the plain law, which has nothing here
   EXPECT_NEAR(up(at(-0.8, 58.8)), 0.0, 1e-12);
@@ -242,7 +242,7 @@ TEST(Hold, ForgetsAPointThatReachesFreeSpaceWhileOthersStay) {
 /// Hits made by hand, at a pose of choice.
 struct Frame {
   std::vector<Vec3> surface,
-      interior;  ///< normals; points are numbered surface first unless `first_interior` says else
+      interior;  ///< normals; points are numbered surface first by default
   Vec3 position = Vec3::Zero();
   std::uint32_t first_interior = 0;
 };
@@ -289,12 +289,12 @@ TEST(Hold, DoesNotFlipForOpposedSurfaceHits) {
   EXPECT_NEAR(staged_force(stage, {{}, {up}, Vec3(0, 0, -1e-4), 7}).z(), 0.4, 1e-12);
   const Frame opposed{{down, down, down, down, down, down, down}, {up}, Vec3(0, 0, -2e-4), 7};
   EXPECT_NEAR(staged_force(stage, opposed).z(), -7 * 0.4 + 0.4,
-              1e-12);  // seven plain pushes down, the held one still up
+              1e-12);  // seven forces down, the latched one still up
 }
 
 TEST(Hold, ReturningPointChangesTheForceWithinItsBound) {
-  // One point that walks at random in and out of a block: down by at most K times the way, up by at
-  // most a voxel step.
+  // One point that moves at random in and out of a block: down by at most K times the path, up by
+  // at most a voxel step.
   const voxmap::Voxmap voxmap = block(kGrid, {0, 0, 0}, {9, 9, 9});
   const Vec3 normal = Vec3(0.3, -0.4, 0.9).normalized();
   for (const auto kind :

@@ -1,4 +1,4 @@
-// The stiffness matrix: what it says is what the wrench does.
+// The stiffness matrix predicts the change of the wrench.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -30,8 +30,8 @@ Vec6 as_vector(const Wrench& wrench) {
   return out;
 }
 
-/// A rotation about `axis` also turns the arms and the directions that the points push along (both
-/// go with the tool): that part of d(wrench)/d(angle), of the size of the wrench itself.
+/// A rotation about `axis` also rotates the arms and the force directions of the points: that part
+/// of d(wrench)/d(angle), of the size of the wrench itself.
 Vec6 rotation_part(const contact::HitList& hits, const contact::ContactResult& result,
                    contact::ContactModelKind model, const Vec3& axis) {
   Wrench out;
@@ -185,7 +185,7 @@ TEST(Stiffness, CountsPassedAndReturningPoints) {
       const contact::StageResult r =
           renderer.render({kEdge * Vec3(30.13, 29.77, 70.0 - depth), Quat::Identity()});
       expect_sound(r.contact);
-      // Every direction is of unit length here, so each point that pushes gives the trace K.
+      // Every direction is of unit length here, so each point with a force has the trace K.
       const double trace = r.contact.stiffness.topLeftCorner<3, 3>().trace();
       EXPECT_NEAR(trace, r.contact.stiffness_bound_n_per_m,
                   1e-9 * r.contact.stiffness_bound_n_per_m);

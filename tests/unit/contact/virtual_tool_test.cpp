@@ -69,7 +69,7 @@ INSTANTIATE_TEST_SUITE_P(
       return name + (one.param.turned ? "_turned" : "");
     });
 
-/// What is left is the ball's facets.
+/// Only the ball's facets remain.
 TEST(VirtualTool, DirectionOnRoundSurfacesHidesTheVoxels) {
   const PressFigures f =
       press({.scene = "cylinder:384", .places = 200, .turned = true, .seed = testing::seed(7)});
@@ -78,7 +78,7 @@ TEST(VirtualTool, DirectionOnRoundSurfacesHidesTheVoxels) {
   EXPECT_LT(f.rest_worst, 1e-3);
 }
 
-/// Nor in the steps of the force of one that slides: facets of ball and cylinder are what is left.
+/// The same for the force steps of a sliding tool: only the facets of ball and cylinder remain.
 TEST(VirtualTool, ForceStepsOnACylinderHideTheVoxels) {
   const SlideFigures f = slide({.scene = "cylinder", .speed = 0.05, .seed = 1});
   std::printf("step over force %.4f\n", f.step_over_force);
@@ -109,7 +109,7 @@ TEST(VirtualTool, GivesTheForceOfTheExactGodObjectAtAConvexEdge) {
     }
 }
 
-/// An object that moves takes its edges along: the same force, whose place is the edge's.
+/// A moving object carries its edges: the force is the same, at the edge's place.
 TEST(VirtualTool, FollowsTheEdgesOfAMovedObject) {
   const double e = 0.002, half = 0.03, depth = 0.005;
   const Vec3 slant = Vec3(1, 0, 1).normalized(), edge(half, 0.0007, 0.0);
@@ -152,7 +152,7 @@ TEST(VirtualTool, GivesTheSpringForceUpTo25Millimetres) {
     const double depth = -0.002 + n * 5e-5;
     const double force =
         rig.frame(Vec3(free.x(), free.y(), kBall - depth)).wrench(kStiffness).force.z();
-    EXPECT_GE(force, last - 1e-3 * last) << depth;  // never falls while the hand goes deeper
+    EXPECT_GE(force, last - 1e-3 * last) << depth;  // never falls while the hand moves deeper
     if (depth > 0.003) {
       EXPECT_NEAR(force / (kStiffness * depth), 1.0, 0.02) << depth;
     }
@@ -211,7 +211,7 @@ TEST(VirtualTool, EqualsTheHandInFreeSpace) {
          hand.orientation)
             .normalized();
     if ((hand.position - rig.frame(hand).tool.position).norm() > 0.0) {
-      // After a leap of the test's own the tool follows at its own pace.
+      // After a jump of the hand the tool follows at its own rate.
       for (int k = 0; k < 40; ++k)
         rig.frame(hand);
     }
@@ -266,7 +266,7 @@ TEST(VirtualTool, StiffnessNeverExceedsTheSpring) {
   EXPECT_LE(eigen.maxCoeff(), 1.0);
   EXPECT_NEAR(k(2, 2), kStiffness, 0.01 * kStiffness);
   EXPECT_NEAR(k(0, 0), 0.0, 0.01 * kStiffness);
-  // It is what the force does.
+  // It predicts the force.
   const double before = f.wrench(kStiffness).force.z();
   const double after =
       rig.frame(Vec3(1e-5 * 99, 0, kBall + 0.001 - 5e-5 * 99 - 1e-4)).wrench(kStiffness).force.z();
@@ -294,8 +294,8 @@ TEST(VirtualToolFriction, IsCoulombsOnAPlane) {
   EXPECT_LT(f.energy_per_path, 0.0);
 }
 
-/// A hand that pulls along the plane with less than mu N: the tool stands, bit-identically, for two
-/// seconds.
+/// A hand that pulls along the plane with less than mu N: the tool stays in place, bit-identically,
+/// for two seconds.
 TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   Rig rig(scene_mesh("tilted"), 0.002, ball_mesh());
   const Vec3 n = tilt() * Vec3::UnitZ(), t = tilt() * Vec3::UnitX();
@@ -310,7 +310,7 @@ TEST(VirtualToolFriction, SticksWithinTheConeAndDoesNotCreep) {
   const Vec3 sticking = rig.frame(hand, Quat::Identity(), 0.4).tool.position;
   for (int k = 0; k < 2000; ++k)
     ASSERT_EQ(rig.frame(hand, Quat::Identity(), 0.4).tool.position, sticking) << k;
-  EXPECT_LT(std::abs(sticking.dot(t)), 2e-4);  // it turned a little about the point that sticks
+  EXPECT_LT(std::abs(sticking.dot(t)), 2e-4);  // it has rotated slightly about the sticking point
   for (int k = 0; k < 60; ++k)
     rig.frame(hand + 1e-4 * k * t, Quat::Identity(), 0.4);  // 7.5 mm along: it slides
   const exact::VirtualToolFrame f = rig.frame(hand + 6e-3 * t, Quat::Identity(), 0.4);
@@ -330,8 +330,8 @@ TEST(VirtualToolFriction, OfZeroIsBitIdentical) {
   }
 }
 
-/// A square box of half width a on a plane: even pressure on its corners holds a turn by mu N r, r
-/// their distance from the middle.
+/// A square box of half width a on a plane: even pressure on its corners resists a rotation by mu N
+/// r, r their distance from the centre.
 TEST(VirtualToolFriction, HoldsARotationAboutTheNormal) {
   Rig rig(scene_mesh("plane"), 0.001, test::box_mesh(Vec3(0.012, 0.012, 0.008)));
   const double mu = 0.3, depth = 0.004;
@@ -347,11 +347,11 @@ TEST(VirtualToolFriction, HoldsARotationAboutTheNormal) {
   }
   const double push = f.wrench(kStiffness).force.z();
   EXPECT_NEAR(push, kStiffness * depth, 0.02 * kStiffness * depth);
-  const double arm = most / (mu * push);  // mean distance of the pushes from their middle
+  const double arm = most / (mu * push);  // mean distance of the contact forces from their centre
   std::printf("radius %.4f m\n", arm);
   EXPECT_GT(arm, 0.006 * 2.0 / 3.0);
   EXPECT_LT(arm, 0.006 * std::numbers::sqrt2 * 1.01);
-  EXPECT_GT(f.rotation.z(), 0.05);  // the tool stays behind by what friction holds, and no more
+  EXPECT_GT(f.rotation.z(), 0.05);  // the tool lags by what friction holds, and no more
   EXPECT_LT(f.rotation.z(), 0.7);
 }
 

@@ -57,7 +57,7 @@ class HapticLoop {
     }
     return position - start;
   }
-  /// Dry friction along x: it stops what it can stop.
+  /// Dry friction along x: it only stops.
   void rub(Vec3& force, double h) const {
     if (!(device_.friction_n > 0.0))
       return;
@@ -72,7 +72,7 @@ class HapticLoop {
   CouplingOutput out_;
 };
 
-/// A wall that pushes along +x where x < 0.
+/// A wall with force along +x for x < 0.
 inline CouplingInput wall(const Vec3& at, double k) {
   CouplingInput in;
   if (at.x() > 0.0)
@@ -83,7 +83,7 @@ inline CouplingInput wall(const Vec3& at, double k) {
   return in;
 }
 
-/// A frictionless cylinder about z, felt from outside (radius `r`) or from inside.
+/// A frictionless cylinder about z, touched from outside (radius `r`) or from inside.
 inline CouplingInput cylinder(const Vec3& at, double r, double k, bool inside = false) {
   CouplingInput in;
   const Vec3 radial(at.x(), at.y(), 0);

@@ -58,8 +58,8 @@ TEST(ToolMotion, WeighsAWindowOfDifferencesByItsFormula) {
   }
 }
 
-/// What one step of the encoder makes of v^, for as long as the window is; and v^ is a quarter of n
-/// ahead of what accelerates.
+/// Response of v^ to one encoder step over the window; and v^ leads an acceleration by a quarter of
+/// n.
 TEST(ToolMotion, WindowScalesAStepAndExtrapolates) {
   constexpr double kStep = 3e-5;
   for (int window = 1; window <= kMaxVelocityWindow; ++window) {
@@ -80,8 +80,8 @@ TEST(ToolMotion, WindowScalesAStepAndExtrapolates) {
   }
 }
 
-/// Where the positions are off by up to half a step, v^ is off by no more than the designer counts
-/// as noise; and by nearly as much where they are off as it bears least.
+/// With positions off by up to half a step, the error of v^ stays within the designer's noise
+/// bound, and nearly reaches it for the worst pattern.
 TEST(ToolMotion, EncoderNoiseStaysWithinItsBound) {
   constexpr double kStep = 3e-5;
   std::mt19937_64 random(5);
@@ -101,8 +101,7 @@ TEST(ToolMotion, EncoderNoiseStaysWithinItsBound) {
         worst = std::max(worst, (shown.velocity().linear - real.velocity().linear).norm());
     }
     EXPECT_LE(worst, most * (1 + 1e-9)) << hz << " " << window;
-    // Between two neighbouring positions: down where the window's weights are against it, and up
-    // again.
+    // Between two neighbouring positions: down against the window's weights, and up again.
     ToolMotion between(kT, hz, {}, window);
     double least = 0.0, highest = 0.0;
     for (int n = 0; n < 400; ++n) {
@@ -115,8 +114,8 @@ TEST(ToolMotion, EncoderNoiseStaysWithinItsBound) {
   }
 }
 
-/// A way of two periods, of a sample that was lost, is two differences: the window is no longer by
-/// it.
+/// A displacement of two periods, after a lost sample, counts as two differences: the window is not
+/// longer.
 TEST(ToolMotion, LostSamplesDoNotLengthenTheWindow) {
   ToolMotion motion(kT, 100, {}, 2);
   for (int n = 0; n < 60; ++n) {
@@ -148,7 +147,7 @@ TEST(ToolMotion, WindowBeginsAtRest) {
   }
 }
 
-/// Another window, or the filter, from the next sample on: of a steady motion both say the same.
+/// Another window, or the filter, from the next sample on: both agree for a steady motion.
 TEST(ToolMotion, WindowMayChangeDuringMotion) {
   ToolMotion motion(kT, 100, {});
   for (int n = 0; n < 300; ++n) {
@@ -178,7 +177,7 @@ TEST(ToolMotion, TakesTheShorterRotationForEitherSign) {
   }
 }
 
-/// A hand at 0.2 m/s whose samples come early, late, twice lost or with a clock that is no clock.
+/// A hand at 0.2 m/s with samples that are early, late, lost twice, or with an invalid clock.
 TEST(ToolMotion, UnevenAndBrokenPeriodsMakeNoSpike) {
   for (int window = 0; window <= kMaxVelocityWindow; ++window) {
     std::mt19937_64 random(3);
@@ -191,7 +190,7 @@ TEST(ToolMotion, UnevenAndBrokenPeriodsMakeNoSpike) {
         const double bad[] = {0.0, -1.0, kNan, 1e-9, -kT};
         displacement = kT, said = bad[static_cast<std::size_t>(5 * u(random))];
       } else if (u(random) < 0.01) {
-        displacement = said = 10.0;  // the loop stood still for ten seconds
+        displacement = said = 10.0;  // the loop was suspended for ten seconds
       }
       x += 0.2 * displacement;
       motion.step(at({x, 0, 0}), said);
@@ -249,7 +248,7 @@ TEST(ToolMotion, RestsAtExactlyZero) {
   }
 }
 
-/// A contact with one or two walls, held at a depth, felt through the direct coupling.
+/// A contact with one or two walls at a constant depth, displayed by the direct coupling.
 CouplingInput corner(const Vec3& force, double kx, double ky) {
   CouplingInput in;
   in.contact.force = force;
@@ -373,7 +372,7 @@ TEST(InjectedDamping, AddsAtMostItsRatioOfTheContactForce) {
       << "a torque's damper is not bounded";
 }
 
-/// A ForceCommand reports what the damper does to the force, and where it was cut.
+/// A ForceCommand reports the damper's effect on the force, and where it was cut.
 TEST(InjectedDamping, ReportsWhatItAddsAndWhereItIsBounded) {
   struct Case {
     double fraction, towards_m_per_s, adds_n;
@@ -426,8 +425,8 @@ TEST(InjectedDamping, ActsOnTheVelocityThatTheSpecNames) {
   }
 }
 
-/// Steps of an encoder, along each axis by itself: one is smoothed as the slow velocity smooths it,
-/// whichever way; of more the velocity that the spec names is off by the band and no more.
+/// Encoder steps along each axis: one is smoothed by the slow velocity, in either direction; for
+/// more, the velocity of the spec differs by the band at most.
 TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
   constexpr double kStep = 1e-4, kSlow = 10.0, kB = 2.0;
   const auto fraction = [](double hz) { return 1.0 - std::exp(-2.0 * std::numbers::pi * hz * kT); };
@@ -442,7 +441,7 @@ TEST(InjectedDamping, ActsOnASlowVelocityWithinABand) {
       for (int n = 0; n < 300; ++n)
         coupling.step(in, kT);
       in.tool.position -= steps * Vec3(kStep, 5.0 * kStep,
-                                       0);  // what steps along another axis is nothing to this one
+                                       0);  // steps along another axis have no effect on this one
       const double damped = std::abs(steps) > 1.0
                                 ? steps * fast * speed - std::copysign(fast * speed, steps)
                                 : steps * fraction(kSlow) * speed;

@@ -1,5 +1,5 @@
 #pragma once
-/// A law with its input policy as it runs, where a test asks for nothing else.
+/// A law with its input policy, for tests that need nothing else.
 #include "core/coupling/running_coupling.hpp"
 
 namespace voxtouch::coupling {

@@ -54,8 +54,8 @@ TEST(Passivity, CountsTheWorkOfATorque) {
   EXPECT_EQ(coupling.energy().translation_j(), 0.0);
 }
 
-/// Once round a frictionless cylinder at a constant depth, pushing with 2 N at 20 mm: nothing is
-/// lost or gained.
+/// Once around a frictionless cylinder at a constant depth, with 2 N at 20 mm: no energy is lost or
+/// gained.
 TEST(Passivity, LosslessCircleIsNotBraked) {
   const double radius = 0.02, k = 1000, depth = 0.002;
   RunningCoupling coupling(spec_with("direct", 1), {}, kT);
@@ -68,7 +68,7 @@ TEST(Passivity, LosslessCircleIsNotBraked) {
         (radius + 0.001 - in * (depth + 0.001)) * Vec3(std::cos(angle), std::sin(angle), 0);
     axes -= last.cwiseProduct(at - before);
     if (n == 200)
-      axes.setZero();  // what accounts of world axes would have on its accounts
+      axes.setZero();  // the accounts in world axes
     lowest = lowest.cwiseMin(axes);
     CouplingInput input = cylinder(at, radius, k);
     input.tool.position = at;
@@ -84,8 +84,8 @@ TEST(Passivity, LosslessCircleIsNotBraked) {
               1e3 * lowest.minCoeff(), 1e3 * coupling.counters().lowest_energy_j);
 }
 
-/// Inside a cylinder the filter's lag tau pushes along the motion with F tau v / R: active, and
-/// across the contact.
+/// Inside a cylinder the filter's lag tau gives a force along the motion of F tau v / R: active,
+/// and across the contact.
 TEST(Passivity, FindsTheEnergyOfFilterDelayOnAHollow) {
   const double radius = 0.02, speed = 0.1, force = 3, k = 1000;
   {
@@ -105,7 +105,8 @@ TEST(Passivity, FindsTheEnergyOfFilterDelayOnAHollow) {
     given = (begin - coupling.energy().tangential_j) / (2000 * kT);
     const double expected = force * lag_s(spec) * speed * speed / radius;
     EXPECT_NEAR(given, expected, 0.25 * expected);
-    // 4.5 mJ of the press, less F v^2 T / (2 R) a second: what a held force gives on a hollow way.
+    // 4.5 mJ of the press, less F v^2 T / (2 R) per second: energy from a constant force on a
+    // concave path.
     EXPECT_NEAR(coupling.energy().normal_j, 0.0045 - 3.5 * 0.00075, 1e-3)
         << "credit along the contact, which would hide it";
   }
@@ -136,7 +137,7 @@ TEST(Passivity, ForgetsCreditAsTheContactEndsAndDebtASecondLater) {
   EXPECT_NEAR(p.energy().normal_j, 1e-3, 1e-15);
 }
 
-/// An encoder hides part of the way: |E - true| <= q/2 times all changes of the force.
+/// An encoder hides part of the path: |E - true| <= q/2 times all changes of the force.
 TEST(Passivity, MatchesTheTrueEnergyUpToTheEncoder) {
   for (const double q : {1e-5, 1e-4}) {
     RunningCoupling coupling(spec_with("shaping_filter", 50), {8.5, 0}, kT);

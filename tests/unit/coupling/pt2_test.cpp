@@ -189,7 +189,7 @@ TEST(Pt2, ParametersMayChangeAtEverySample) {
                    d = std::pow(10.0, 3 * u(random) - 2);
       const double period = u(random) < 0.5 ? 2e-4 : 5e-3;
       ASSERT_TRUE(filter.design(w0, d, 1.0));
-      // The very first step sees the input's own jump from 0 to 1.
+      // The first step sees the input's jump from 0 to 1.
       const double before = n == 0 ? 1.0 : energy, y_before = y;
       y = filter.step(1.0, period);
       energy = (y - 1) * (y - 1) + filter.state().v * filter.state().v;
@@ -212,7 +212,7 @@ TEST(Pt2, SteadyErrorDoesNotGrowWithTheSteps) {
   EXPECT_LE(worst, 1e-14);
 }
 
-/// A minute after release the state is exactly zero, and a step costs what it always costs.
+/// A minute after release the state is exactly zero, and a step has its usual cost.
 TEST(Pt2, ReleasesToExactlyZeroAndNeverComputesWithDenormals) {
   for (const double gain : {1.0, 0.01, 1000.0}) {
     coupling_models::Pt2 filter(31.41592653589793, 1.0, gain);

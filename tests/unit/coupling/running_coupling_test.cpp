@@ -31,7 +31,7 @@ CouplingInput push(const Vec3& force, const Vec3& torque = Vec3::Zero(), double 
 }
 constexpr const char* kKinds[] = {"shaping_filter", "spring_damper", "direct"};
 
-/// What a law makes of a sample that neither policy nor limits change.
+/// A law's result for a sample that neither policy nor limits change.
 Wrench step_alone(std::variant<DirectCoupling, ShapingFilter, SpringDamper>& law,
                   const CouplingInput& in, double dt_s) {
   if (ShapingFilter* filter = std::get_if<ShapingFilter>(&law))
@@ -111,8 +111,8 @@ TEST(RunningCoupling, HoldsAnInvalidContactForTenPeriodsThenFades) {
   }
 }
 
-/// Pressed at rest, everything is changed at random every 7 ms, the kind too: no step of the force
-/// above what the ramps give.
+/// Pressed at rest, all parameters change at random every 7 ms, including the kind: no force step
+/// above that of the ramps.
 TEST(RunningCoupling, RedesignsWhileInContactWithoutAJump) {
   std::mt19937_64 random(8);
   std::uniform_real_distribution<double> u(0, 1);
@@ -139,8 +139,8 @@ TEST(RunningCoupling, RedesignsWhileInContactWithoutAJump) {
       steepest = std::max(steepest, std::abs(now - before));
       before = now;
     }
-    // 4 N of cap over 200 ms are 20 mN a period, from half-way on another course; the filter's
-    // swing does the rest.
+    // 4 N of cap over 200 ms are 20 mN per period, half-way in another direction; the filter's
+    // oscillation adds the rest.
     EXPECT_LE(steepest, kinds ? 0.12 : 0.06) << kinds;
     EXPECT_GT(steepest, 0.005);
   }
@@ -190,9 +190,9 @@ TEST(RunningCoupling, DampingChangesOverItsRamp) {
     EXPECT_NEAR(moving(), 4 + std::min(n / 20.0, 1.0), 1e-6) << n;
 }
 
-/// Any bits in any field: finite and within the limits, for every kind with everything on.
-/// A weight that is lowered gives what lifting it has stored: no fault of the coupling's, where it
-/// is reported so.
+/// Random bits in any field: finite and within the limits, for every kind with everything on.
+/// Lowering a weight returns the energy stored by lifting it: not a fault of the coupling if it is
+/// reported.
 TEST(RunningCoupling, CountsNoDebtForPotentialEnergy) {
   for (const bool reported : {true, false}) {
     CouplingSpec spec = spec_of("direct");
@@ -226,8 +226,7 @@ TEST(RunningCoupling, AssumesAtMostTheLargestForce) {
   EXPECT_LT(running.step(in, kT).energy_j, 1e-9) << "what was supplied before it began is not its";
 }
 
-/// What the bound of the observer's energy is made of: the largest force, and the longest way that
-/// a force has worked on.
+/// Inputs of the observer's energy bound: the largest force, and the longest path under force.
 TEST(RunningCoupling, TracksLargestForceAndLongestPathUnderForce) {
   RunningCoupling running(spec_of("direct"), {}, kT);
   CouplingInput in = push(Vec3::Zero(), Vec3::Zero(), 0);
@@ -280,7 +279,7 @@ TEST(RunningCoupling, IsFiniteAndWithinTheLimitsForAnyInput) {
       RunningCoupling running(spec, limits, kT);
       CouplingInput in;
       for (int n = 0; n < 23'000; ++n) {
-        // 50 numbers a sample; some samples keep most of the last one, so that states get to run.
+        // 50 numbers per sample; some samples keep most of the last one, so that states evolve.
         const bool all = random() % 4 == 0;
         const auto maybe = [&](double& x) {
           if (all || random() % 16 == 0)

@@ -31,7 +31,7 @@ CouplingInput push(const Vec3& force, const Vec3& torque = Vec3::Zero(), double 
 }
 const CouplingInput kFree{};
 
-/// A filter that has seen free space, so that nothing is faded in.
+/// A filter after free space, so that nothing fades in.
 LawAlone running(const CouplingSpec& spec, const CouplingLimits& limits = {}) {
   LawAlone filter(spec, limits, kT);
   filter.step(kFree, kT);
@@ -190,8 +190,7 @@ TEST(ShapingFilter, FadesInIfItStartsInContact) {
     last = out;
   }
   EXPECT_NEAR(out.force.x(), 4, 1e-6);
-  // After free space a contact begins at depth zero by itself: a ramp would only let the tool sink
-  // in.
+  // After free space a contact begins at depth zero: a ramp would only let the tool move in.
   LawAlone hit(filter_spec(100, 0.7), {}, kT);
   for (int n = 0; n < 5; ++n)
     EXPECT_TRUE(hit.step(kFree, kT).zero());
@@ -245,8 +244,8 @@ TEST(ShapingFilter, ForgetsTheLastInputOnReset) {
     EXPECT_LE(filter.step(push({kNan, 0, 0}), kT).force.norm(), 1.01) << "fades to nothing";
 }
 
-/// Bad periods, gaps, clock steps back and NaN inputs in any order: bounded by twice what a rested
-/// contact gives.
+/// Bad periods, gaps, clock steps back and NaN inputs in any order: bounded by twice the value of a
+/// contact at rest.
 TEST(ShapingFilter, AnyClockAtMostDoublesTheInput) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> u(0, 1);

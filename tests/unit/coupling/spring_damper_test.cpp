@@ -63,7 +63,7 @@ TEST(SpringDamper, GivesNothingInFreeSpaceWhileTheObjectSwingsBack) {
   EXPECT_EQ(coupling.object_offset(), Vec3::Zero().eval()) << "no denormals left";
 }
 
-/// Whatever the contact does, the coupling pushes along it, no harder than it, and never pulls.
+/// For any contact, the coupling acts along it, with at most its force, and never pulls.
 TEST(SpringDamper, NeverPullsAndNeverPushesHarderThanTheContact) {
   std::mt19937_64 random(21);
   std::uniform_real_distribution<double> u(-1, 1);
@@ -85,7 +85,7 @@ TEST(SpringDamper, NeverPullsAndNeverPushesHarderThanTheContact) {
   }
 }
 
-/// The law has no corner that a small change of the contact could turn into a step.
+/// The law has no discontinuity for small changes of the contact.
 TEST(SpringDamper, IsContinuousInTheContact) {
   std::mt19937_64 random(22);
   std::uniform_real_distribution<double> u(-1, 1);

@@ -15,14 +15,14 @@ namespace stiffness_scale_test {
 constexpr double kT = 1e-3;
 const double kInf = std::numeric_limits<double>::infinity();
 
-/// A shell point that pushes along `u`, `depth` deep, at `arm` from the tool's origin.
+/// A shell point with a force along `u`, `depth` deep, at `arm` from the tool's origin.
 struct Point {
   Vec3 arm, u;
   double depth;
 };
 
-/// What the contact models say of such points once the tool has moved by `shift`: wrench, bound and
-/// matrix, k for each point.
+/// Results of the contact models for such points after the tool has moved by `shift`: wrench, bound
+/// and matrix, k for each point.
 CouplingInput contact_of(const std::vector<Point>& points, double k,
                          const Vec3& shift = Vec3::Zero()) {
   CouplingInput in;
@@ -159,8 +159,8 @@ TEST(StiffnessScale, PlateOfTenThousandPointsDisplaysTheCap) {
   }
 }
 
-/// Points of a plate come in any order; a grid of dyadic numbers sums up exactly, and then the cap
-/// has bit-identical results too.
+/// Points of a plate in any order; a grid of dyadic numbers has exact sums, so the cap must give
+/// bit-identical results.
 TEST(StiffnessScale, PermutedPointsAreBitIdentical) {
   std::vector<Point> plate;
   for (int i = 0; i < 50; ++i)

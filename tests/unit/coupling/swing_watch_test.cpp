@@ -41,9 +41,8 @@ TEST(SwingWatch, FindsATooSlowFilter) {
   EXPECT_NEAR(c.swing.frequency_hz, 4.2, 0.5);
 }
 
-/// Steady cycles whose force leads the motion by `lead_rad`, so that the coupling gives energy
-/// where it is above 0. From cycle to cycle the size grows by `growth` and the frequency by
-/// `faster`.
+/// Steady cycles with the force leading the motion by `lead_rad`, so that the coupling gives energy
+/// if it is above 0. From cycle to cycle the size grows by `growth` and the frequency by `faster`.
 SwingWatch cycles(double hz, double motion_m, double force_n, double lead_rad, double growth,
                   double seconds, double faster = 1.0) {
   SwingWatch watch({.resolution_m = 1e-5,
@@ -79,13 +78,13 @@ TEST(SwingWatch, FindsForceThatGrowsOverThreePeriods) {
   EXPECT_FALSE(cycles(7.0, 1e-3, 0.5, -0.3, 1.3, 1.5).growing()) << "the hand's work";
 }
 
-/// As over a texture, whose waves pass faster and push harder while the hand speeds up.
+/// As over a texture whose waves pass faster and harder while the hand accelerates.
 TEST(SwingWatch, GrowthNeedsCyclesOfAlikePeriod) {
   EXPECT_FALSE(cycles(3.0, 1e-3, 0.5, 0.1, 1.3, 1.0, 1.5).growing());
   EXPECT_TRUE(cycles(3.0, 1e-3, 0.5, 0.1, 1.3, 2.0, 1.1).growing());
 }
 
-/// Tremor and strokes: the hand puts in what the coupling takes.
+/// Tremor and strokes: the hand supplies what the coupling dissipates.
 TEST(SwingWatch, IsSilentIfTheHandMovesTheTool) {
   for (const double hz : {1.5, 3.0, 8.0, 10.0, 12.0}) {
     const SwingWatch watch = cycles(hz, 1e-3, 0.5, -0.2, 1.0, 4.0);
@@ -99,8 +98,8 @@ TEST(SwingWatch, CountsNoBounceOfTheEncoderAndNoDecay) {
   EXPECT_EQ(cycles(7.0, 1e-3, 0.5, 0.1, 0.9, 3.0).largest().swings, 0U);
 }
 
-/// A device of 0.2 kg between two walls of 1000 N/m, 0.5 mm apart, whose force comes 5 ms late.
-/// Nobody holds it.
+/// A released device of 0.2 kg between two walls of 1000 N/m, 0.5 mm apart, with a force delay of 5
+/// ms.
 TEST(SwingWatch, FindsAToolThatBouncesBetweenTwoWalls) {
   constexpr double kMassKg = 0.2, kWall = 1000.0, kGapM = 5e-4, kLateS = 5e-3;
   SwingWatch watch({.resolution_m = 1e-6,
@@ -136,7 +135,7 @@ TEST(SwingWatch, FindsAToolThatBouncesBetweenTwoWalls) {
   EXPECT_NEAR(swing.force_n, 8.0, 0.1) << "from one wall's push to the other's";
 }
 
-/// Over waves the contact gives the hand back along the wall what it took across.
+/// Over waves the contact returns along the wall what it took across it.
 TEST(SwingWatch, IsSilentOverATexture) {
   SwingWatch watch({.resolution_m = 1e-6,
                     .max_force_n = 10.0,

@@ -87,7 +87,7 @@ TEST(AbsoluteStability, CertifiesOnTheSlowVelocityToo) {
   EXPECT_LT(linear_limits(request, design.spec)[0], linear_limits(request, fast)[0]);
 }
 
-/// Every case on its own, at its own limit: nothing above it is certified, and 0.99 of it is.
+/// Every case at its own limit: nothing above it is certified, and 0.99 of it is.
 TEST(AbsoluteStability, ReachesTheLinearLimitOfEachCaseAndNoMore) {
   int cases = 0, reached = 0;
   for (std::uint64_t i = 0; i < 12; ++i) {
@@ -122,7 +122,7 @@ TEST(AbsoluteStability, ReachesTheLinearLimitOfEachCaseAndNoMore) {
   EXPECT_GE(reached, 0.98 * cases) << "of " << cases;
 }
 
-/// Dampers without a bound, so that the linear certificate is of the same loops.
+/// Unbounded dampers, so that the linear certificate covers the same loops.
 TEST(AbsoluteStability, StaysBelowTheFirstUnstableLoop) {
   const DesignProblem request = as_scenes_ask(sim_stylus());
   const Design design = design_coupling(request);

@@ -1,4 +1,4 @@
-/// A small, fixed part of what tests/experiments/coupling_campaign does at length.
+/// A small, fixed part of tests/experiments/coupling_campaign.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -34,10 +34,11 @@ double unstable_ratio(PhaseResult& result, const std::string& kind) {
   return static_cast<double>(t.unstable) / static_cast<double>(t.runs);
 }
 
-/// At 1.9 times the promise a bounded damper may be too little in a large swing, which has a margin
-/// of 1.5: that row is reported only. At its promise. What is left of a bounded damper in a large
-/// swing is a describing function's estimate: at 1.4 times the promise, at the slowest timing, one
-/// of these designs swings on, whose share is above the standard one.
+/// At 1.9 times the certified stiffness a bounded damper may not suffice for a large oscillation,
+/// which has a margin of 1.5: that row is only reported. The residual damping of a bounded damper
+/// in a large oscillation is a describing-function estimate. At 1.4 times the certified stiffness,
+/// at the slowest timing, one of these designs with a ratio above the standard one keeps
+/// oscillating.
 TEST(Campaign, NoDesignBecomesUnstable) {
   PhaseResult result = design_phase(sample(75));
   std::erase_if(result.failures,
@@ -52,8 +53,8 @@ TEST(Campaign, NoDesignBecomesUnstable) {
   EXPECT_GT(runs, 280u);
 }
 
-/// 17 kg, 84 Ns/m and an encoder whose steps are pulses of some tenths of a newton, where the law
-/// gives 0.04 N: cut to 0.05 N they damp no more.
+/// 17 kg, 84 Ns/m and an encoder whose steps cause pulses of some tenths of a newton, while the law
+/// gives 0.04 N: cut to 0.05 N they still damp.
 TEST(Campaign, ACoarseEncodersDamperStillDampsALightContact) {
   Options options = sample(1);
   options.seed = 1, options.first = 2327;
@@ -68,10 +69,10 @@ TEST(Campaign, FindsTooStiffDesigns) {
   EXPECT_GT(design_phase(options).failures.size(), 12u);
 }
 
-/// The margin of 2 is a linear one; a swing that leaves the contact has 1.5, and so has one within
-/// the encoder's steps, which a slower velocity damps. What is kept back beyond it, at the timing
-/// that the promise is for, is conservatism; at the nominal timing the room for jitter and lost
-/// samples is in the figure too.
+/// The margin of 2 is a linear one; an oscillation that leaves the contact has 1.5, and so has one
+/// within the encoder's steps, which the slow velocity damps. Excess beyond it, at the certified
+/// timing, is conservatism; at the nominal timing the figure also includes the allowance for jitter
+/// and lost samples.
 TEST(Campaign, CertificatesKeepTheirMarginInSimulation) {
   Options options = sample(24);
   options.limits = 16;

@@ -34,7 +34,7 @@ double impulse(double d, double t) {
 
 TEST(FilterShape, ClosedFormsEqualBruteForceIntegration) {
   for (const double d : kRatios) {
-    // Simpson over pieces that end where h changes its sign.
+    // Simpson over pieces that end at sign changes of h.
     const double wave = d < 0.9 ? std::numbers::pi / std::sqrt(1.0 - d * d) : 1.0;
     const double end = 40.0 * (d < 1.0 ? 1.0 / d : 2.0 * d);
     double overshoot = 0.0, lag = 0.0;
@@ -110,14 +110,15 @@ TEST(FilterShape, BoundForVeryLongResponsesLiesAboveTheSums) {
 }
 
 LoopTiming ideal(double period_s, double delay_s) {
-  return {.period_s = period_s, .delay_s = delay_s, .jitter = 0.0, .lost_in_a_row = 0};
+  return {.period_s = period_s, .delay_s = delay_s, .jitter = 0.0, .consecutive_losses = 0};
 }
 
 TEST(RuleP, IsTheFormula) {
   // 50 Hz, d = 1: taps never negative, so everything is known. K k {1.2 * 2/w0 + td + ta + 1.5
   // * 1.2 T} = b.
   const double w0 = 100.0 * std::numbers::pi;
-  const LoopTiming timing{.period_s = 1e-3, .delay_s = 1.5e-3, .jitter = 0.2, .lost_in_a_row = 1};
+  const LoopTiming timing{
+      .period_s = 1e-3, .delay_s = 1.5e-3, .jitter = 0.2, .consecutive_losses = 1};
   const double lag = 1.2 * 2.0 / w0 + 1.5e-3 + 0.5e-3 + 1.5 * 1.2e-3;
   EXPECT_NEAR(passive_stiffness_filter(w0, 1.0, 0.5, timing, 0.5e-3), 0.5 / lag, 1e-9);
   EXPECT_NEAR(passive_stiffness_filter(kInfinity, 0.3, 0.5, timing, 0.5e-3),
@@ -152,7 +153,7 @@ TEST(RuleP, NeverExceedsTheLimitOfAnyPassiveHand) {
                                                      ideal(p.period_s, p.delay_s), p.effort_lag_s) /
                      limit);
     LoopTiming timing = ideal(p.period_s, p.delay_s);
-    timing.jitter = 0.2, timing.lost_in_a_row = 2;
+    timing.jitter = 0.2, timing.consecutive_losses = 2;
     lossy.push_back(passive_stiffness_filter(c.w0_rad_per_s, c.damping_ratio, p.damping, timing,
                                              p.effort_lag_s) /
                     limit);
@@ -180,7 +181,7 @@ TEST(LinearPassive, EqualsTheReference) {
     const double expected = c["k_any_passive_human"];
     const double found = linear_passive_stiffness_filter(c["w0"], c["d"], c["b"],
                                                          ideal(c["T"], c["delay"]), c["force_lag"]);
-    // The reference's own search is up to 1.6e-4 low where the largest lag is that at standstill.
+    // The reference's search is up to 1.6e-4 low if the largest lag is that at standstill.
     EXPECT_NEAR(found / expected, 1.0, 2e-4) << c["note"];
     worst = std::max(worst, std::abs(found / expected - 1.0));
     ++rows;

@@ -119,7 +119,7 @@ TEST(CriticalStiffness, EqualsTheTableOfDevicesHandsAndFilters) {
       if (column < 9)
         c = {.w0_rad_per_s = columns[column].hz * kHz, .damping_ratio = columns[column].d};
       const Rounded expected(rows[row].limits[column]);
-      // One entry, 84.48, stands as 85 in the table: rounded twice.
+      // One entry, 84.48, is printed as 85 in the table: rounded twice.
       const double twice = row == 1 && column == 7 ? 0.05 : 0.0;
       EXPECT_NEAR(critical_stiffness(rows[row].plant, c).stiffness, expected.value,
                   expected.half + twice)
@@ -162,8 +162,8 @@ TEST(CriticalStiffness, LoopsAreStableBelowItAndUnstableAbove) {
     const double limit = critical_stiffness(loop.plant, loop.controller).stiffness;
     ASSERT_GT(limit, 0.0) << "seed " << seed << " loop " << i;
     const double top = std::isfinite(limit) ? limit : 1e8;
-    // A nearly undamped loop grows by less than the eigenvalues' rounding where it is a millionth
-    // off its limit, and decays by less next to 0.
+    // A nearly undamped loop grows by less than the eigenvalues' rounding a millionth off its
+    // limit, and decays by less near 0.
     for (const double fraction :
          {1e-5, 1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.99, 1.0 - 1e-6})
       ASSERT_LT(spectral_radius(loop.plant, loop.controller, fraction * top),
@@ -210,7 +210,7 @@ TEST(CriticalStiffness, DampedSpringDamperToleratesAnyContact) {
   const double limit = critical_stiffness(p, stiff).stiffness;
   EXPECT_LT(spectral_radius(p, stiff, 0.999 * limit), 1.0);
   EXPECT_GT(spectral_radius(p, stiff, 1.001 * limit), 1.0);
-  // What reaches the hand is two springs in a row: without a damper the same limit as of the bare
+  // Two springs in series act on the hand: without a damper the limit equals that of the bare
   // spring.
   stiff.damping = 0.0;
   const double k = critical_stiffness(p, stiff).stiffness,
@@ -231,8 +231,7 @@ TEST(CriticalStiffness, UndampedHandsFollowTheirEigenvalue) {
         ++(moves_in ? stable : unstable);
         if (!moves_in)
           continue;
-        // The hair of damping that the search works with shifts the limit by a millionth where the
-        // margin is thin.
+        // The small damping that the search uses shifts the limit by a millionth for thin margins.
         EXPECT_LT(spectral_radius(p, c, (1.0 - 1e-4) * limit), 1.0)
             << hold << " " << delay << " " << hz;
         EXPECT_GT(spectral_radius(p, c, (1.0 + 1e-4) * limit), 1.0)
@@ -247,8 +246,7 @@ TEST(CriticalStiffness, UndampedHandsFollowTheirEigenvalue) {
 }
 
 TEST(CriticalStiffness, AdjacentNarrowResonancesAreBothFound) {
-  // Each turns L by half a circle within a width far below a step; together they turn it back to
-  // where it was.
+  // Each rotates L by 180 degrees within a width far below a step; together they cancel.
   for (double ratio = 1.01; ratio < 1.3; ratio += 0.03) {
     for (const double w0 : {20.0, 45.0, 90.0, 170.0}) {
       const LoopPlant p{

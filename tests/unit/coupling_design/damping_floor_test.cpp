@@ -1,4 +1,4 @@
-// How a loop comes to rest, against closed forms; and what floors of the damping ratio cost.
+// How a loop comes to rest, compared with closed forms; and the cost of minimum damping ratios.
 #include "core/coupling/design/damping_floor.hpp"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,7 @@ TEST(DominantMode, IsTheDampingRatioOfMassSpringAndDamper) {
     const double m = 0.1, k = 400.0, b = 2.0 * ratio * std::sqrt(m * k);
     LoopPlant plant{.mass = m, .damping = b, .period_s = 1e-6};
     EXPECT_NEAR(slowest_damping_ratio(plant, direct(), k), ratio, 1e-3);
-    plant.hand_stiffness = 0.5 * k;  // hand and wall share the spring
+    plant.hand_stiffness = 0.5 * k;  // hand and wall divide the spring
     EXPECT_NEAR(slowest_damping_ratio(plant, direct(), 0.5 * k), ratio, 1e-3);
   }
 }
@@ -102,12 +102,12 @@ TEST(MinimumDampingRatio, WinsOverStiffnessAndReportsItsCost) {
   EXPECT_GE(damped.translation.gain_margin, 2.0 - 1e-9) << "with the certificates of any design";
   EXPECT_EQ(damped.status, DesignStatus::kStiffnessReduced);
   ASSERT_FALSE(damped.reasons.empty());
-  EXPECT_NE(damped.reasons.front().find("gripped 0.3); damping_floor: 0"), std::string::npos)
+  EXPECT_NE(damped.reasons.front().find("gripped 0.3); min_damping_ratio: 0"), std::string::npos)
       << damped.reasons.front();
 }
 
-/// Damping and stiffness are looked for together: with the damping of the design without floors
-/// less than half would be left.
+/// Damping and stiffness are searched together: with the damping of the design without minima less
+/// than half would be left.
 TEST(MinimumDampingRatio, IsReachedByDampingBeforeStiffness) {
   const DesignProblem request = arm(12, 4000);
   const Design before = without_floors(request), damped = design_coupling(request);
@@ -158,7 +158,7 @@ TEST(MinimumDampingRatio, NamesTheForbiddingHandAndSparesTheOthers) {
   EXPECT_GE(damped.swing.released, 0.1);
 }
 
-/// Where the floor is out of reach for one hand, none is asked for it.
+/// If one hand cannot reach the minimum, it is not required.
 TEST(MinimumDampingRatio, IsDroppedForOtherHandsIfOneForbidsIt) {
   DesignProblem request = stylus();
   std::vector<AxisProblem> problems = axis_problems(request);
@@ -167,7 +167,7 @@ TEST(MinimumDampingRatio, IsDroppedForOtherHandsIfOneForbidsIt) {
     EXPECT_EQ(one.least_damping_ratio, one.held ? 0.0 : 0.1) << describe(one, kTranslationUnits);
 }
 
-/// The floors of rotation are asked for by themselves.
+/// The minimum of rotation is requested separately.
 TEST(MinimumDampingRatio, IsOfTranslationUnlessRotationHasItsOwn) {
   DesignProblem request = testing::sim_arm();
   request.goals.floors = {};
@@ -203,8 +203,8 @@ TEST(MinimumDampingRatio, IsFoundBetweenTooLittleDampingAndTooMuch) {
   EXPECT_GT(damped.translation.displayed_stiffness, 200.0);
 }
 
-/// Whatever device, hand and wish: a design that was useful stays so, and what is called kept is
-/// kept by every hand that does not forbid it.
+/// For any device, hand and request: a useful design stays useful, and a minimum reported as kept
+/// holds for every hand that permits it.
 TEST(MinimumDampingRatio, IsNotBoughtWithAllUsefulStiffness) {
   testing::Random random(11);
   int cost = 0;
@@ -229,7 +229,7 @@ TEST(MinimumDampingRatio, IsNotBoughtWithAllUsefulStiffness) {
   EXPECT_GT(cost, 5);
 }
 
-/// Of a hand of which only passivity is known, no damping ratio can be reported.
+/// No damping ratio can be stated for any passive hand.
 TEST(MinimumDampingRatio, DoesNotApplyToAnyPassiveHand) {
   DesignProblem request = arm(12, 4000);
   request.hand.translation = {.any_passive = true};
@@ -238,7 +238,7 @@ TEST(MinimumDampingRatio, DoesNotApplyToAnyPassiveHand) {
   EXPECT_EQ(damped.floors.cost_n_per_m, 0.0);
 }
 
-/// What a bounded damper leaves of its damping in a swing that leaves the contact, integrated.
+/// The residual damping of a bounded damper in an oscillation that leaves the contact, integrated.
 TEST(BoundedDamper, KeepsItsResidualDampingInLargeMotion) {
   const auto left = [](const Complex& ratio, double fraction) {
     double ahead = 0.0;
@@ -261,8 +261,8 @@ TEST(BoundedDamper, KeepsItsResidualDampingInLargeMotion) {
   EXPECT_EQ(residual_damping({0.5, -0.1}, 0.45), 1.0) << "one that drives has nothing to lose";
 }
 
-/// Stable at the margin with the full damper and with each part of it that may be left; more
-/// stiffness where the damper is not bounded.
+/// Stable at the margin with the full damper and with each residual part; more stiffness without a
+/// bound.
 TEST(BoundedDamper, IsCertifiedWithItsBoundAndInTheTable) {
   DesignProblem request = arm(12, 4000);
   request.goals.floors = {0.0, 0.0}, request.goals.damping_force_ratio = kDefaultDampingForceRatio;
@@ -288,8 +288,7 @@ TEST(BoundedDamper, IsCertifiedWithItsBoundAndInTheTable) {
   EXPECT_EQ(design_coupling(request).spec.damping_force_ratio, 0.0);
 }
 
-/// One that was asked for is given up where, with the filter's lag, less than two thirds would be
-/// left.
+/// A requested damper is dropped if, with the filter's lag, less than two thirds would be left.
 TEST(BoundedDamper, RequestedRatioCostsAtMostAThirdOfStiffness) {
   testing::Random random(12);
   int kept = 0, given_up = 0;
@@ -315,9 +314,9 @@ TEST(BoundedDamper, RequestedRatioCostsAtMostAThirdOfStiffness) {
   EXPECT_GT(given_up, 0);
 }
 
-/// The standard share if it leaves two thirds, a larger one only where the smaller ones leave less
-/// than nine tenths, and none only after all were tried. The reasons say what the fraction that was
-/// taken gives, what the standard one would and what none would.
+/// The standard ratio if it leaves two thirds; a larger one only if the smaller ones leave less
+/// than nine tenths; none only after all were tried. The reasons state the result of the chosen
+/// ratio, of the standard one and of none.
 TEST(BoundedDamper, HasTheSmallestSufficientRatio) {
   testing::Random random(12);
   std::map<double, int> taken;

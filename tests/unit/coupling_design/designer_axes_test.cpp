@@ -47,7 +47,7 @@ TEST(ForceAndTorque, WithoutCapsTogetherMayBeTwiceAsStiff) {
   const Design free = judge_coupling(r, spec);
   EXPECT_NEAR(2.0 * free.translation.gain_margin, capped.translation.gain_margin, 1e-9);
   EXPECT_NEAR(2.0 * free.rotation.gain_margin, capped.rotation.gain_margin, 1e-9);
-  // Where that factor comes from: one point with an arm has all of both bounds, and both at once.
+  // Source of that factor: one point with an arm has both bounds at once.
   const Eigen::Vector2d along(1.0, 0.1);
   const Eigen::Matrix2d k = 100.0 * along * along.transpose();
   const Eigen::Vector2d scale(1.0 / std::sqrt(k(0, 0)), 1.0 / std::sqrt(k(1, 1)));
@@ -114,7 +114,7 @@ TEST(Design, ReportsTheMaximumApproachSpeed) {
   r.goals.force_layer_depth_m = 0.004;
   const Design d = designed(r);
   // Slowest timing, heaviest hand on the heaviest device; M/B of the released one is the shorter
-  // way to stop.
+  // stopping distance.
   const double tau = d.lag_s + 0.6e-3 + (2e-3 + 2.2e-3) + 3e-3;
   double stop = 0.0;
   const AxisProblem problem = axis_problems(r)[0];

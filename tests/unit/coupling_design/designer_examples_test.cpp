@@ -24,7 +24,7 @@ TEST(PublishedExample, FreeUndampedStylusIsInfeasible) {
   EXPECT_EQ(d.status, DesignStatus::kInfeasible);
   EXPECT_NEAR(d.translation.displayed_stiffness, 0.38, 0.005);
   // The published 13 Ns/m scale this result to 1000 N/m: the limit for a linear contact. Rule P,
-  // which also covers contacts that only push, asks for more.
+  // which also covers unilateral contacts, requires more.
   EXPECT_NEAR(r.device.translation.damping * 1000.0 / d.translation.displayed_stiffness, 13.0, 0.5);
   EXPECT_GT(d.translation.damping_required_any_cutoff, 13.0);
   EXPECT_LT(d.translation.damping_required_any_cutoff, 20.0);
@@ -75,8 +75,8 @@ TEST(PublishedExample, LightlyDampedRobotGetsDamping) {
   EXPECT_EQ(d.status, DesignStatus::kDampingAdded);
   EXPECT_EQ(d.spec.cutoff_hz, 80.0);
   EXPECT_EQ(d.spec.gain, 1.0);
-  // Published: 35 Ns/m, half of what the noise of 200 N allows behind 200 Hz. It is certified here
-  // too; three tenths of what is allowed behind 100 Hz, which is less, hold as well.
+  // Published: 35 Ns/m, half of what the noise of 200 N permits at 200 Hz. It is certified here
+  // too; three tenths of the value permitted at 100 Hz, which is less, are certified as well.
   EXPECT_GE(margin_of(robot(2.0, 10.0, 10.0), 80.0, 0.577, 34.95, 200.0, 2000.0), 2.0);
   EXPECT_NEAR(d.spec.injected_damping_ns_per_m, 32.2, 0.1);
   EXPECT_EQ(d.spec.velocity_filter_hz, 100.0);
@@ -88,8 +88,8 @@ TEST(PublishedExample, LightlyDampedRobotGetsDamping) {
 TEST(Stylus, VelocityWindowsRaiseItsStiffness) {
   DesignProblem r = stylus();
   r.device.translation.inertia_min = r.device.translation.inertia_max = 0.045;
-  r.device.timing.lost_in_a_row = 1;
-  r.goals = {}, r.goals.free_cap = true;  // as a scene that asks for nothing
+  r.device.timing.consecutive_losses = 1;
+  r.goals = {}, r.goals.free_cap = true;  // as a scene without goals
   const Design d = designed(r);
   EXPECT_EQ(d.spec.kind, "direct");
   EXPECT_GE(d.translation.displayed_stiffness, 650.0);

@@ -1,5 +1,5 @@
-// The other kinds of coupling, the choice among them, limit cycles, and the table that the search
-// looks up.
+// The other kinds of coupling, the choice among them, limit cycles, and the table used by the
+// search.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -31,8 +31,8 @@ TEST(LimitCycle, IsRemovedByFrictionOnly) {
 }
 
 TEST(LimitCycle, TheNormIsReachedByTheWorstErrors) {
-  // A constant error q moves a held device by q K k / (k_h + K k) in the end: the sum of the
-  // response without its signs' help.
+  // A constant error q finally moves a gripped device by q K k / (k_h + K k): the sum of the signed
+  // response.
   LoopPlant p{.mass = 0.1,
               .damping = 0.5,
               .hand_mass = 0.05,
@@ -123,8 +123,8 @@ TEST(Auto, KeepsTheFilterUnlessAnotherShowsATenthMore) {
   EXPECT_NE(best.spec.kind, "shaping_filter");
 }
 
-/// Between a tenth and half as much again: direct. The simulated stylus as a virtual tool asks for
-/// it, 518 N/m for 371.
+/// Between a tenth and half more: direct. The simulated stylus with a virtual tool requests it, 518
+/// N/m for 371.
 TEST(Auto, KeepsTheFilterUnlessDroppingItGainsHalf) {
   DesignProblem r = sim_stylus();
   r.goals = DesignGoals{};
@@ -171,8 +171,8 @@ TEST(LoopTable, IsWithinAPercentOfTheExactLimit) {
   std::printf("worst %.2g\n", worst);
 }
 
-/// It looks only where a step may cross the real axis with the damping asked for. Damping that
-/// stands in the law instead is looked at in every step.
+/// It tests only steps that may cross the real axis with the requested damping. Damping inside the
+/// law is tested in every step.
 TEST(LoopTable, MissesNoCrossingThatDampingMoves) {
   Random random(6);
   int differ = 0;
@@ -209,8 +209,8 @@ TEST(LoopTable, MissesNoCrossingThatDampingMoves) {
   EXPECT_EQ(differ, 0);
 }
 
-/// What the searches of a design share answers as a table that remembers nothing, in whatever order
-/// they ask.
+/// The common tables of a design's searches return the same values as a table without memory, in
+/// any order of queries.
 TEST(FilterTable, QueriesAreIndependent) {
   DesignProblem r = stylus();
   r.goals.damping_force_ratio = kDefaultDampingForceRatio;
@@ -245,9 +245,9 @@ TEST(FilterTable, QueriesAreIndependent) {
   }
 }
 
-/// Where the table says that the target is reached and the exact look denies it, the stiffest is
-/// looked for among the table's own numbers all the same, and none that is only known to be too
-/// little is taken for one: 627 N/m, where 556 N/m were taken.
+/// If the table claims that the target is reached and the exact evaluation does not confirm it, the
+/// stiffest setting is still searched among the table's entries. Entries that are only known to be
+/// too low are not used: 627 N/m instead of 556 N/m.
 TEST(FilterSearch, FindsTheStiffestIfTheTableIsWrong) {
   Random random(4712);
   DesignProblem r;
@@ -258,8 +258,8 @@ TEST(FilterSearch, FindsTheStiffestIfTheTableIsWrong) {
   EXPECT_NEAR(designed(r).translation.displayed_stiffness, 627.475, 0.001);
 }
 
-/// No setting that is tried, looked at exactly, shows more than a tenth more than the one that is
-/// taken, and the table's doubt.
+/// No tested setting, evaluated exactly, displays more than a tenth above the chosen one, plus the
+/// table's uncertainty.
 TEST(FilterSearch, ReachesNineTenthsOfTheBest) {
   Random random(31);
   int looked_at = 0;

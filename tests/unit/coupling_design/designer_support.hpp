@@ -1,5 +1,5 @@
 #pragma once
-/// Requests that the designer's tests share.
+/// Common requests of the designer's tests.
 #include <algorithm>
 #include <numbers>
 #include <vector>
@@ -14,11 +14,11 @@ inline constexpr coupling::design::HandRange kPen{false, true, 0.02, 0.2, 0.5, 8
 inline constexpr coupling::design::HandRange kFirmPen{false, false, 0.1,   0.2,
                                                       3.0,   8.0,   200.0, 800.0};
 inline constexpr coupling::design::HandRange kArm{false, true, 0.3, 2.0, 3.0, 30.0, 50.0, 600.0};
-/// A wrist's turning: assumed, around the middle that the simulated arm has.
+/// Rotation of a wrist: assumed, around the centre of the simulated arm's range.
 inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
 
-/// What the published tables assume: a damper that is not bounded, on the velocity of a filter, and
-/// no floors of the damping ratio.
+/// The assumptions of the published tables: an unbounded damper on a filtered velocity, and no
+/// minimum damping ratios.
 inline void as_published(coupling::design::DesignGoals& goals) {
   goals.kind = "shaping_filter", goals.damping_force_ratio = 0.0, goals.velocity_windows = false,
   goals.floors = {0.0, 0.0};
@@ -60,7 +60,7 @@ inline coupling::design::DesignProblem sim_stylus() {
   r.device.name = "sim-phantom";
   r.device.translation.inertia_min = 0.035, r.device.translation.inertia_max = 0.08;
   r.device.translation.max_stiffness = 800.0;
-  r.device.timing.lost_in_a_row = 1;
+  r.device.timing.consecutive_losses = 1;
   r.goals.force_layer_depth_m = 0.004;
   return r;
 }
@@ -76,7 +76,7 @@ inline coupling::design::DesignProblem sim_arm() {
   o.resolution = 1e-4;
   o.max_effort = 15.0, o.max_stiffness = 300.0,
   o.effort_bandwidth_hz = r.device.translation.effort_bandwidth_hz;
-  r.device.timing.lost_in_a_row = 1;
+  r.device.timing.consecutive_losses = 1;
   r.hand.rotation = kWrist;
   r.contact = {100.0, 4000.0};
   r.contact_rotation = {0.5, 30.0};
@@ -84,7 +84,7 @@ inline coupling::design::DesignProblem sim_arm() {
   return r;
 }
 
-/// Any device of the population of the published validation, any hand, any wish.
+/// A random device of the population of the published validation, with a random hand and request.
 inline coupling::design::DesignProblem random_request(Random& random) {
   const bool light = random.chance(0.5);
   coupling::design::DesignProblem r = light ? stylus() : robot(2.0, 5.0, 20.0);
@@ -95,7 +95,7 @@ inline coupling::design::DesignProblem random_request(Random& random) {
   t.resolution = random.log(1e-6, 63e-6);
   r.device.timing.period_s = random.log(0.25e-3, 4e-3);
   r.device.timing.delay_s = r.device.timing.period_s * random.uniform(0.0, 4.0);
-  r.device.timing.lost_in_a_row = random.below(3);
+  r.device.timing.consecutive_losses = random.below(3);
   r.hand.translation.may_release = random.chance(0.7);
   r.hand.translation.any_passive = random.chance(0.1);
   r.contact.all_points = light ? random.log(20.0, 5000.0) : random.log(100.0, 16000.0);

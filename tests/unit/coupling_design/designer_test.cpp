@@ -57,10 +57,10 @@ void print(const DesignProblem& r, const Timed& t) {
     std::printf("  + %s\n", s.c_str());
 }
 
-// --- Certificates, looked at from outside.
+// --- Certificates, checked independently.
 
 /// Cases between the corners, and timings between nominal and slowest, that the designer has not
-/// looked at.
+/// evaluated.
 std::vector<LoopPlant> finer_cases(const AxisProblem& problem, Random& random, int count) {
   std::vector<LoopPlant> out;
   const HandRange& hand = problem.hand;
@@ -160,7 +160,7 @@ TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
     EXPECT_TRUE(r.goals.allow_injected_damping);
     for (const LoopPlant& plant : finer_cases(axis_problems(r)[0], random, 30))
       ASSERT_LE(b, 0.501 * critical_damping(plant, w, velocity.window)) << i;
-    // One step of the encoder, through the filter, at once; or what steps may add up to in a
+    // One step of the encoder, through the filter, at once; or the possible sum of steps in a
     // window.
     const double period = r.device.timing.period_s;
     const double fraction =
@@ -231,8 +231,7 @@ TEST(Design, ReportsTheMarginThatItHas) {
 // --- Order.
 
 TEST(Design, MoreDampingAndLessDelayNeverCostMuch) {
-  // A tenth is what the search gives away for gentler parameters; a level of damping is another
-  // tenth.
+  // The search gives up a tenth for gentler parameters; a level of damping is another tenth.
   constexpr double kGrid = 0.85;
   for (const char* kind : {"shaping_filter", "direct", "spring_damper"}) {
     for (const bool light : {true, false}) {
@@ -308,8 +307,8 @@ TEST(Design, RemediesHoldAndAreFeasible) {
       DesignProblem other = r;
       other.device.timing.period_s *= 0.5;
       const Design again = designed(other);
-      // The sentence is about the coupling as it is; a new one weighs the encoder's noise as well
-      // and may stop a little short.
+      // The sentence is about the present coupling; a new one also weighs the encoder's noise and
+      // may end slightly lower.
       EXPECT_GE(again.translation.displayed_stiffness, 0.9 * again.translation.requested_stiffness)
           << i << ": " << s;
       ++rates;
@@ -357,7 +356,7 @@ TEST(Design, OfTheSimulatedDevicesIsFastAndStable) {
       }
 }
 
-// --- What cannot be designed for.
+// --- Infeasible requests.
 
 void refused(DesignProblem r, const char* word, void (*spoil)(DesignProblem&)) {
   spoil(r);
@@ -382,7 +381,7 @@ TEST(Design, RefusesInvalidNumbers) {
     r.device.translation.inertia_min = 1e-9;
   });
   refused(stylus(), "longest delay",
-          [](DesignProblem& r) { r.device.timing.lost_in_a_row = 1000; });
+          [](DesignProblem& r) { r.device.timing.consecutive_losses = 1000; });
   refused(stylus(), "contact.all_points",
           [](DesignProblem& r) { r.contact.all_points = kInfinity; });
   refused(stylus(), "contact.one_point", [](DesignProblem& r) { r.contact.one_point = 2000.0; });

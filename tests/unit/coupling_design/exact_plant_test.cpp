@@ -15,8 +15,8 @@ struct Case {
   double friction = 0.0, push = 0.0;
 };
 
-/// Plants of all kinds: free, held, under- and overdamped, undamped, with and without lag, also a
-/// lag on a pole.
+/// Plants of all kinds: free, gripped, under- and overdamped, undamped, with and without lag, also
+/// a lag on a pole.
 std::vector<Case> cases() {
   std::vector<Case> out;
   coupling_models::Random random(3);
@@ -61,7 +61,7 @@ TEST(ExactPlant, StateDoesNotDependOnTheTimeSteps) {
         cut.advance(first, u), cut.advance(h - first, u);
       }
       const double tolerance =
-          friction > 0.0 ? 1e-8 : 1e-9;  // a turning point is found to 1e-12 of the speed
+          friction > 0.0 ? 1e-8 : 1e-9;  // a reversal is found to 1e-12 of the speed
       EXPECT_NEAR(whole.position(), cut.position(), tolerance * (1.0 + std::abs(whole.position())));
       EXPECT_NEAR(whole.speed(), cut.speed(), tolerance * (1.0 + std::abs(whole.speed())));
       EXPECT_NEAR(whole.work(), cut.work(), tolerance * (1.0 + std::abs(whole.work())));
@@ -69,8 +69,7 @@ TEST(ExactPlant, StateDoesNotDependOnTheTimeSteps) {
   }
 }
 
-/// Classical Runge-Kutta with small steps; friction by its sign, so only where the body does not
-/// stop.
+/// Classical Runge-Kutta with small steps; friction by its sign, valid only while the body moves.
 struct Fine {
   double x = 0, v = 0, f = 0;
 };
@@ -120,7 +119,7 @@ TEST(ExactPlant, AgreesWithRungeKutta) {
 TEST(ExactPlant, CountsTheWorkOfTheEffort) {
   coupling_models::Random random(5);
   for (Case c : cases()) {
-    c.plant.damping = c.plant.hand_damping = 0.0;  // so that nothing else takes energy
+    c.plant.damping = c.plant.hand_damping = 0.0;  // so that only friction dissipates
     coupling_models::ExactPlant plant(c.plant, 0.0, c.push);
     for (int i = 0; i < 100; ++i)
       plant.advance(random.uniform(0, 4e-3), random.uniform(-3, 3));

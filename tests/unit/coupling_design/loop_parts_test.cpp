@@ -34,7 +34,7 @@ HandRange good_hand() {
 }
 
 struct DeviceFault {
-  const char* begins;  ///< of the one sentence that must come
+  const char* begins;  ///< of the expected sentence
   std::function<void(DeviceModel&)> plant;
 };
 
@@ -72,7 +72,7 @@ TEST(LoopParts, NameFieldValueAndRuleOfEveryImpossibleNumber) {
       {"timing.delay_s is -0.001;", [](auto& d) { d.timing.delay_s = -0.001; }},
       {"timing.delay_s is 0.3;", [](auto& d) { d.timing.delay_s = 0.3; }},
       {"timing.jitter is nan;", [](auto& d) { d.timing.jitter = kNan; }},
-      {"timing.lost_in_a_row is -1;", [](auto& d) { d.timing.lost_in_a_row = -1; }},
+      {"timing.consecutive_losses is -1;", [](auto& d) { d.timing.consecutive_losses = -1; }},
   };
   for (const DeviceFault& fault : faults) {
     DeviceModel device = good_device();
@@ -108,7 +108,7 @@ TEST(LoopParts, NameEveryImpossibleNumberOfAHand) {
     ASSERT_EQ(found.size(), 1u) << begins;
     if (std::string(begins).find("stiffness_min is 900") == std::string::npos) {
       EXPECT_EQ(found[0].substr(0, std::string(begins).size()), begins);
-    } else {  // the pair is wrong: said of the larger one
+    } else {  // the pair is wrong: reported for the larger one
       EXPECT_TRUE(found[0].starts_with("stiffness_max is 800;") &&
                   found[0].contains("stiffness_min") && found[0].contains("900"))
           << found[0];

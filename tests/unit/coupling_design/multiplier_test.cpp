@@ -1,5 +1,5 @@
-/// Multipliers: closed forms, a loop that is stable with every linear contact and swings with a
-/// bent one, and what is refused.
+/// Multipliers: closed forms, a loop that is stable with every linear contact and oscillates with a
+/// nonlinear one, and refusals.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -123,7 +123,7 @@ TEST(Multiplier, RejectsLoopsThatSaturationDestabilises) {
     EXPECT_FALSE(found(before(kalman(), stiffness))) << stiffness;
 }
 
-/// Swapped, the same weights turn the phase the other way.
+/// Exchanged, the same weights shift the phase in the other direction.
 TEST(Multiplier, PastAndFutureAreNotTheSame) {
   const std::optional<Multiplier> m = find_multiplier(std::array{before(kalman(), 12.0)});
   ASSERT_TRUE(m);

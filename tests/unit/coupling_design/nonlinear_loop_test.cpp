@@ -36,7 +36,7 @@ std::vector<Row> rows() {
     k.injected_damping = number("B_inj"), k.velocity_filter_rad_per_s = number("w_v");
     row.loop.contact_stiffness = number("k");
     row.loop.wall = coupling_models::WallLaw::kBilateral;
-    row.loop.start_speed = 1e-15;  // linear: any scale, and what grows by exp(32) stays a number
+    row.loop.start_speed = 1e-15;  // linear, so any scale works; a growth by exp(32) stays finite
     row.radius = number("spectral_radius"), row.critical = number("k_crit"),
     row.frequency = number("omega_crit");
     row.note = c.at("note").get<std::string>();
@@ -70,7 +70,7 @@ TEST(NonlinearLoop, GrowsAndDecaysByItsEigenvalues) {
 }
 
 TEST(NonlinearLoop, BecomesUnstableAtTheCriticalStiffness) {
-  std::map<double, Row> loops;  // one a loop: rows that differ only in k share it
+  std::map<double, Row> loops;  // one per loop: rows that differ only in k use the same
   for (const Row& row : rows())
     loops[row.critical] = row;
   for (auto& [critical, row] : loops) {
@@ -132,7 +132,7 @@ TEST(NonlinearLoop, ThreeNewtonsOfFrictionQuietTheRecipe) {
 
 TEST(NonlinearLoop, DistinguishesSlowDecayFromOscillation) {
   coupling_models::NonlinearLoop
-      loop;  // a bilateral wall at 0.9 of the limit, first looked at for much less than it takes
+      loop;  // a bilateral wall at 0.9 of the limit, first evaluated for too short a time
   loop.plant = {0.1, 0.05, 0, 0, 0, 1e-3, 1e-3, 0};
   loop.controller.w0_rad_per_s = 10.0 * kPi, loop.controller.damping_ratio = 0.707;
   loop.wall = coupling_models::WallLaw::kUnilateral;
@@ -180,7 +180,8 @@ TEST(NonlinearLoop, DivergesAtATooStiffBilateralWall) {
 
 TEST(NonlinearLoop, AppliesTheRequestedJitterLossAndDelay) {
   coupling_models::NonlinearLoop loop = literal_recipe();
-  loop.jitter = 0.2, loop.loss = 0.05, loop.most_lost_in_a_row = 2, loop.delay_jitter_s = 2.5e-3;
+  loop.jitter = 0.2, loop.loss = 0.05, loop.most_consecutive_losses = 2,
+  loop.delay_jitter_s = 2.5e-3;
   loop.duration_s = loop.longest_s = 400.0;
   const coupling_models::LoopStatistics s = coupling_models::simulate(loop).statistics;
   EXPECT_EQ(s.samples, 400'000u);
@@ -258,9 +259,9 @@ TEST(NonlinearLoop, DampingInContactNeverPulls) {
   loop.duration_s = loop.longest_s = 0.2;
   const coupling_models::NonlinearVerdict pulled = coupling_models::simulate(loop);
   loop.damping_only_in_contact = true;
-  const coupling_models::NonlinearVerdict let_go = coupling_models::simulate(loop);
-  EXPECT_LT(let_go.end_position, pulled.end_position - 1e-3);
-  EXPECT_LE(let_go.energy_extracted_j, 0.5 * 200.0 * 0.005 * 0.005 * 1.01);
+  const coupling_models::NonlinearVerdict released = coupling_models::simulate(loop);
+  EXPECT_LT(released.end_position, pulled.end_position - 1e-3);
+  EXPECT_LE(released.energy_extracted_j, 0.5 * 200.0 * 0.005 * 0.005 * 1.01);
 }
 
 TEST(NonlinearLoop, NeverPullsAtAnySpeed) {
@@ -279,9 +280,9 @@ TEST(NonlinearLoop, NeverPullsAtAnySpeed) {
     EXPECT_LE(law.step(0.01 - 0.0005 * i, 200.0, 1e-3), 0.0) << i;
 }
 
-/// A design with a margin of 2 in its worst case, for a damper that is not bounded. One that adds
-/// no more than half of what the law gives is in a large swing less than the damper that was
-/// certified: the device goes on bouncing. So a design is certified for the damper as it will be.
+/// A design with a margin of 2 in its worst case, for an unbounded damper. A damper limited to half
+/// of the law's force is weaker in a large oscillation than the certified one: the device keeps
+/// bouncing. A design is therefore certified for the bounded damper.
 TEST(NonlinearLoop, BoundedDamperNeedsItsOwnCertificate) {
   coupling_models::NonlinearLoop loop;
   loop.plant = {.mass = 0.114234103822958,
@@ -300,7 +301,7 @@ TEST(NonlinearLoop, BoundedDamperNeedsItsOwnCertificate) {
   loop.damping_only_in_contact = true, loop.push = 2.985384978940393,
   loop.start_speed = 0.092972250067355822;
   loop.jitter = 0.2, loop.measured_period = true, loop.delay_jitter_s = 0.00011042098195988705;
-  loop.loss = 0.026423134074208952, loop.most_lost_in_a_row = 3;
+  loop.loss = 0.026423134074208952, loop.most_consecutive_losses = 3;
   loop.duration_s = 10.579033722208118, loop.longest_s = 84.632269777664945,
   loop.seed = 10502131564318940975U;
   EXPECT_TRUE(coupling_models::simulate(loop).stable);
@@ -308,8 +309,8 @@ TEST(NonlinearLoop, BoundedDamperNeedsItsOwnCertificate) {
   EXPECT_FALSE(coupling_models::simulate(loop).stable);
 }
 
-/// A stylus of 45 g as it is designed, on the velocity of a window: with the encoder, uneven
-/// periods and lost samples, in every corner of the hands.
+/// A stylus of 45 g as designed, on the velocity of a window: with the encoder, uneven periods and
+/// lost samples, in every corner of the hands.
 TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
   coupling_models::NonlinearLoop loop;
   loop.controller = {
@@ -327,7 +328,7 @@ TEST(NonlinearLoop, AStylusOnTheVelocityOfAWindowIsStable) {
             loop.plant.hand_stiffness = stiffness;
           loop.contact_stiffness = displayed, loop.wall = coupling_models::WallLaw::kUnilateral;
           loop.resolution = 3e-5, loop.jitter = 0.2, loop.loss = 0.03,
-          loop.most_lost_in_a_row = lost;
+          loop.most_consecutive_losses = lost;
           loop.damping_only_in_contact = runs % 3 > 0, loop.measured_period = runs % 2 > 0;
           loop.push = 0.3, loop.start_speed = 0.2, loop.duration_s = 4.0,
           loop.seed = 40U + static_cast<unsigned>(++runs);

@@ -1,6 +1,6 @@
 #pragma once
-/// Where a shaping filter's loop without hold, delay and lag becomes unstable: a closed form to
-/// hold the sampled loop against.
+/// Stability limit of a shaping filter's loop without hold, delay and lag: a closed form for
+/// comparison with the sampled loop.
 #include <algorithm>
 
 #include "core/coupling/design/sampled_loop.hpp"

@@ -143,9 +143,9 @@ TEST(SampledLoop, RadiusIsTheGrowthOfALoopWithASpringDamper) {
 }
 
 TEST(SampledLoop, InjectedDampingMatchesTheClosedForm) {
-  // A free mass with one sample's difference fed back at once: the velocity's share B T/m is taken
-  // off per sample, the position stays; m v+ = m v - B (x - x_prev)/T has the characteristic z^2 -
-  // (1 - c/2) z + c/2 over z - 1, c = B T/m.
+  // A free mass with one sample's difference fed back at once: the velocity decreases by the
+  // fraction B T/m per sample, the position stays. m v+ = m v - B (x - x_prev)/T has the
+  // characteristic z^2 - (1 - c/2) z + c/2 over z - 1, c = B T/m.
   const LoopPlant p{.mass = 0.1, .period_s = 1e-3};
   const LoopController c{.law = Law::kDirect, .gain = 1.0, .injected_damping = 20.0};
   EXPECT_DOUBLE_EQ(spectral_radius(p, c, 0.0), 1.0);    // the position

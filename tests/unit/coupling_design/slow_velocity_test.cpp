@@ -1,5 +1,5 @@
-// The slower velocity that small movements are damped on: who gets one, what it keeps, and what it
-// does to a simulated arm.
+// The slow velocity estimate for small movements: when it is used, what it preserves, and its
+// effect on a simulated arm.
 #include <gtest/gtest.h>
 
 #include "core/coupling/design/damping_floor.hpp"
@@ -74,16 +74,16 @@ TEST(SlowVelocity, IsSetOnlyIfAnEncoderStepIsPerceptible) {
   }
 }
 
-/// Chosen by another program it is judged likewise, and a band that is wider than the encoder's
-/// steps is no small movement.
+/// A slow velocity set by another program is checked too, and a band wider than the encoder's steps
+/// is refused.
 TEST(SlowVelocity, UnstableOneIsRefused) {
   const DesignProblem request = arm();
   const Design d = design_coupling(request);
   EXPECT_EQ(judge_coupling(request, d.spec).status, DesignStatus::kAsRequested);
   CouplingSpec slower = d.spec, wider = d.spec;
   slower.slow_velocity_hz = 2.0;
-  // Of the stiffness that three quarters of the margin leave: what the slow velocity has, and the
-  // other more of.
+  // Of the stiffness at three quarters of the margin: the part with the slow velocity, and the
+  // larger part with the other.
   for (wider.velocity_band_m_per_s *= 2.0;
        wider.slow_velocity_hz > 1.0 &&
        judge_coupling(request, wider).status == DesignStatus::kAsRequested;)
@@ -109,8 +109,8 @@ TEST(SlowVelocity, UnstableOneIsRefused) {
 
 /// Within the band and beyond it the damper is a mean of the two velocities, D = (1 - n) D_v + n
 /// D_u of the loop's equation, 0 <= n <= 1. Both ends are stable, so all between are if no D is
-/// zero on the unit circle: the way from one end to the other leaves out the origin at every
-/// frequency. Here at nine tenths of the stiffness that the ends are stable at.
+/// zero on the unit circle: the segment between the ends avoids the origin at every frequency. Here
+/// at nine tenths of the stiffness at which the ends are stable.
 double least_between(const LoopPlant& plant, const LoopController& law, double slow_hz,
                      double stiffness) {
   const SampledPlant sampled = sample_plant(plant);
@@ -165,8 +165,8 @@ TEST(SlowVelocity, HoldsBetweenTheTwoVelocitiesToo) {
   EXPECT_GT(least, 0.03);
 }
 
-/// What the passivity controller may add is half of what the loop bears on the fast velocity. On a
-/// slower one of first order it bears more than that.
+/// The passivity controller may add half of what the loop tolerates on the fast velocity. On a
+/// slower one of first order it tolerates more.
 TEST(SlowVelocity, BearsWhatThePassivityControllerMayAdd) {
   for (const DesignProblem& request : {arm(), sim_arm(), sim_stylus()}) {
     const AxisProblem translation = axis_problems(request)[0];
@@ -177,7 +177,7 @@ TEST(SlowVelocity, BearsWhatThePassivityControllerMayAdd) {
   }
 }
 
-/// What the encoder's steps may leave at rest: the band's effort as well.
+/// The residual motion of the encoder's steps at rest includes the band's effort.
 TEST(SlowVelocity, CountsInTheLimitCycle) {
   DesignProblem request = arm();
   request.device.translation.coulomb_friction = 0.0;
@@ -189,8 +189,8 @@ TEST(SlowVelocity, CountsInTheLimitCycle) {
             1.1 * judge_coupling(request, without).translation.limit_cycle_bound);
 }
 
-/// A simulated arm at rest on its encoder's steps: the damper's answer to them is a third and less,
-/// and the arm stays within what is reported.
+/// A simulated arm at rest on its encoder's steps: the damper's answer to them is at most a third,
+/// and the arm stays within the reported bound.
 TEST(SlowVelocity, QuietensASimulatedArm) {
   DesignProblem request = arm();
   request.device.translation.coulomb_friction = 0.0;

@@ -1,5 +1,5 @@
 #pragma once
-/// What the tests of the loop share: the reference's rows and random loops.
+/// Common parts of the loop's tests: the reference's rows and random loops.
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -40,7 +40,7 @@ inline coupling::design::LoopController controller_of(const nlohmann::json& c) {
           .velocity_filter_rad_per_s = c["w_v"]};
 }
 
-/// Random numbers whose bits do not depend on the standard library's distributions.
+/// Random numbers with bits independent of the standard library's distributions.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
@@ -55,7 +55,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
-/// Devices from a small stylus to a heavy arm, held by anyone or none, with delay and lag.
+/// Devices from a small stylus to a heavy arm, with any hand or released, with delay and lag.
 inline coupling::design::LoopPlant random_plant(Random& random, bool released) {
   coupling::design::LoopPlant p;
   p.mass = random.log(0.03, 24.0);

@@ -42,7 +42,7 @@ coupling::design::DeviceModel arm() {
   return d;
 }
 
-/// What the hand feels of a spring in W, through the mapping that the ring uses.
+/// A spring in W as displayed at the hand, through the ring's mapping.
 TEST(HandScales, AreWhatTheDeviceMappingDoes) {
   scene::WorkspaceMapping spec;
   spec.position_scale = 4, spec.force_scale = 0.5;
@@ -93,7 +93,7 @@ TEST(DesignProblem, CarriesEveryRequestOfTheScene) {
   scene::Scene s = scaled_scene();
   s.design->kind = "direct", s.design->cutoff_hz = 300, s.design->gain_margin = 1.5,
   s.design->inject_damping = false, s.design->velocity_windows = false;
-  s.design->damping_floor = 0.15, s.design->rotation_damping_floor = 0.06,
+  s.design->min_damping_ratio = 0.15, s.design->rotation_min_damping_ratio = 0.06,
   s.design->damping_force_ratio = 0.2;
   s.design->hand = scene::HandOption::kAnyPassive;
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});

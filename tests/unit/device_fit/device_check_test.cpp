@@ -21,8 +21,7 @@ coupling::design::DeviceModel device_with(double max_stiffness, double period_s,
   return device;
 }
 coupling::design::DeviceModel phantom() { return device_with(1000, 1e-3, 3.3); }
-/// Its force comes this long after the sample, counted to the middle of the period that it is held
-/// for.
+/// With this delay from the sample to the middle of the period of its force.
 coupling::design::DeviceModel late(double mass_kg, double delay_s) {
   coupling::design::DeviceModel device = phantom();
   device.translation.inertia_min = mass_kg;

@@ -1,4 +1,4 @@
-// Whatever may change while a scene runs is judged for the device by the code of the start.
+// Run-time changes are checked for the device by the code of the start.
 #include "core/device_fit/device_compatibility.hpp"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ rendering::StiffnessBounds bounds(const scene::Scene& scene) {
   return rendering::with_effects(kContact, scene.effects);
 }
 
-/// What the start says of it.
+/// Result of the check at the start.
 std::string at_start(const scene::Scene& scene, const coupling::design::DeviceModel& device) {
   return fit_coupling(scene, device, bounds(scene).translation, bounds(scene).rotation).refusal;
 }
@@ -80,7 +80,7 @@ std::string asked(DeviceCompatibility& on, const scene::Scene& next) {
   return on.check(next, kContact, effects::at_rest(next.effects));
 }
 
-/// The damping that this device stands with this contact, by what the start takes.
+/// The largest damping that this device tolerates with this contact, by the check at the start.
 double most_damping(const coupling::design::DeviceModel& device) {
   double low = 0.0, high = 100.0;
   while (high - low > 1e-6)
@@ -130,8 +130,7 @@ TEST(DeviceCompatibility, CountsDisabledEffectsAtFullGain) {
   EXPECT_EQ(asked(on, now), "");
 }
 
-/// The first effect is on its way down from nearly all that may be displayed when the second one is
-/// to rise.
+/// The first effect is still decreasing from nearly the limit when the second one starts to rise.
 TEST(DeviceCompatibility, ChecksValuesDuringTheirTransition) {
   const double most = most_damping(stylus());
   const scene::Scene now = scene_with({oil(0.9 * most), effect("surface_damping", {0.05 * most})});
@@ -147,8 +146,8 @@ TEST(DeviceCompatibility, ChecksValuesDuringTheirTransition) {
   EXPECT_EQ(asked(on, next), "") << "once the first one has come to rest";
 }
 
-/// A coupling is fitted anew some tenths of a second after the contact has changed: what damps must
-/// be good with both.
+/// A coupling is refitted some tenths of a second after the contact has changed: damping must be
+/// valid with both.
 TEST(DeviceCompatibility, ChecksDampingOnCurrentAndNextCoupling) {
   const auto lag = [](const rendering::StiffnessBounds& bounds) {
     return coupling::lag_s(fit_coupling(scene_with({}), stylus(), bounds, {}).spec);
@@ -168,8 +167,7 @@ TEST(DeviceCompatibility, ChecksDampingOnCurrentAndNextCoupling) {
       << "the one that runs still lags more";
 }
 
-/// Damping that goes down is displayed until it is down; the coupling that follows may be there
-/// before.
+/// Decreasing damping is displayed until it has decreased; the next coupling may be active earlier.
 TEST(DeviceCompatibility, ChecksTheTransitionOnTheNextCoupling) {
   rendering::StiffnessBounds soft = kContact;
   soft.translation = {0.3, 30.0};
@@ -273,7 +271,7 @@ TEST(DeviceCompatibility, AcceptsAllUntilADeviceIsKnown) {
   EXPECT_EQ(on.refusal(), at_start(thick, stylus()));
 }
 
-/// No force is commanded then: what demands less is on the way out of it.
+/// No force is commanded then, so smaller requirements are accepted.
 TEST(DeviceCompatibility, AcceptsALowerDemandIfNoForceIsCommanded) {
   const scene::Scene two = scene_with({oil(50.0), effect("surface_damping", {50.0})});
   DeviceCompatibility on = running(two, stylus());

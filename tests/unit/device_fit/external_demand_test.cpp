@@ -1,5 +1,5 @@
-// What an effect may ask for that follows a program outside the ring, against what the device
-// gives: at the start and at each change.
+// Requirements of an effect that follows an external program, compared with the device's limits: at
+// the start and at each change.
 #include <gtest/gtest.h>
 
 #include "core/device_fit/device_compatibility.hpp"

@@ -1,4 +1,4 @@
-// The force preview against the spring's law, and what limits it.
+// The force preview compared with the spring's law, and its limits.
 #include <gtest/gtest.h>
 
 #include "core/device_fit/design_problem.hpp"

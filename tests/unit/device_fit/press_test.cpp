@@ -1,4 +1,4 @@
-// A slow press against what contact and coupling give.
+// A slow press compared with the forces of contact and coupling.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -55,8 +55,8 @@ struct Scene {
   device_fit::FittedCoupling fitted;
 };
 
-/// Two ways to one figure: the spring's law, and the frames of a hand that presses. Where it
-/// touches first is known to some 0.1 mm.
+/// Two methods for one figure: the spring's law, and the frames of a pressing hand. The first touch
+/// is known to about 0.1 mm.
 TEST(Press, FindsTheConfiguredVirtualToolStiffness) {
   for (const double scale : {1.0, 2.0}) {
     Scene s("field", scene::RenderingKind::kVirtualTool);
@@ -98,9 +98,9 @@ TEST(Press, EqualsTheCouplingAtRestForEachModel) {
   }
 }
 
-/// Of each model: what comes back of the certified stiffness times the depth from the first touch.
-/// It never falls while the hand goes in, and is never more than it: a contact of K behind a spring
-/// of K_c displays K K_c/(K + K_c). Deep in a stiff contact it is most of it.
+/// For each model: the force divided by the certified stiffness times the depth from the first
+/// touch. It never falls while the hand moves in, and never exceeds 1: a contact of K behind a
+/// spring of K_c displays K K_c/(K + K_c). Deep in a stiff contact it is close to 1.
 TEST(Press, RisesWithEveryDepthAndNeverExceedsTheCertified) {
   for (const auto& [model, times] : {std::pair{"original", 1.0},
                                      {"adapted", 1.0},

@@ -1,4 +1,4 @@
-// A virtual tool's spring: as stiff as device and certificates allow, judged at the start and at
+// A virtual tool's spring: as stiff as device and certificates permit, checked at the start and at
 // each change by the same code.
 #include <gtest/gtest.h>
 
@@ -160,8 +160,8 @@ TEST(Spring, OfAManualCouplingIsItsCap) {
   EXPECT_NE(why.find("coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
 }
 
-/// Its row in the table of changes: the plan says that the contact is a spring, and all that is
-/// judged is judged as at the start.
+/// Its row in the table of changes: the plan reports the contact as a spring, and all checks are
+/// those of the start.
 TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
   scene::Scene now = scene_of();
   now.effects = {oil(0.2)};

@@ -1,5 +1,5 @@
-/// Does the simulated device behave in a loop as theory says? The filter is written here: no
-/// rendering code takes part.
+/// Does the simulated device behave in a loop as theory predicts? The filter is implemented here,
+/// without rendering code.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -32,9 +32,9 @@ struct Pt2 {
 };
 
 // -------------------------------------------------------------------------------------------------
-// Linear loops whose limit stiffness is known from the eigenvalues of the exact sampled system (50
-// digits): the simulation must decay just below it and grow just above. This checks mass, damping,
-// hand, delay, lag and hold at once.
+// Linear loops with a limit stiffness from the eigenvalues of the exact sampled system (50 digits):
+// the simulation must decay just below it and grow just above. This checks mass, damping, hand,
+// delay, lag and hold at once.
 
 struct LinearCase {
   const char* what;
@@ -92,7 +92,7 @@ TEST(ClosedLoop, LimitStiffnessIsThatOfTheExactSampledModel) {
 
 // -------------------------------------------------------------------------------------------------
 // A wall, a filter, the guard and the whole device: quantised, with friction, saturating. The hand
-// goes into the wall and stays there.
+// moves into the wall and stays there.
 
 struct WallResult {
   double ripple_n = 0.0;  ///< peak to peak of the force in the last second

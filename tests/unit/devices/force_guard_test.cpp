@@ -16,7 +16,7 @@ constexpr double kHuge = std::numeric_limits<double>::max();
 constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max();
 
-GuardConfig quick() {  // no ramp, no slew limit: for the tests that look at something else
+GuardConfig quick() {  // no ramp, no slew limit: for tests of other properties
   GuardConfig config;
   config.max_force_n = 8.5;
   config.max_torque_nm = 0.5;
@@ -152,7 +152,7 @@ TEST(Guard, FadesFromItsOutputUnderTheSlewLimit) {
   std::int64_t now = 0;
   for (; now < 30 * kMs; now += kMs)
     guard.pass(push(-8.5), now);
-  double last = guard.pass(push(8.5), now).force.x();  // has only begun to turn round
+  double last = guard.pass(push(8.5), now).force.x();  // has just started to reverse
   const std::int64_t received_at = now;
   for (now += kMs; now <= received_at + 23 * kMs; now += kMs) {
     const double out = guard.pass(std::nullopt, now).force.x();
@@ -248,7 +248,7 @@ TEST(Guard, ShortGapKeepsTheSlewLimit) {
   for (int i = 0; i < 30; ++i)
     guard.pass(push(8.0), i * kMs);
   const double out =
-      guard.pass(push(-8.0), 39 * kMs).force.x();  // ten periods on, while a fade is under way
+      guard.pass(push(-8.0), 39 * kMs).force.x();  // ten periods later, during a fade
   EXPECT_NEAR(out, 8.0 - 500.0 * 3e-3, 1e-9) << "no more than the hold time's worth";
 }
 
@@ -275,7 +275,7 @@ TEST(Guard, CountsWhatTheGateRefused) {
   EXPECT_EQ(guard.counts().refused(), 4U);
 }
 
-/// Anything at all, at any time: finite, within the limits, and never faster than the slew limit.
+/// Any input at any time: finite, within the limits, and never faster than the slew limit.
 TEST(Guard, OutputIsFiniteAndLimitedForAnyInput) {
   const std::vector<double> odd = {0.0,     -0.0, 5e-324, -5e-324, 1e-310, kHuge, -kHuge, 1e200,
                                    -1e-200, kNan, kInf,   -kInf,   1.0,    -8.5,  8.5,    20.0};

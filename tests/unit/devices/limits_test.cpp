@@ -50,7 +50,7 @@ TEST(Limits, ClampMakesAnythingFinite) {
   }
   Vec3 v(kHuge, kHuge, -kHuge);
   clamp_length(v, 2.0);
-  EXPECT_NEAR(v.norm(), 2.0, 1e-12);  // overflow on the way must not cost the force
+  EXPECT_NEAR(v.norm(), 2.0, 1e-12);  // intermediate overflow must not remove the force
 }
 
 TEST(Limits, InvalidOrTinyLimitPassesNothing) {

@@ -1,4 +1,4 @@
-/// Counts what is asked of the heap, beneath `operator new` too, while the calls of the loop run.
+/// Counts heap allocations, beneath `operator new` too, during the calls of the loop.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 

@@ -29,7 +29,7 @@ TEST(Registry, OpensTheSimulatedDevicesByName) {
   }
 }
 
-// Before any test that loads the simulated library: a process keeps the one that it loaded first.
+// Before any test that loads the simulated library: a process keeps the first one that it loaded.
 TEST(Registry, ListsTriedPhantomLibrariesAndWhatToInstall) {
   for (const char* name : {"libHD.so", "libHD.so.3.4", "libHD.so.3.0"})
     if (dlopen(name, RTLD_LAZY) != nullptr)

@@ -61,7 +61,7 @@ TEST(SimulatedDevice, UnansweredReadAdvancesWithoutForce) {
   device.write(push_x(1.0));
   EXPECT_EQ(device.applied().force.x(), 1.0);
   EXPECT_EQ(device.read(microseconds(0))->time_ns, 2'000'000);
-  EXPECT_EQ(device.read(microseconds(0))->time_ns, 3'000'000);  // what was under way arrives
+  EXPECT_EQ(device.read(microseconds(0))->time_ns, 3'000'000);  // the pending command arrives
   EXPECT_EQ(device.applied().force.x(), 1.0);
   device.read(microseconds(0));
   EXPECT_TRUE(device.applied().zero());

@@ -1,5 +1,5 @@
-// Whoever sends under the coupling's own identity passes every filter of the network. What he can
-// then do is bounded by gate and guard.
+// A participant that sends under the coupling's identity passes every filter of the network. Gate
+// and guard bound its effect.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -70,7 +70,7 @@ TEST(SpoofedWriter, IsLimitedAndTheCouplingTakesOverAfterwards) {
     ASSERT_LE(std::abs(force - last), most_step) << "sample " << loop.sample;
     last = force;
   }
-  // What he said last, valid for ever, is not held for longer than any command.
+  // Its last command, valid for ever, is repeated no longer than any command.
   int periods = 0;
   while (std::abs(last - 0.3) > 1e-6 && periods < 1000)
     genuine(), last = loop.cycle(), ++periods;

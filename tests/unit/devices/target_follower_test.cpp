@@ -37,7 +37,7 @@ struct Led {
   MotionTurnPoint turn() const { return follower.turn_at(time_s()); }
 };
 
-/// Gain of the follower at a frequency, by correlation over whole periods of it.
+/// Gain of the follower at a frequency, by correlation over whole periods.
 double measured_gain(double frequency_hz, double amplitude_m) {
   Led led;
   std::complex<double> in, out;
@@ -54,8 +54,8 @@ double measured_gain(double frequency_hz, double amplitude_m) {
   return std::abs(out) / std::abs(in);
 }
 
-/// Of a minimum-jerk step's velocity 30 s^2 (1 - s)^2 over the step, and of a target that is taken
-/// eight times a step and held: the transform of the first times the sinc of the second.
+/// For a minimum-jerk step with velocity 30 s^2 (1 - s)^2 and a target sampled eight times per
+/// step: the transform of the first times the sinc of the second.
 double gain_of_formula(double frequency_hz) {
   const double omega = 2.0 * std::numbers::pi * frequency_hz;
   const int periods = 12 * TargetFollower::kSteps;  // 0.1 s / 8 is 12.5 periods: 12 or 13 of them
@@ -105,7 +105,7 @@ TEST(TargetFollower, StaysInPlaceWithoutTargets) {
     if (n == 299) {
       EXPECT_NEAR(led.position().velocity.x(), kMostSpeed, 0.01);
     }
-    // 0.3 s, the step that is under way, and the interval to the next one.
+    // 0.3 s, the running step, and the interval to the next one.
     if (n == 300 + 104 + 13)
       after_rest = led.position().position;
   }
@@ -235,7 +235,7 @@ TEST(LedDevice, ForceStaysBelowItsLimitForAnyTarget) {
       }
 }
 
-/// Led at full speed, then no target comes any more just as the wall is met.
+/// Led at full speed; the targets end when the wall is met.
 TEST(LedDevice, YieldsAtRestAfterPressingTooHard) {
   const sim::SimParameters p = sim::sim_phantom();
   AtAWall at_wall(p);
@@ -250,7 +250,7 @@ TEST(LedDevice, YieldsAtRestAfterPressingTooHard) {
   EXPECT_GT(force, 0.5);
 }
 
-/// A torque against the turn, as of a slot.
+/// A torque against the rotation, as of a slot.
 TEST(LedDevice, TorqueStaysBelowItsLimitForAnyTarget) {
   sim::SimParameters p = sim::sim_lwr();
   p.hand = *hand::grip("arm-firm");

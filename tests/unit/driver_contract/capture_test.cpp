@@ -1,5 +1,5 @@
-// A session of driver and controller as the driver's capture has it, read by a decoder that shares
-// no code with either.
+// A session of driver and controller in the driver's capture, read by a decoder that has no code in
+// common with either.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -36,8 +36,8 @@ Packets capture(const test::TemporaryFolder& folder, int periods) {
   std::istringstream lines(end.out);
   for (std::string line; std::getline(lines, line);) {
     const json packet = json::parse(line);
-    // In virtual time the controller says once more what is not answered soon, as where the machine
-    // has other work to do.
+    // In virtual time the controller repeats what is not answered soon, for example on a busy
+    // machine.
     if (packet["kind"] == "MSR" && !packets.measurements.empty() &&
         packet["sendSeqCount"] == packets.measurements.back()["sendSeqCount"])
       continue;

@@ -1,5 +1,5 @@
-// What every driver has to do, whichever device it is for. "Within one period": whatever the plant
-// receives over a period that begins one period after the cause, or later.
+// Contract of every driver, for any device. "Within one period": what the plant receives over a
+// period that begins one period after the cause, or later.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -76,7 +76,7 @@ auto numbers_of(const DeviceDescription& d) {
       d.damping_ns_per_m, d.coulomb_friction_n, d.position_resolution_m, d.delay_s,
       d.force_bandwidth_hz, d.inertia_min_kg_m2, d.inertia_max_kg_m2, d.damping_nms_per_rad,
       d.coulomb_friction_nm, d.orientation_resolution_rad, d.max_stiffness_nm_per_rad, d.jitter,
-      d.lost_in_a_row, d.grip, d.input_dof, d.output_dof, d.model);
+      d.consecutive_losses, d.grip, d.input_dof, d.output_dof, d.model);
 }
 
 TEST_P(DriverContract, KeepsItsDescriptionAfterOpening) {
@@ -185,7 +185,7 @@ TEST_P(DriverContract, StopIsImmediateAndIdempotent) {
   cycles(periods_of(0.1), std::nullopt);
   expect_zero_after(at_s, 0.1);
 
-  ASSERT_TRUE(subject->push_until_measured(push));  // now with a command under way
+  ASSERT_TRUE(subject->push_until_measured(push));  // now with a pending command
   at_s = cycle(push).time_s;
   subject->driver().stop();
   subject->driver().stop();
@@ -207,7 +207,7 @@ TEST_P(DriverContract, ClosedDriverSendsNothing) {
   subject->close();
   const double at_s = subject->now_s();
   if (!subject->virtual_time())
-    std::this_thread::sleep_for(150ms);  // where time goes on by itself
+    std::this_thread::sleep_for(150ms);  // time passes independently of calls
   EXPECT_GT(subject->received().size(), 0u);
   for (const Received& r : subject->received()) {
     if (r.begin_s < at_s - 0.01 * period_s)

@@ -1,5 +1,5 @@
-// Every fault that a emulator offers: which error the driver reports, when the plant's force is
-// zero, and what comes after.
+// Every fault of an emulator: the driver's error, the time of zero force at the plant, and the
+// recovery.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -49,7 +49,7 @@ TEST_P(EveryFault, IsReportedWithZeroForceAndEndsAsExpected) {
   EXPECT_LE(*o.zero_after_s, o.bound_s + 1e-9);
   EXPECT_EQ(o.bound_s - subject->slack_s() > o.period_s + 1e-9, !fault().why.empty())
       << "longer than a period only with a reason";
-  // In virtual time nothing waits, so a driver that receives nothing has nothing to say yet.
+  // In virtual time nothing waits, so a driver without input has nothing to report yet.
   if (fault().reported != devices::DeviceError::kTimeout) {
     EXPECT_GT(o.sentence.size(), 20u) << o.sentence;
   }
@@ -65,7 +65,7 @@ std::string fault_name(const testing::TestParamInfo<std::size_t>& i) {
 INSTANTIATE_TEST_SUITE_P(Each, EveryFault, testing::Range<std::size_t>(0, fault_cases().size()),
                          fault_name);
 
-/// The ones whose detection is a matter of clocks.
+/// Faults that are detected by clocks.
 TEST(FaultInRealTime, IsZeroInTimeToo) {
   for (const FaultCase& fault : fault_cases()) {
     const bool one_of_them = fault.name == "comm_error" || fault.name == "timer_error" ||

@@ -145,7 +145,7 @@ void note(FaultOutcome& o, devices::DeviceError error, double after_s,
     o.reported.push_back(error);
 }
 
-/// What the plant got, against the bound.
+/// Compares the plant's force with the bound.
 void judge(FaultOutcome& o, const std::vector<Received>& received, double began_s) {
   const double tick = 1e-3 * o.period_s;
   for (const Received& r : received) {
@@ -193,7 +193,7 @@ FaultOutcome run_fault(Subject& subject, const FaultCase& fault) {
   const Wrench push = subject.usual_push();
   const auto give_up = std::chrono::steady_clock::now() + 20s;
   const auto patient = [&] { return std::chrono::steady_clock::now() < give_up; };
-  double end_s = 1e9;  // of the time for the force to come back
+  double end_s = 1e9;  // fraction of the time for the force to return
   bool back = false;
   while (patient() && subject.now_s() < end_s && !back) {
     const Subject::Cycle t = subject.cycle(push);

@@ -1,6 +1,6 @@
 #pragma once
-/// Every fault that the two emulators offer, what a driver has to make of it, and the measuring
-/// of what it made.
+/// Every fault of the two emulators, the expected reaction of a driver, and the measurement of its
+/// reaction.
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,17 +14,17 @@ class Subject;
 
 enum class Plant : std::uint8_t { kPhantom, kLwr, kFr3 };
 
-/// What becomes of the session.
+/// State of the session after the fault.
 enum class After : std::uint8_t {
   kRidesThrough,  ///< nothing is reported, and force need not end
-  kRecovers,      ///< force comes back with the commands, once the fault is over
-  kEnds,          ///< the driver says so for good: it is to be opened anew
+  kRecovers,      ///< force returns with the commands after the fault
+  kEnds,          ///< permanent: it must be opened again
   kRefused,       ///< it does not open
 };
 std::string_view name_of(After after) noexcept;
 
 struct FaultCase {
-  std::string_view name;  ///< as --only knows it
+  std::string_view name;  ///< name for --only
   Plant plant;
   int code;                   ///< of hdsim_inject; the controller has `text`
   double amount, end_amount;  ///< of hdsim_inject at its begin and its end
@@ -43,7 +43,8 @@ inline constexpr double kWatched = 0.1;  ///< [s] after the bound
 
 struct FaultOutcome {
   const FaultCase* fault = nullptr;
-  bool virtual_time = true, pushed = false;  ///< pushed: the plant gave the push before the fault
+  bool virtual_time = true,
+       pushed = false;  ///< pushed: the plant displayed the force before the fault
   double period_s = 0.0, bound_s = 0.0;
   double before_n = 0.0;                       ///< force when it began
   std::vector<devices::DeviceError> reported;  ///< each kind once, in order
@@ -59,8 +60,8 @@ struct FaultOutcome {
   bool good() const noexcept;
 };
 
-/// Plans `fault`, opens, pushes, waits for it, goes on pushing for as long as the force may need to
-/// come back, and closes.
+/// Plans `fault`, opens, applies a force, waits for the fault, continues for as long as the force
+/// may need to return, and closes.
 FaultOutcome run_fault(Subject& subject, const FaultCase& fault);
 
 /// When a planned fault begins on the plant's clock, and for how long [s].

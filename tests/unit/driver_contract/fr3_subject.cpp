@@ -1,4 +1,4 @@
-// The Franka arm's driver at the simulated robot, whose server runs on a thread of its own.
+// The Franka arm's driver with the simulated robot, whose server runs on a separate thread.
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -15,7 +15,7 @@
 namespace voxtouch::contract {
 namespace {
 
-/// What the datagrams of this process say, to be judged by the arm's own geometry.
+/// Decodes the datagrams of this process with the arm's geometry.
 class Fr3Ears {
  public:
   static Fr3Ears& instance() {
@@ -145,8 +145,8 @@ class Fr3Subject final : public Subject {
     config.version = version_;
     config.torque_delay_ticks = 0;
     config.torque_lag_s = 0.0;
-    config.laws.compensates_coriolis = false;      // which would be force that none asked for
-    config.limits.speed_rad_s.setConstant(100.0);  // random forces: the driver's own limit is asked
+    config.laws.compensates_coriolis = false;      // which would add uncommanded force
+    config.limits.speed_rad_s.setConstant(100.0);  // random forces: the driver's limit is tested
     const fr3_sim::FaultSchedule schedule(faults);
     robot_ = std::make_unique<fr3_sim::FciRobot>(config, gripping_hand(), schedule);
     fr3_sim::ServerConfig network;

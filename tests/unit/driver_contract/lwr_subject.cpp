@@ -1,5 +1,5 @@
-// The light-weight robot's driver at the simulated controller, which runs on a thread of its own.
-// Datagrams are seen where they go to the system: this program is linked with sendto wrapped.
+// The light-weight robot's driver with the simulated controller, which runs on a separate thread.
+// This program is linked with sendto wrapped, to observe the datagrams.
 #include <fmt/format.h>
 #include <sys/socket.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 using namespace lwr_sim;
 
-/// What the datagrams of this process say, to be judged by the arm's own geometry.
+/// Decodes the datagrams of this process with the arm's geometry.
 class Ears {
  public:
   static Ears& instance() {
@@ -78,7 +78,7 @@ class Ears {
   Wire wire_;
 };
 
-/// Delays are those of the usual period of a millisecond, and longer where the period is.
+/// Delays are those of the usual period of a millisecond, and longer for a longer period.
 std::vector<Fault> schedule(const Subject& subject, const FaultCase& fault, double period_s) {
   const std::string_view kind = fault.text.substr(0, fault.text.find(':')),
                          value = fault.text.substr(kind.size());
@@ -144,7 +144,7 @@ class LwrSubject final : public Subject {
                                       : std::vector<Fault>());
     config.torque_delay_ticks = 0;
     config.torque_lag_s = 0.0;
-    config.laws.compensates_coriolis = false;  // which would be force that none asked for
+    config.laws.compensates_coriolis = false;  // which would add uncommanded force
     controller_ = std::make_unique<FriController>(
         config, lwr_sim::test::arm_at(Vec3::Zero(), 500.0, 60.0), faults);
     SessionConfig network;

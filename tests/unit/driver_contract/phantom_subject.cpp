@@ -1,5 +1,5 @@
-// The Phantom's driver at the simulated vendor's library. What is set is seen by a function in the
-// place of the vendor's.
+// The Phantom's driver with the simulated vendor's library. A function in place of the vendor's
+// observes the commands.
 #include <dlfcn.h>
 
 #include <atomic>
@@ -23,7 +23,7 @@ void spied_set(phantom::hd::HDenum name, const phantom::hd::HDdouble* values);
 /// The library's functions and hooks, loaded once a process.
 struct Library {
   static inline const std::string file =
-      VOXTOUCH_HD_SIM_LIBRARY;  // GCC 13 and later take what is returned for a part of a temporary
+      VOXTOUCH_HD_SIM_LIBRARY;  // GCC 13 and later treat the result as part of a temporary
   const phantom::HdLibrary& library = phantom::HdLibrary::load(file);
   decltype(&hdsim_defaults) defaults = find<decltype(&hdsim_defaults)>("hdsim_defaults");
   decltype(&hdsim_use_virtual_time) use_virtual_time =
@@ -37,7 +37,7 @@ struct Library {
   void (*set_doublev)(phantom::hd::HDenum, const phantom::hd::HDdouble*) = nullptr;
 
   Library() {
-    auto& api = const_cast<phantom::hd::Api&>(library.api());  // nothing of it is called yet
+    auto& api = const_cast<phantom::hd::Api&>(library.api());  // none of it has been called yet
     set_doublev = api.hdSetDoublev;
     api.hdSetDoublev = spied_set;
   }

@@ -1,6 +1,6 @@
 #pragma once
-/// A driver, what stands behind it, and a look at what that received: all that the contract and its
-/// experiments need of a device.
+/// A driver, the plant behind it, and a record of what the plant received: the interface of the
+/// contract tests to a device.
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -13,22 +13,20 @@
 
 namespace voxtouch::contract {
 
-/// What the plant's motors gave over one period of the driver, on the plant's own clock. The plants
-/// of the contract add no delay and no lag of their own, so whatever is seen is the driver's and
-/// the protocol's.
+/// Force of the plant's motors over one period of the driver, on the plant's clock. The plants of
+/// the contract add no delay and no lag, so any delay is that of the driver and its protocol.
 struct Received {
   double begin_s = 0.0, end_s = 0.0;
   Wrench wrench;  ///< at the tool, axes of D
 };
 
-/// What left the driver, seen from outside of it: at the vendor's function, in the datagram.
+/// Output of the driver, observed outside of it: at the vendor's function, or in the datagram.
 struct Wire {
-  std::uint64_t orders = 0;               ///< that could have held a push
+  std::uint64_t orders = 0;               ///< outputs that could contain a force
   std::uint64_t pushes = 0;               ///< that did
   std::uint64_t not_finite = 0;           ///< with any number that is none
   double force_n = 0.0, torque_nm = 0.0;  ///< the largest
-  double drive_ratio =
-      0.0;  ///< the largest torque of a joint, as a fraction of what one may be asked for
+  double drive_ratio = 0.0;  ///< the largest joint torque, as a fraction of the permitted one
 };
 
 /// One device, its clock and its ears. The thread that makes it owns it; the plant may run on
@@ -41,7 +39,7 @@ class Subject {
   void plan(const FaultCase& fault) { fault_ = &fault; }
   /// Throws DeviceOpenError.
   void open();
-  /// The driver goes; the plant stays as long as its time does.
+  /// Destroys the driver; the plant lives as long as its time.
   void close() { driver_.reset(); }
   devices::Driver& driver() { return *driver_; }
   bool opened() const { return driver_ != nullptr; }
@@ -49,12 +47,12 @@ class Subject {
   struct Cycle {
     devices::DeviceResult<devices::DeviceSample> sample;
     devices::DeviceResult<void> written;
-    double time_s = 0.0;     ///< of the plant, when the write came
-    std::string last_error;  ///< as another thread would hear it between the two; once a planned
+    double time_s = 0.0;     ///< plant time of the write
+    std::string last_error;  ///< as another thread would read it between the two; after a planned
                              ///< fault has begun
   };
-  /// One period of a loop that receives nothing: whatever `read` says, it writes, unless `command`
-  /// is absent.
+  /// One period of a loop without recovery: it writes for any result of `read`, unless `command` is
+  /// absent.
   Cycle cycle(const std::optional<Wrench>& command);
   /// Writes `command` until the plant gives it. False: it never did.
   bool push_until_measured(const Wrench& command, double tolerance = 0.1);
@@ -78,26 +76,25 @@ class Subject {
   /// The plant's clock [s].
   virtual double now_s() = 0;
   virtual Wire wire() = 0;
-  /// A push that the device can hold for seconds.
+  /// A force that the device can display for seconds.
   virtual Wrench usual_push() const = 0;
-  /// How long the usual push takes to end: nothing, but where the device itself bears no steps of
-  /// its torques.
+  /// Time that the usual force takes to end: 0 unless the device limits the rate of its torques.
   virtual double fade_s() const { return 0.0; }
-  /// How many periods a command has to last to be reached, likewise.
+  /// Number of periods until a command is reached: 1 unless the device limits the rate of its
+  /// torques.
   virtual int periods_to_reach() const { return 1; }
-  /// What a machine that others use may take next to one period, and what the device does; in
-  /// virtual time the latter alone.
+  /// Tolerance for a busy machine and for the device; in virtual time for the device only.
   double slack_s() const { return fade_s() + (virtual_time() ? 0.0 : 10.0 * usual_period_s()); }
   virtual double usual_period_s() const { return 1e-3; }
-  /// An answer that has gone out cannot be taken back.
+  /// An answer that was sent cannot be withdrawn.
   virtual bool answers_are_final() const { return false; }
 
  protected:
   virtual std::unique_ptr<devices::Driver> make() = 0;
-  /// For plants whose time passes only in the driver's calls: what they received since the last
-  /// time.
+  /// For plants with time that passes only in the driver's calls: records what they received since
+  /// the last call.
   virtual void observe() {}
-  /// One period without the driver, where it made none.
+  /// One period without the driver, if it made none.
   virtual void pass_period() {}
   virtual void begin_fault(const FaultCase&) {}
   virtual void end_fault(const FaultCase&) {}
@@ -115,7 +112,7 @@ class Subject {
   bool ended_ = false;
 };
 
-/// Makes one; also twice, for what must not be open twice.
+/// Creates a subject; also twice, to test exclusive devices.
 using MakeSubject = std::function<std::unique_ptr<Subject>()>;
 
 std::unique_ptr<Subject> simulated_phantom();
@@ -124,10 +121,10 @@ std::unique_ptr<Subject> simulated_lwr();
 std::unique_ptr<Subject> phantom(const std::string& model, bool virtual_time);
 /// At the controller in this process. `capture`: file of a pcap, empty for none.
 std::unique_ptr<Subject> lwr(bool virtual_time, const std::string& capture = {});
-/// At the simulated Franka arm in this process, whose server speaks `version`.
+/// The simulated Franka arm in this process; its server uses `version`.
 std::unique_ptr<Subject> fr3(bool virtual_time, std::uint16_t version = 10);
 
-/// What this process hands to the system for the network, for the subjects that listen.
+/// Network output of this process, for the subjects that observe it.
 void lwr_receives(const void* data, std::size_t size);
 void fr3_receives(const void* data, std::size_t size);
 

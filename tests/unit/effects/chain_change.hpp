@@ -1,5 +1,5 @@
 #pragma once
-/// A change of an effect chain by name, judged and taken as a running scene does it.
+/// A change of an effect chain by name, validated and applied as in a running scene.
 #include <array>
 #include <string>
 #include <string_view>

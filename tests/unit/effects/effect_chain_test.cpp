@@ -32,7 +32,7 @@ class Spring final : public Effect {
 
 const EffectKind kSpring = {
     .name = "spring",
-    .says = "",
+    .summary = "",
     .equations = "",
     .parameters = kSpringParameters,
     .needs = [](const EffectValues&) { return EffectNeeds{}; },
@@ -65,7 +65,7 @@ TEST(EffectKinds, AreSortedAndFullyDescribed) {
     EXPECT_GT(kind->name, last);
     last = kind->name;
     EXPECT_EQ(find_effect_kind(kind->name), kind);
-    EXPECT_FALSE(kind->says.empty()) << kind->name;
+    EXPECT_FALSE(kind->summary.empty()) << kind->name;
     EXPECT_FALSE(kind->equations.empty()) << kind->name;
     for (const EffectParameter& p : kind->parameters) {
       EXPECT_FALSE(p.meaning.empty()) << kind->name << "." << p.name;

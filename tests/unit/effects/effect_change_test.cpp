@@ -27,7 +27,7 @@ constexpr std::array kPushParameters = {
     EffectParameter{.name = "turning_nm", .high = 1.0, .standard = {{0.0, 0.0, 0.0}}},
 };
 
-/// A constant push; its stiffness is bounded only below a `high` of 9.
+/// A constant force; its stiffness is bounded only below a `high` of 9.
 class Push final : public Effect {
  public:
   void apply(const EffectFrame&, const EffectValues& values, EffectForce& push) noexcept override {
@@ -37,7 +37,7 @@ class Push final : public Effect {
 
 const EffectKind kPush = {
     .name = "push",
-    .says = "",
+    .summary = "",
     .equations = "",
     .parameters = kPushParameters,
     .needs =

@@ -1,6 +1,6 @@
 #pragma once
-/// What every effect that acts in space is held to: force against potential, stiffness against
-/// finite differences, work on closed paths, and no step.
+/// Checks of every spatial effect: force compared with potential, stiffness with finite
+/// differences, work on closed paths, and no step.
 #include <initializer_list>
 #include <random>
 #include <string_view>
@@ -61,9 +61,9 @@ class Bench {
 void expect_force_of_potential(Bench& bench, const Pose& pose, double tolerance_n,
                                bool with_rotation = false, double step = 1e-6);
 
-/// At `pose`: -dF/dx by central differences is no larger than either bound; the matrix given is
-/// symmetric, semidefinite and no smaller than -dF/dx in any direction (its symmetric part), torque
-/// and rotation too where `with_rotation`.
+/// At `pose`: -dF/dx by central differences is within both bounds. The matrix is symmetric,
+/// semidefinite and no smaller than -dF/dx in any direction (its symmetric part); torque and
+/// rotation too if `with_rotation`.
 void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance,
                              bool with_rotation = false, double step = 1e-7);
 
@@ -75,8 +75,8 @@ struct Work {
   double net_j = 0.0;    ///< given to the hand
   double moved_j = 0.0;  ///< sum of all |F dx|
 };
-/// By the midpoint rule. Of a force with a Lipschitz constant K it misses at most K d^2 / 4 for a
-/// step d; where the force is smooth, a d^3-th.
+/// By the midpoint rule. For a force with a Lipschitz constant K its error is at most K d^2 / 4 for
+/// a step d; for a smooth force of order d^3.
 Work work_along(Bench& bench, const std::vector<Pose>& path, bool with_rotation = false);
 
 /// Largest change of the wrench's force between neighbours on a straight sweep, over the sweep's

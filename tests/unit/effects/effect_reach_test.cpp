@@ -1,4 +1,4 @@
-// Where effects may be while changes are on their way: nothing on the way shows more than is said.
+// Intermediate states of changes of effects: none exceeds the stated bounds.
 #include "core/effects/effect_reach.hpp"
 
 #include <gtest/gtest.h>
@@ -31,8 +31,8 @@ TEST(EffectReach, IsTheMaximumOfOldAndNewValues) {
   EXPECT_EQ(reach.bound().damping_ns_per_m, 7.0);
 }
 
-/// Numbers that two changes move one after the other may meet in any combination: a magnet's
-/// stiffness goes with force / radius.
+/// Numbers that two changes move one after the other may occur in any combination: a magnet's
+/// stiffness follows from force / radius.
 TEST(EffectReach, CountsCombinationsThatNoStateHasHad) {
   const EffectKind* kind = find_effect_kind("magnet");
   EffectSpec weak{
@@ -49,7 +49,7 @@ double within(double low, double high, std::mt19937_64& random) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// Any values of the kind that may be used, by trying; false where none was found.
+/// Random valid values of the kind, by trial; false if none was found.
 bool draw(EffectSpec& spec, double word, std::mt19937_64& random) {
   for (int tries = 0; tries < 2000; ++tries) {
     for (std::size_t p = 0; p < spec.values.size(); ++p) {

@@ -1,4 +1,4 @@
-// A wrench from outside the ring: what of it reaches the hand, however it comes.
+// An external wrench: its effect on the hand, for any input.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -36,7 +36,7 @@ EffectSpec external(double energy_j = 1.0, double power_w = 0.0) {
 class ForceProbe {
  public:
   explicit ForceProbe(const EffectSpec& spec) : chain({spec}) {}
-  /// Somebody writes this before every sample from now on.
+  /// An external writer writes this before every sample from now on.
   void writes(const Wrench& wrench) { writes_ = wrench; }
   void falls_silent() { writes_.reset(); }
   const EffectForce& sample(const Vec3& displacement = Vec3::Zero()) {
@@ -211,7 +211,7 @@ TEST(External, EnergyNeverExceedsItsBudget) {
     ForceProbe probe(external(kEnergy, power_w));
     probe.writes({Vec3(10, 0, 0), Vec3::Zero()});
     double energy_generated_j = 0.0, reported_j = 0.0;
-    for (int n = 0; n < 4000; ++n) {  // the hand lets itself be driven with 0.2 m/s
+    for (int n = 0; n < 4000; ++n) {  // the hand is moved with 0.2 m/s
       const Vec3 displacement(0.0002, 0, 0), force = probe.push.wrench.force;
       energy_generated_j += force.dot(displacement);
       reported_j += probe.sample(displacement).energy_generated_j;
@@ -223,7 +223,7 @@ TEST(External, EnergyNeverExceedsItsBudget) {
         << "what the observer is reported is what was done, and no more";
     EXPECT_GT(energy_generated_j, 0.9 * kEnergy);
     EXPECT_NEAR(probe.force(), power_w / 0.2, 0.01) << "what is left is what the power lasts for";
-    // Pushed back, it has again what the hand put in; reported as taken.
+    // Moved back, it returns the energy that the hand supplied; reported as absorbed.
     double back_j = 0.0;
     probe.samples(50, Vec3(-0.0002, 0, 0));
     for (int n = 0; n < 500; ++n)
@@ -249,7 +249,7 @@ TEST(External, ReenteredRegionGivesNoNewBudget) {
   double energy_generated_j = 0.0;
   for (int round = 0; round < 10; ++round) {
     probe.frame.tool.position =
-        Vec3(-0.05, 0, 0);  // it comes in where it is pushed on and is carried out
+        Vec3(-0.05, 0, 0);  // enters at the side that repels it, and is carried out
     for (int n = 0; n < 500; ++n) {
       const Vec3 displacement(0.0002, 0, 0);
       energy_generated_j += probe.push.wrench.force.dot(displacement);

@@ -1,4 +1,4 @@
-// What the friction does with energy, with time and with noise.
+// Energy, timing and noise of friction.
 #include <algorithm>
 
 #include "tests/unit/effects/touch_support.hpp"
@@ -17,12 +17,12 @@ effects::EffectSpec any_friction(std::mt19937_64& random) {
 }
 
 struct Given {
-  double end_j = 0.0, most_j = 0.0;  ///< after the whole way; most at any time on it
-  double moved_j = 0.0;              ///< sum of all |work|: what the others are judged against
+  double end_j = 0.0, most_j = 0.0;  ///< after the whole path; largest at any time on it
+  double moved_j = 0.0;              ///< sum of all |work|: the scale for the others
 };
 
-/// The effect's own work on a closed way of `samples`, gone twice, against a plane and a ball that
-/// both rest.
+/// The effect's work on a closed path of `samples`, traversed twice, against a resting plane and
+/// ball.
 Given given_on(const ClosedPath& path, effects::EffectSpec spec, const BallTool& tool,
                int samples) {
   Asked asked(std::move(spec));
@@ -63,9 +63,8 @@ TEST(Friction, GivesNoEnergyOnAnyOf240RandomClosedPaths) {
   EXPECT_GT(rubbed, 100);
 }
 
-/// Bent at the rim, where little friction holds, carried in within the bristles' reach, let go
-/// inside, out again unbent: a force that the region scaled would come back larger than it was put
-/// in.
+/// The bristles bend at the rim with little friction, are carried in within their reach, released
+/// inside, and leave unbent: a force scaled by the region would return larger.
 TEST(Friction, GivesNoEnergyAtTheRimOfARegion) {
   for (const double blend : {1e-5, 1e-4, 1e-3}) {
     effects::EffectSpec spec =

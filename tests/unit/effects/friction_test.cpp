@@ -28,7 +28,8 @@ TEST(Friction, IsASpringWithinTheConeAndTheConeBeyond) {
     EXPECT_NEAR(push.wrench.force.x(), -std::min(400 * x, 0.5 * 2.0), 1e-9);
     EXPECT_NEAR(push.wrench.torque.y(), 0.01 * std::min(400 * x, 1.0), 1e-9);
   }
-  for (int n = 0; n <= 1000; ++n) {  // and back: 5 mm of way from one side of the cone to the other
+  for (int n = 0; n <= 1000;
+       ++n) {  // and back: 5 mm of path from one side of the cone to the other
     const effects::EffectForce push = slide_to(asked, pressing(2.0, 0.01 - 1e-5 * n));
     EXPECT_NEAR(push.wrench.force.x(), -1.0 + std::min(400 * 1e-5 * n, 2.0), 1e-9);
   }
@@ -111,7 +112,7 @@ TEST(Friction, OfASpinningBallActsAtItsDeepestPoint) {
     push = slide_to(asked, pose);
   }
   const double displacement =
-      0.1 * 0.01;  // the lowest point of a ball turned by 0.1 rad about y went this far along -x
+      0.1 * 0.01;  // the lowest point of a ball rotated by 0.1 rad about y moved this far along -x
   EXPECT_NEAR(push.wrench.force.x(), 400 * displacement, 2e-3);
   EXPECT_NEAR(push.wrench.torque.y(), -0.01 * 400 * displacement, 2e-5);
 }
@@ -133,7 +134,7 @@ TEST(Friction, IsAgainstTheObjectsOwnMotion) {
       dragged(effect("friction", {{"coulomb", {0.5}}}));
   const Twist belt{Vec3(0.1, 0, 0), Vec3::Zero()};
   effects::EffectForce push;
-  for (int n = 0; n < 100; ++n) {  // the tool goes with the belt: nothing rubs
+  for (int n = 0; n < 100; ++n) {  // the tool moves with the belt: no sliding
     const Pose pose = pressing(1.0, 1e-4 * n);
     EXPECT_NEAR(
         carried.at(pose, {on_plane(pose, kBall, kUp, 0, kWall)}, {}, {belt}).wrench.force.norm(),
@@ -142,7 +143,7 @@ TEST(Friction, IsAgainstTheObjectsOwnMotion) {
     push = dragged.at(still, {on_plane(still, kBall, kUp, 0, kWall)}, {}, {belt});
   }
   EXPECT_TRUE(push.wrench.force.isApprox(Vec3(0.5, 0, 0), 1e-9));
-  // What sticks to an object that turns is turned with it.
+  // A tool that sticks to a rotating object rotates with it.
   Asked asked(effect("friction", {{"coulomb", {0.5}}, {"stiffness_n_per_m", {400}}}));
   asked.at(pressing(2.0, 0), {on_plane(pressing(2.0, 0), kBall, kUp, 0, kWall)});
   const Vec3 before =

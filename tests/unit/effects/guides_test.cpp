@@ -187,7 +187,7 @@ TEST(Guides, LeaveLessEnergyTheFinerAPathIsSampled) {
     coarse += std::abs(work_along(bench, closed_path(again, Vec3::Zero(), 0.05, 0.0, 1000)).net_j);
     fine += std::abs(work_along(bench, closed_path(same, Vec3::Zero(), 0.05, 0.0, 8000)).net_j);
   }
-  EXPECT_LT(fine, coarse / 16);  // 64 where nothing bends sharply
+  EXPECT_LT(fine, coarse / 16);  // 64 without sharp bends
 }
 
 TEST(Guides, AreFiniteOnThemFarAwayAndAtZeroForce) {
@@ -230,7 +230,7 @@ TEST(Guides, StayWithinTheirStiffnessDuringAnyChange) {
   EXPECT_EQ(set_value(bench.chain(), "range_m", just(0.3)), "");
   EXPECT_EQ(set_value(bench.chain(), "stiffness_n_per_m", just(1000)), "");
   EXPECT_EQ(set_value(bench.chain(), "limit_n", just(100)), "");
-  for (int n = 1; n <= 100; ++n) {  // on the way 3 F / R is above k
+  for (int n = 1; n <= 100; ++n) {  // in between 3 F / R exceeds k
     const double displacement = 0.01 * n;
     const effects::EffectForce push =
         bench.at(at({0.1 + 0.75 * (0.03 + 0.27 * displacement), 0.2, 0.3}));

@@ -1,4 +1,4 @@
-// The distances that `proximity` looks up, against true ones.
+// The distances used by `proximity`, compared with true ones.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>

@@ -1,4 +1,4 @@
-// What a scene with the effect `proximity` builds, and what one without it does not.
+// What a scene with the effect `proximity` builds, and that others do not.
 #include <gtest/gtest.h>
 
 #include <algorithm>

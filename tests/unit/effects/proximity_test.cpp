@@ -18,7 +18,7 @@ const rendering::ProximityField& block(double h) {
 
 Pose at(const Vec3& x) { return {x, Quat::Identity()}; }
 
-/// A pose whose tool of 10 mm is round the block, often near it.
+/// A pose of a tool of 10 mm around the block, often near it.
 Pose near_block(Random& random) {
   const Vec3 x = random.vector(0.05);
   return {

@@ -28,7 +28,7 @@ BodyParameters usual() {
           .grip_damping_ratio = 1};
 }
 
-/// A floor at z = 0 that pushes with k per metre of depth of the body's origin.
+/// A floor at z = 0 with stiffness k, at the body's origin.
 BodyLoad floor_at(const Pose& pose, double k, double speed = 0.0) {
   BodyLoad load;
   if (pose.position.z() >= 0.0)
@@ -84,7 +84,7 @@ TEST(RigidBody, GrippedOffCentreGivesATorque) {
   RigidBody body(shape);
   body.place({}, true);
   BodyParameters p = usual();
-  p.grip_nm_per_rad = 50;  // so that it hardly turns
+  p.grip_nm_per_rad = 50;  // so that it hardly rotates
   BodyGrip grip;
   for (int n = 0; n < 3000; ++n)
     grip = body.step({}, {}, {}, true, 0.0, p, kStep);
@@ -125,8 +125,7 @@ TEST(RigidBody, ReleaseRampsTheWeightDown) {
       << "a fiftieth a sample, and the grip's damper as the body begins to fall";
 }
 
-/// What the hand got out is no more than what the store gave: kinetic, height, grip and the floor's
-/// spring.
+/// The hand gets at most the energy of the store: kinetic, height, grip and the floor's spring.
 TEST(RigidBody, GivesOnlyItsStoredEnergy) {
   std::mt19937_64 random(5);
   const auto uniform = [&](double a, double b) {
@@ -161,8 +160,8 @@ TEST(RigidBody, GivesOnlyItsStoredEnergy) {
       given += work, moved += std::abs(work);
       const Twist twist{(to.position - from.position) / kStep, turn.angle() * turn.axis() / kStep};
       grip = body.step(floor_at(body.pose(), k), to, twist, true, 0.0, p, kStep);
-      // A force that is held over a period lags by half of it: at the begin, where all that has
-      // been moved went one way.
+      // A force that is constant over a period lags by half of it: at the start all motion had one
+      // direction.
       ASSERT_LE(given, begin - store() + 0.02 * moved + 5e-6) << "run " << run << ", step " << n;
     }
     EXPECT_LE(given, begin - store() + 0.02 * moved) << "run " << run;

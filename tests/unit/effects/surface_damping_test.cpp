@@ -17,7 +17,7 @@ TEST(SurfaceDamping, HasItsViscosityAlongAndAcrossTheSurface) {
   const Pose pose = pressing(1.5);
   const effects::EffectForce push = asked.at(pose, {plane(pose)}, twist);
   const Vec3 expected(-4 * (0.1 - 0.05), 4 * 0.05,
-                      -2 * 0.2);  // the lowest point goes back by 5 rad/s times 10 mm
+                      -2 * 0.2);  // the lowest point moves back by 5 rad/s times 10 mm
   EXPECT_TRUE(push.wrench.force.isApprox(expected, 1e-9)) << push.wrench.force.transpose();
   EXPECT_TRUE(push.wrench.torque.isApprox(Vec3(0, 0, -0.01).cross(expected), 1e-9));
 }

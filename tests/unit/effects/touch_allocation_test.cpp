@@ -1,5 +1,5 @@
-// What acts at the touched point allocates nothing: malloc itself is counted, since operator new
-// would not see Eigen's calls.
+// Effects at the touched point allocate nothing: malloc itself is counted, since operator new would
+// miss Eigen's calls.
 #include <algorithm>
 #include <array>
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Objects of closed form for the effects that act where the tool touches: a ball on a tool against
-/// planes and balls.
+/// Objects of closed form for the effects at the touched point: a ball on a tool with planes and
+/// balls.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -20,7 +20,7 @@ struct BallTool {
   double radius_m = 0.01;
 };
 
-/// Push of `n_per_m` for each metre of depth, along `normal`, at the ball's deepest point.
+/// Force of `n_per_m` per metre of depth, along `normal`, at the ball's deepest point.
 inline contact::ContactResult pushed(const Pose& pose, const BallTool& tool, const Vec3& normal,
                                      double depth_m, double n_per_m) {
   contact::ContactResult out;
@@ -63,7 +63,7 @@ inline effects::EffectSpec effect(
   return spec;
 }
 
-/// A chain of one effect, asked sample by sample.
+/// A chain of one effect, evaluated sample by sample.
 class Asked {
  public:
   explicit Asked(effects::EffectSpec spec) : chain(std::vector{std::move(spec)}) {}
@@ -88,14 +88,14 @@ class Asked {
   double time_s = 0.0;
 };
 
-/// What a wrench gave to the tool between two samples [J]: means of both times the way.
+/// Work of a wrench on the tool between two samples [J]: mean of both times the displacement.
 inline double work(const Wrench& from, const Wrench& to, const Pose& start, const Pose& end) {
   const Eigen::AngleAxisd turn(end.orientation * start.orientation.conjugate());
   return 0.5 * (from.force + to.force).dot(end.position - start.position) +
          0.5 * (from.torque + to.torque).dot(turn.angle() * turn.axis());
 }
 
-/// A smooth closed way of the tool, seeded: three harmonics on each axis.
+/// A smooth closed path of the tool, seeded: three harmonics on each axis.
 class ClosedPath {
  public:
   ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& path_m, double turn_rad)

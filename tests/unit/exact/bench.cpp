@@ -80,7 +80,8 @@ void print(const Scene& scene) {
       most_work, 1e3 * most_us_per_unit, cut_short, not_converged, void_steps, intersecting);
 }
 
-/// A hand that goes to random places within `reach` and turns within `angle`, a new one each 0.1 s.
+/// A hand that moves to random places within `reach` and rotates within `angle`, a new one each 0.1
+/// s.
 Hand wander(double reach, double angle) {
   return [=, at = Vec3(Vec3::Zero()), to = Vec3(Vec3::Zero()), turn = Vec3(Vec3::Zero()),
           aim = Vec3(Vec3::Zero()), random = std::mt19937(1)](int k) mutable {

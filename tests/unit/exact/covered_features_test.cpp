@@ -7,7 +7,7 @@
 namespace voxtouch::exact {
 namespace {
 
-/// A box that slides from x = -20 mm to 20 mm, pressed 3 mm deep and turned.
+/// A box that slides from x = -20 mm to 20 mm, pressed 3 mm deep and rotated.
 void slides_as_on_one_plane(const mesh::TriangleMesh& object,
                             const std::vector<double>& turns = {0.0, 0.003, 0.7}) {
   for (const double turn : turns) {

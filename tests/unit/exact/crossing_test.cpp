@@ -41,7 +41,7 @@ TEST(Crossing, FindsExactlyTheVerticesThatCross) {
     });
     const bool found = vertex_passes_face(p[3], {p[0], p[1], p[2]});
     passed += found;
-    EXPECT_EQ(found, least < 3e-4) << least;  // what passes is met within half a time step
+    EXPECT_EQ(found, least < 3e-4) << least;  // a passage is detected within half a time step
   }
   EXPECT_GT(passed, 10);
 }

@@ -1,4 +1,4 @@
-/// Sharp edges that meet crosswise: held where they touch.
+/// Sharp edges that meet crosswise stop each other.
 #include <gtest/gtest.h>
 
 #include "core/exact/limits.hpp"

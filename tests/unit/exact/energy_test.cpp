@@ -1,5 +1,5 @@
-/// The spring gives no energy on closed loops of the hand: it takes some at edges that give way,
-/// and no more.
+/// The spring generates no energy on closed loops of the hand; at yielding edges it dissipates
+/// some.
 #include <gtest/gtest.h>
 
 #include "tests/unit/exact/rig.hpp"

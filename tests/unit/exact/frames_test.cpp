@@ -1,4 +1,4 @@
-/// What holds of any frame.
+/// Invariants of any frame.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -79,7 +79,7 @@ struct Journey {
   std::uint64_t most_work = 0;
 };
 
-/// Frames of a hand that goes by `hand`; each tenth is checked by brute force.
+/// Frames of a hand with the motion `hand`; each tenth is checked by brute force.
 template <class Hand>
 Journey travel(Rig& rig, int frames, const Hand& hand) {
   Journey out;
@@ -117,7 +117,7 @@ TEST(Frames, GapsDoNotErodeAtThreeMetresPerSecond) {
   EXPECT_FALSE(plate.rest(over(6000), 1000).not_converged);
 }
 
-/// Goes to a new place every 0.1 s.
+/// Moves to a new place every 0.1 s.
 template <class Random>
 Pose wandering(Random& random, int k, double reach, double angle, Pose& at, Pose& to) {
   std::normal_distribution<double> normal;
@@ -192,8 +192,8 @@ TEST(Frames, TheDisplayedStiffnessIsAtMostTheSprings) {
   }
 }
 
-/// The hand is lost in contact and comes back somewhere: free, or within the block. No frame
-/// exceeds its limit of work, and until the tool is found there is no force.
+/// The hand jumps in contact to a random place: free, or within the block. No frame exceeds its
+/// work limit, and there is no force until the tool has converged.
 TEST(Frames, ALostHandIsFoundOrTheToolStays) {
   VirtualToolOptions options;
   options.max_work = 4000;
@@ -227,7 +227,7 @@ TEST(Frames, ALostHandIsFoundOrTheToolStays) {
   }
 }
 
-/// What a scene that was built anew takes over from the one before it.
+/// State that a rebuilt scene takes over from the previous one.
 TEST(Frames, TakenOverToolHasItsWholeForceAtOnce) {
   const mesh::TriangleMesh block = test::box({-0.1, -0.1, -0.02}, {0.1, 0.1, 0.0});
   Rig rig(test::ball(0.01, 3), block);
@@ -251,8 +251,7 @@ TEST(Frames, ResetRestartsTheTool) {
   EXPECT_FALSE(rig.rest({{0, 0, 0.02}, Quat::Identity()}, 10).not_initialised);
 }
 
-/// 0.2 mm above a plate, up to 7.8 mm a frame: nothing is touched, so the tool is where the hand
-/// is.
+/// 0.2 mm above a plate, up to 7.8 mm per frame: nothing is touched, so the tool is at the hand.
 TEST(Frames, AFreeToolIsTheHandUpToEightMillimetresAFrame) {
   Rig rig(test::ball(0.01, 4), test::box({-.06, -.06, -.06}, {.06, .06, 0.0}));
   for (const double step : {2e-4, 2e-3, 4e-3, 7.8e-3}) {
@@ -266,7 +265,7 @@ TEST(Frames, AFreeToolIsTheHandUpToEightMillimetresAFrame) {
   }
 }
 
-/// A ball across the edge of a block: what is touched lies on the edge.
+/// A ball across the edge of a block: the contact point is on the edge.
 TEST(Frames, TheContactPointLiesOnTheObject) {
   Rig rig(test::ball(0.01, 4), test::box({-.03, -.03, -.06}, {.03, .03, 0.0}));
   for (const Vec3& moved : {Vec3(0, 0, 0), Vec3(0.013, -0.004, 0.0071)}) {

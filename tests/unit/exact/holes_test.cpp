@@ -59,8 +59,8 @@ TEST(Holes, RotatedCrossIsHeldByTheClosedForm) {
       const Pose hand{Vec3::Zero(), turned(displacement, Vec3::UnitZ())};
       rig.lead({}, hand, 30);
       const VirtualToolFrame frame = rig.rest(hand, 200);
-      // The arm's corner (length, width) comes to the wall: length sin + width cos = width +
-      // clearance - margin.
+      // The arm's corner (length, width) meets the wall: length sin + width cos = width + clearance
+      // - margin.
       const double radius = std::hypot(kLength, kWidth);
       const double held = std::asin((kWidth + c - kMargin) / radius) - std::atan2(kWidth, kLength);
       const Vec3 rotation = 2.0 * frame.tool.orientation.vec();

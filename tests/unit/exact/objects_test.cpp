@@ -79,7 +79,7 @@ TEST(Objects, OfOneBodyReportTheirOwnForces) {
   EXPECT_THROW(ObjectBody(left, owners), std::invalid_argument);
 }
 
-/// A plate that goes up and down by 10 mm at half a metre per second, under a hand at rest.
+/// A plate that moves up and down by 10 mm at half a metre per second, under a hand at rest.
 TEST(Objects, FastObjectIsFollowedWithoutDelay) {
   for (const bool ball : {true, false}) {
     const mesh::TriangleMesh tool =
@@ -109,7 +109,7 @@ TEST(Objects, FastObjectIsFollowedWithoutDelay) {
 TEST(Objects, PinchedToolPassesOnlyFarObjects) {
   TwoObjects rig(test::ball(0.01, 3), kPlate, kPlate);
   rig.poses[1] = {{0, 0, 0.025},
-                  turned(std::numbers::pi, Vec3::UnitX())};  // a ceiling that comes down
+                  turned(std::numbers::pi, Vec3::UnitX())};  // a ceiling that moves down
   const Pose hand{{0, 0, 0.0115}, Quat::Identity()};
   ASSERT_TRUE(rig.virtual_tool.place(hand, rig.poses));
   bool lost = false;

@@ -11,7 +11,7 @@ namespace {
 constexpr int kSides = 384;
 constexpr double kRadius = 0.005, kHalf = 0.015, kDeep = 0.02, kLever = 0.015, kStiffness = 300.0;
 
-/// A round block with its mouth at z = 0: one closed mesh whose walls lie `radius` from the axis.
+/// A round block with its mouth at z = 0: one closed mesh with walls at `radius` from the axis.
 mesh::TriangleMesh blind_hole(double radius) {
   constexpr double kOuter = 0.02, kFloor = 0.01;
   mesh::TriangleMesh mesh;
@@ -50,7 +50,7 @@ struct PinCase {
 
 class Pins : public ::testing::TestWithParam<PinCase> {};
 
-/// 50 mm/s, in line to 8 mm deep, then the hand 1.7 mm aside or turned by 2.9 degrees.
+/// 50 mm/s, aligned to 8 mm deep, then the hand 1.7 mm aside or rotated by 2.9 degrees.
 TEST_P(Pins, ComeToTheFloorOfTheirHole) {
   const PinCase& pin = GetParam();
   Rig rig = pin_over_hole(pin.clearance);
@@ -79,8 +79,8 @@ INSTANTIATE_TEST_SUITE_P(Clearances, Pins,
                          ::testing::Values(PinCase{2e-4, 0.1, false}, PinCase{2e-4, 0.1, true},
                                            PinCase{1e-4, 0.5, false}, PinCase{1e-4, 0.5, true}));
 
-/// The torque of a pin that is held at the mouth's edge and at its lower rim: the play is
-/// clearance, facets and margins, then the spring alone.
+/// The torque of a pin at the mouth's edge and at its lower rim: the play is clearance, facets and
+/// margins, then the spring.
 TEST(Pins, GiveTheTorqueOfTheirPlayWithoutSteps) {
   constexpr double kClearance = 2e-4, kTurn = 12.0 * kDegree, kIn = 0.015;
   constexpr int kFrames = 2000;
@@ -90,8 +90,8 @@ TEST(Pins, GiveTheTorqueOfTheirPlayWithoutSteps) {
   ASSERT_TRUE(rig.virtual_tool.place({Vec3(0, 0, z), Quat::Identity()}, {&rig.object_pose, 1}));
   for (; z > kHalf - kIn; z -= 5e-5)
     rig.frame({Vec3(0, 0, z), Quat::Identity()});
-  // Held at the lower rim and the mouth, kIn apart: the rim's wall and the mouth's lie 2 (radius +
-  // clearance) apart across the tilted pin, 2 radius cos + depth sin.
+  // In contact at the lower rim and the mouth, kIn apart: the rim's wall and the mouth's are 2
+  // (radius + clearance) apart across the tilted pin, 2 radius cos + depth sin.
   const double width = 2.0 * (kRadius + kClearance - limits::kMarginM);
   const double play =
       std::asin(width / std::hypot(2.0 * kRadius, kIn)) - std::atan2(2.0 * kRadius, kIn);

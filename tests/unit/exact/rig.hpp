@@ -37,7 +37,7 @@ struct Rig {
       last = frame(hand);
     return last;
   }
-  /// The hand goes there in equal steps.
+  /// Moves the hand there in equal steps.
   VirtualToolFrame lead(const Pose& from, const Pose& to, int frames) {
     VirtualToolFrame last;
     for (int k = 1; k <= frames; ++k) {
@@ -47,7 +47,7 @@ struct Rig {
     }
     return last;
   }
-  /// Brute force: edges of each against faces of the other, where the tool is.
+  /// Brute force: edges of each against faces of the other, at the tool's pose.
   bool intersects() {
     posed.set_pose(object_pose.inverse() * virtual_tool.pose());
     return intersect(tool, object, posed);

@@ -1,5 +1,5 @@
-/// The virtual tool against a god-object of the same meshes that shares no code with it. The long
-/// form is tests/experiments/exact_truth.
+/// The virtual tool compared with a god-object on the same meshes that has no code in common with
+/// it. The long form is tests/experiments/exact_truth.
 #include <gtest/gtest.h>
 
 #include "tests/experiments/exact_truth/comparison.hpp"
@@ -32,7 +32,7 @@ TEST(Truth, AgreesOnACylinder) { expect_agreement("cylinder", 10); }
 
 TEST(Truth, AgreesOnTheCup) { expect_agreement("cup", 10); }
 
-/// What the comparison is worth: a plane that is a tenth of a millimetre off is seen at each place.
+/// Sensitivity of the comparison: a plane that is 0.1 mm off is detected at each place.
 TEST(Truth, AnOffsetOfATenthOfAMillimetreIsSeen) {
   for (const double offset : {1e-4, -1e-4}) {
     Comparer comparer(surface("plane"), kBall, offset);

@@ -1,4 +1,4 @@
-// What a loop keeps before a fault, and how it comes to the disk.
+// Rows kept before a fault, and how they are written to disk.
 #include <gtest/gtest.h>
 
 #include <chrono>

@@ -272,7 +272,7 @@ TEST(FciStream, ReassemblesMessagesAndDropsLongBodies) {
     stream.insert(stream.end(), more.begin(), more.end());
   };
   append(bytes_of(connect_answer(1, true, 10)));
-  Bytes model(20000, 'x');  // a robot model, which none here asked for
+  Bytes model(20000, 'x');  // a robot model, which was not requested
   set(model, 0, std::uint32_t{12}), set(model, 4, std::uint32_t{2}),
       set(model, 8, std::uint32_t{20000});
   append(model);

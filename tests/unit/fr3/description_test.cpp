@@ -33,7 +33,7 @@ TEST(Fr3Description, IsThatOfTheDeviceFile) {
   EXPECT_EQ(d.orientation_resolution_rad, file.orientation_resolution_rad);
   EXPECT_EQ(d.max_stiffness_nm_per_rad, file.max_stiffness_nm_per_rad);
   EXPECT_EQ(d.jitter, file.jitter);
-  EXPECT_EQ(d.lost_in_a_row, file.lost_in_a_row);
+  EXPECT_EQ(d.consecutive_losses, file.consecutive_losses);
   EXPECT_EQ(d.grip, file.grip);
   EXPECT_EQ(d.output_dof, file.output_dof);
 }

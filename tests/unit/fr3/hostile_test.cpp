@@ -23,7 +23,7 @@ TEST(FciHostile, AMillionPacketsAreTakenOrRefused) {
     std::size_t size = of_state ? dialect.state_size : dialect.command_size;
     if (random() % 8 == 0)
       size = random() % kMaxStateBytes;
-    // A few places anew: what lies there from before is as hostile.
+    // Changes a few places; the previous content is as hostile.
     for (int i = 0; i < 8; ++i) {
       const std::uint64_t word = random();
       std::memcpy(&bytes[random() % (bytes.size() - 8)], &word, 1 + random() % 8);

@@ -1,5 +1,4 @@
-// Opening over the network: who is there, what it speaks, and the sentence where it is not what was
-// hoped for.
+// Opening over the network: detection of the server and its version, and the sentences for others.
 #include <gtest/gtest.h>
 
 #include <arpa/inet.h>
@@ -19,7 +18,7 @@ namespace open_test {
 
 using namespace std::chrono_literals;
 
-/// A robot in real time on a thread of its own.
+/// A robot in real time on a separate thread.
 class Robot {
  public:
   explicit Robot(std::uint16_t version = 10, std::vector<std::string> faults = {},

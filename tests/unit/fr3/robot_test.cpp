@@ -1,5 +1,5 @@
-// The test double tested: the simulated robot refuses and stops where the real one does, by what
-// its maker says.
+// Tests the test double: the simulated robot refuses and stops under the documented conditions of
+// the real one.
 #include <gtest/gtest.h>
 
 #include "devices/fr3/simulated/fci_robot.hpp"

@@ -24,7 +24,7 @@ State in_reflex(Errors errors) {
 
 struct Rig {
   FciSession session{*dialect_of(10)};
-  /// Sees `state` for `seconds`; the request that came meanwhile.
+  /// Passes `state` for `seconds`; returns the request made meanwhile.
   std::optional<Request> see(const State& state, double seconds = 1e-3) {
     std::optional<Request> asked;
     for (double t = 0.0; t < seconds - 1e-9; t += 1e-3) {

@@ -87,7 +87,7 @@ TEST(Windows, CutStrokesAtMotionReversals) {
   record.reserve(2000);
   for (int i = 0; i < 1000; ++i) {
     const double t = 1e-3 * i;
-    const double x = t < 0.6 ? 0.05 * t : 0.03 - 0.05 * (t - 0.6);  // turns at 0.6 s
+    const double x = t < 0.6 ? 0.05 * t : 0.03 - 0.05 * (t - 0.6);  // reverses at 0.6 s
     record.add({.time_s = t, .position_m = x, .segment = 1, .direction = 1, .part = Part::kStroke});
   }
   const auto windows = stroke_windows(record, Part::kStroke, {.encoder_step_m = 1e-5});

@@ -1,4 +1,4 @@
-// The check at start on devices that are what their file says, and on others.
+// The check at start on devices that match their file, and on others.
 #include "core/identification/start_check.hpp"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(StartCheck, TwiceTheDelayDiffersAndNothingElse) {
 TEST(StartCheck, TwiceTheMassDiffers) {
   auto truth = fine_device();
   for (testing::AxisTruth& axis : truth)
-    axis.mass_kg = 10.0;  // more than what the check allows for a hand
+    axis.mass_kg = 10.0;  // more than the check's allowance for a hand
   const auto found = check_start(truth, Planted::kMassTwice, Holding::kReleased, 3).findings;
   EXPECT_EQ(found.mass_kg.finding, Finding::kDiffers);
   EXPECT_NEAR(0.5 * (found.mass_kg.low + found.mass_kg.high), 20.0, 2.0);

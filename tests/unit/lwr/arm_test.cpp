@@ -18,7 +18,7 @@ LwrJoints degrees(std::initializer_list<double> values) {
   return q;
 }
 
-/// A tool that is off the flange's axis and turned, so that nothing vanishes.
+/// A tool off the flange's axis and rotated, so that no term vanishes.
 Pose odd_tool() { return {Vec3(0.02, -0.03, 0.11), Quat(0.5, -0.1, 0.7, 0.3).normalized()}; }
 
 LwrJoints random_posture(std::mt19937& random) {

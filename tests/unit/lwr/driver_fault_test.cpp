@@ -1,4 +1,4 @@
-// Each thing that goes wrong, and that the push is gone in the very answer after it.
+// Each fault removes the push in the very next answer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +14,7 @@ using namespace std::chrono_literals;
 const Wrench kPush{Vec3(5, -3, 8), Vec3(0.4, -0.2, 0.1)};
 const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// A driver that pushes.
+/// A driver with a push.
 class LwrDriverFault : public testing::Test {
  protected:
   void SetUp() override { run(quick_options()); }
@@ -26,7 +26,7 @@ class LwrDriverFault : public testing::Test {
     push();
   }
   void push() { ASSERT_GT(torque_of(cycle(*krc, *driver, kPush).command), 1.0); }
-  /// One turn with a push asked for; the answer must hold none.
+  /// One cycle with a requested push; the answer must contain none.
   Cycle without_push(const Wrench& wrench = kPush) {
     const Cycle t = cycle(*krc, *driver, wrench);
     EXPECT_EQ(t.answers, 1U);
@@ -92,7 +92,7 @@ TEST_F(LwrDriverFault, AnswersInvalidMeasurementsWithTheLastPosition) {
   EXPECT_EQ(without_push().sample.error(), devices::DeviceError::kProtocol);
   msr().interface.quality = lwr::fri::Quality::kPerfect;
   push();
-  EXPECT_EQ(driver->counts().untrusted, 2U);
+  EXPECT_EQ(driver->counts().invalid, 2U);
 }
 
 TEST_F(LwrDriverFault, ReportsAProtocolErrorForGarbage) {
@@ -138,7 +138,7 @@ TEST_F(LwrDriverFault, TakesTheNewestInAnyOrder) {
   const lwr::fri::MsrPacket first = krc->next(), second = krc->next(), third = krc->next();
   const auto before =
       driver->counts()
-          .superseded;  // while it opened, a busy machine may have let some come together
+          .superseded;  // while it opened, several may have arrived together on a busy machine
   krc->send(first);
   krc->send(third);
   krc->send(second);
@@ -170,7 +170,7 @@ TEST_F(LwrDriverFault, IgnoresAStaleMeasurement) {
   krc->send();
   std::this_thread::sleep_for(120ms);
   EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
-  EXPECT_EQ(driver->counts().aged, 1U);
+  EXPECT_EQ(driver->counts().stale, 1U);
   push();
 }
 

@@ -1,4 +1,4 @@
-// Opening: what a person is reported where it cannot be done, and that it can be done again.
+// Opening: messages if it fails, and that it can be repeated.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// What opening says when it fails; empty if it does not.
+/// Message of a failed opening; empty if it succeeds.
 std::string refusal(const lwr::LwrOptions& options) {
   try {
     lwr::LwrDriver driver(options);

@@ -1,4 +1,4 @@
-// The driver in good order: what it answers, what the arm would feel, what it reports.
+// The driver without faults: its answers, the arm's torques, its reports.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -99,7 +99,7 @@ TEST(LwrDriver, NeverChangesItsFlags) {
 
 TEST(LwrDriver, EntersCommandModeWithoutAPositionJump) {
   FakeController krc;
-  krc.msr.data.jnt_pos[1] += 0.1F;  // sagged away from what is commanded
+  krc.msr.data.jnt_pos[1] += 0.1F;  // below the commanded position
   const auto driver = krc.open();
   ASSERT_TRUE(run_to_command(krc, *driver));
   for (int n = 0; n < 200; ++n)

@@ -84,7 +84,7 @@ std::unique_ptr<lwr::LwrDriver> FakeController::open(lwr::LwrOptions options) {
   port = options.port;
   std::unique_ptr<lwr::LwrDriver> driver;
   serve_while([&] { driver = std::make_unique<lwr::LwrDriver>(options); });
-  (void)cycle(*this, *driver);  // takes what was sent while the driver opened
+  (void)cycle(*this, *driver);  // takes the packets sent while the driver opened
   return driver;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// A scripted KRC on the loopback: what it sends is whatever the test puts into `msr`; its KRL
-/// program follows the handshake.
+/// A scripted KRC on the loopback: it sends the `msr` that the test sets; its KRL program follows
+/// the handshake.
 #include <deque>
 #include <functional>
 #include <memory>
@@ -23,18 +23,17 @@ class FakeController {
   lwr::fri::MsrPacket next();
   void send(const lwr::fri::MsrPacket& packet);
   void send_bytes(std::span<const std::byte> bytes);
-  /// All answers that have come since; the program follows the last one's request if
-  /// `program_runs`.
+  /// All new answers; the program follows the last request if `program_runs`.
   std::vector<lwr::fri::CmdPacket> receive();
 
   /// Opens a driver that listens on a free port, sending until it has opened (or thrown).
   std::unique_ptr<lwr::LwrDriver> open(lwr::LwrOptions options = {});
-  /// Lets go of the driver while answering its handshake.
+  /// Closes the driver while answering its handshake.
   void close(std::unique_ptr<lwr::LwrDriver> driver);
   /// Runs `body` while measurements are sent every half a millisecond.
   void serve_while(const std::function<void()>& body);
 
-  lwr::fri::MsrPacket msr = lwr::fri::empty_msr();  ///< what is sent next
+  lwr::fri::MsrPacket msr = lwr::fri::empty_msr();  ///< the next packet
   bool program_runs = true;                         ///< state and echo follow the requests
   std::uint16_t port = 0;                           ///< of the driver
   std::vector<lwr::fri::CmdPacket> received;        ///< every answer so far
@@ -56,7 +55,7 @@ struct Cycle {
 };
 /// One period: measurement, read, write (only after a good read), answers.
 Cycle cycle(FakeController& controller, lwr::LwrDriver& driver, const Wrench& command = {});
-/// Turns until force flows, at most 200. False if it never did.
+/// Cycles until force flows, at most 200. False if it never did.
 bool run_to_command(FakeController& controller, lwr::LwrDriver& driver);
 
 /// Largest torque in an answer.

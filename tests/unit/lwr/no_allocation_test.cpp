@@ -1,4 +1,4 @@
-/// Counts what is asked of the heap, beneath `operator new` too, while the driver's loop runs.
+/// Counts heap allocations, beneath `operator new` too, while the driver's loop runs.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 #pragma once
-/// The arm's energies, by another way than its dynamics go.
+/// The arm's energies, by another method than its dynamics.
 #include "devices/lwr/simulated/lwr_plant.hpp"
 
 namespace voxtouch::lwr_sim {

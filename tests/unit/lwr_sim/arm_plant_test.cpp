@@ -24,7 +24,7 @@ PlantParameters bare() {
   return p;
 }
 
-/// A hand that pushes with a constant force and moves a mass along.
+/// A hand with a constant force and an attached mass.
 hand::HandAction push(const Vec3& force, const TipLoad& load = {}) {
   hand::HandAction hand;
   hand.steady_force = force;

@@ -1,4 +1,4 @@
-// What the arm does under the controller's laws, and with a hand at its tool.
+// The arm under the controller's laws, and with a hand at its tool.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -87,7 +87,7 @@ TEST(Control, TorqueArrivesAfterItsDelay) {
   rig.periods(20);
   rig.remote.torque[0] = 4.0F;
   const auto applied_force = [&] { return rig.controller.row().applied.force.norm(); };
-  rig.period();  // the answer comes in here
+  rig.period();  // the answer is received here
   EXPECT_NEAR(applied_force(), 0.0, 1e-3);
   rig.periods(2);  // and waits
   EXPECT_NEAR(applied_force(), 0.0, 1e-3);

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 std::uint16_t free_port() { return arm::UdpSocket("127.0.0.1", 0).local().port; }
 
-/// A controller on a thread of its own; rows of its trace are to be read after `end`.
+/// A controller on a separate thread; its trace is valid after `end`.
 class RunningController {
  public:
   RunningController(std::uint16_t remote_port, hand::Hand hand,
@@ -76,7 +76,7 @@ TEST(DriverAtTheController, ForceReachesTheHandUnrefused) {
         start = at;
       ASSERT_TRUE(driver.write({Vec3(10.0, 0.0, -5.0), Vec3::Zero()})) << driver.status_text();
     }
-    // Friction leaves up to a newton or two of it.
+    // Friction reduces it by up to 2 N.
     EXPECT_NEAR((at - start).x(), 10.0 / 500.0, 0.005);
     EXPECT_NEAR((at - start).z(), -5.0 / 500.0, 0.005);
     EXPECT_EQ(driver.counts().malformed, 0u);

@@ -50,7 +50,7 @@ TEST(HandFile, RoundTripIsBitIdentical) {
 }
 
 TEST(HandFile, EveryFieldOfTheOperatorIsWritten) {
-  // One more field of the struct changes its size, and whoever adds it is sent here.
+  // A new field of the struct changes its size, and must be added here.
   static_assert(sizeof(sim::OperatorConfig) == 13 * sizeof(double));
   const std::string plain = hand::to_text(sample());
   for (double sim::OperatorConfig::*field :
@@ -75,7 +75,7 @@ TEST(HandFile, DoesNotDependOnTheLocale) {
     std::string do_grouping() const override { return "\3"; }
   };
   const std::locale before = std::locale::global(std::locale(std::locale::classic(), new Comma));
-  const char* c_locale = std::setlocale(LC_ALL, "de_DE.UTF-8");  // where the machine has it
+  const char* c_locale = std::setlocale(LC_ALL, "de_DE.UTF-8");  // if the machine has it
   const std::string text = hand::to_text(sample());
   EXPECT_EQ(text, plain);
   EXPECT_EQ(hand::to_text(hand::parse_hand(text, "test")), plain);

@@ -127,8 +127,8 @@ TEST(Faults, ActFromTheirStartToTheirEnd) {
   EXPECT_FALSE(schedule.active(FaultKind::kLoss, 1.2));
 }
 
-/// What leaves a line in `n` periods of a millisecond, as sequence numbers with the period that
-/// they leave in.
+/// Packets that leave a line in `n` periods of a millisecond, as sequence numbers with their
+/// period.
 std::vector<std::pair<int, int>> leaves(const std::vector<Fault>& faults, int n,
                                         std::uint64_t seed = 1) {
   Line line(FaultSchedule(faults), 1e-3, seed);

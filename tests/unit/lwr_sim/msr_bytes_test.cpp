@@ -127,7 +127,7 @@ TEST(MsrBytes, TheHandShowsInTheJointsAndAtTheTool) {
     const auto n = static_cast<Eigen::Index>(i);
     EXPECT_NEAR(get<float>(msr, 472 + 4 * i), outer[n], 0.02);
     EXPECT_NEAR(get<float>(msr, 444 + 4 * i), gravity[n] - outer[n],
-                0.3);  // what the sensors feel; friction next to it
+                0.3);  // measured by the sensors; friction in addition
   }
 }
 

@@ -1,4 +1,4 @@
-// The program: it starts, speaks, and ends.
+// The program: start, communication, end.
 #include <gtest/gtest.h>
 #include <signal.h>
 
@@ -24,7 +24,7 @@ const std::string kProgram = std::string(VOXTOUCH_BIN) + "/voxtouch_fri_controll
 
 std::string remote_of(const arm::UdpSocket& socket) { return arm::text_of(socket.local()); }
 
-/// Answers until the controller says OFF or nothing comes for `patience`; returns the last
+/// Answers until the controller sends OFF or nothing is received for `patience`; returns the last
 /// measurement.
 lwr_sim::test::MsrBytes serve(arm::UdpSocket& socket, std::chrono::nanoseconds patience,
                               int most = 1 << 30) {

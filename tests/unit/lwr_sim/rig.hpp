@@ -15,7 +15,7 @@ inline hand::Hand released_hand() {
   return hand::Hand(config, motion, kSubstep);
 }
 
-/// An arm's grip that wants to be `offset` away from where the tool starts.
+/// An arm's grip with a target at `offset` from the tool's start.
 inline hand::Hand arm_at(const Vec3& offset, double stiffness_n_per_m = 200.0,
                          double damping_ns_per_m = 15.0) {
   sim::OperatorConfig config = *hand::grip("arm");
@@ -53,7 +53,7 @@ struct Rig {
       msr = period(answers);
     return msr;
   }
-  /// Until command mode; false if it does not come within `most` periods.
+  /// Runs until command mode; false if it is not reached within `most` periods.
   bool start(int most = 300) {
     for (int i = 0; i < most && controller.state() != lwr::fri::State::kCmd; ++i)
       period();

@@ -1,5 +1,5 @@
 #pragma once
-/// A remote side that knows the protocol by its table of offsets only: it shares no declaration
+/// A remote side that uses only the protocol's table of offsets: it has no declaration in common
 /// with the code under test.
 #include <array>
 #include <cstddef>
@@ -25,7 +25,7 @@ void put(std::span<std::byte> bytes, std::size_t offset, T value) {
   std::memcpy(bytes.data() + offset, &value, sizeof value);
 }
 
-/// What a measurement says, by offset.
+/// Fields of a measurement, by offset.
 inline std::uint16_t sequence(std::span<const std::byte> msr) { return get<std::uint16_t>(msr, 0); }
 inline float timestamp(std::span<const std::byte> msr) { return get<float>(msr, 140); }
 inline int state(std::span<const std::byte> msr) { return get<std::uint16_t>(msr, 144); }

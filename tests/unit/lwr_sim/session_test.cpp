@@ -1,5 +1,5 @@
-// The controller on a real socket, with a scripted remote side at the other end: what arrives there
-// under each fault.
+// The controller on a real socket with a scripted remote side: the packets that arrive under each
+// fault.
 #include "devices/lwr/simulated/session.hpp"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,7 @@ namespace {
 using namespace std::chrono_literals;
 using test::MsrBytes;
 
-/// Answers everything that is newer than what it had, as a driver does, on a thread of its own;
-/// keeps what came.
+/// Answers every newer packet, as a driver does, on a separate thread; stores the packets.
 class Client {
  public:
   Client() : socket_("127.0.0.1", 0), thread_([this] { run(); }) {}
@@ -29,7 +28,7 @@ class Client {
       thread_.join();
   }
   std::uint16_t port() const { return socket_.local().port; }
-  /// To be looked at after `stop`.
+  /// Valid after `stop`.
   std::vector<MsrBytes> seen;
   std::atomic<int> answers_left{1 << 30};
   std::atomic<int> strays{0};  ///< datagrams of other sizes
@@ -93,7 +92,7 @@ Outcome virtual_run(const std::vector<std::string>& faults, double duration_s,
   const std::atomic<bool> never{false};
   Outcome out;
   out.ending = session.run(never);
-  std::this_thread::sleep_for(50ms);  // the last packet is on its way
+  std::this_thread::sleep_for(50ms);  // the last packet is in transit
   client.stop();
   out.seen = client.seen;
   out.answers = controller.counts();
@@ -265,7 +264,7 @@ TEST(Session, InRealTimeMeasurementsLeaveByTheClock) {
   EXPECT_GE(elapsed.count(), 0.599);
   client.stop();
   EXPECT_GT(controller.counts().accepted,
-            0u);  // how many come in time is the machine's matter, not the protocol's
+            0u);  // the number that arrive in time depends on the machine, not on the protocol
   EXPECT_GT(client.seen.size(), 10u);
   EXPECT_EQ(controller.counts().accepted + controller.counts().stale, session.counts().received);
 }

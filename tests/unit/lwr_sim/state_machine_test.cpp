@@ -140,8 +140,8 @@ TEST(StateMachine, EndedCommandModeNeedsAStopFirst) {
   EXPECT_FALSE(rig.controller.braked());
 }
 
-/// Each violation in turn ends command mode, closes the brakes and leaves error bits until the stop
-/// is asked for.
+/// Each violation ends command mode, closes the brakes and leaves error bits until the stop is
+/// requested.
 void expect_drop(Rig& rig, Reason reason, int bits) {
   EXPECT_EQ(rig.controller.state(), lwr::fri::State::kMon);
   EXPECT_TRUE(rig.controller.braked());

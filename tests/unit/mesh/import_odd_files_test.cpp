@@ -1,5 +1,5 @@
-/// Whole files that are written in an odd way are read as the shape that they hold; files whose
-/// shape would change without a word are refused.
+/// Complete files in an unusual form are read as the shape that they contain; files whose shape
+/// would silently change are refused.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ std::string upper(std::string text) {
 
 class OddFile : public ::testing::Test {
  protected:
-  /// `reported`: what a warning must say; empty: there must be none.
+  /// `reported`: text of the expected warning; empty: none.
   void expect_tetrahedron(const std::string& name, const std::string& bytes,
                           const std::string& reported) {
     SCOPED_TRACE(name);
@@ -121,7 +121,7 @@ TEST_F(OddFile, OfBinaryStlMayHaveBytesBehindItsTriangles) {
 TEST_F(OddFile, OfObjMayHaveCapitalsAndAnyLineEnds) {
   const std::string text = samples::obj_text(tetrahedron());
   expect_tetrahedron("upper.obj", upper(text), "");
-  // Objects that assimp would sort the faces by, where it sees them.
+  // Objects, by which assimp would sort the faces.
   expect_tetrahedron(
       "mac.obj",
       "v 0 0 0\rv 1 0 0\rv 0 1 0\rv 0 0 1\ro A\rusemtl x\rf 1 3 2\ro B\rusemtl y\rf 1 2 4\r"

@@ -1,4 +1,4 @@
-/// What cannot be had is refused with a sentence that names the file, the reason and what to do;
+/// Unusable files are refused with a sentence that names the file, the reason and the remedy;
 /// nothing crashes.
 #include <gtest/gtest.h>
 #include <sys/resource.h>

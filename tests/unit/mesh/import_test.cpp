@@ -1,4 +1,4 @@
-/// What comes through the import, against readers of this file's own.
+/// Results of the import, compared with independent readers in this file.
 #include "core/mesh/import.hpp"
 
 #include <gtest/gtest.h>

@@ -6,7 +6,7 @@ in millimetres, as most tools export it (a scene reads those with scale: 0.001).
 bytes: no random numbers, no dates.
 
   plane.obj         slab 0.24 x 0.24 x 0.02 m, top face z = 0, centred in x and y
-  tilted_plane.obj  the same slab, turned 20 degrees about x, then 25 degrees about y, in its
+  tilted_plane.obj  the same slab, rotated 20 degrees about x, then 25 degrees about y, in its
                     vertices
   block.obj         block 0.04 x 0.04 x 0.03 m about the origin
   cylinder.obj      radius 0.04 m, length 0.2 m, axis y through the origin, 96 sides
@@ -87,7 +87,7 @@ def block(size_x, size_y, size_z):
 
 
 def turned(mesh, about_x, about_y):
-    """Turned about x first, then about y [rad]."""
+    """Rotated about x first, then about y [rad]."""
     cx, sx, cy, sy = math.cos(about_x), math.sin(about_x), math.cos(about_y), math.sin(about_y)
 
     def turn(v):
@@ -110,7 +110,7 @@ def cylinder(radius, length, sides):
 
 
 def sphere(radius, halvings):
-    """Icosahedron whose edges are halved `halvings` times, every new corner pushed out to the
+    """Icosahedron whose edges are halved `halvings` times, every new corner moved out to the
     sphere.
     """
     mesh = Mesh()
@@ -156,7 +156,7 @@ def sphere(radius, halvings):
 
 
 def outward(v, i, j, k):
-    """Does triangle (i, j, k) turn counter-clockwise seen from outside a body around the origin?"""
+    """Is triangle (i, j, k) counter-clockwise seen from outside a body around the origin?"""
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = v[i], v[j], v[k]
     return ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx) > 0
 
@@ -173,7 +173,7 @@ PATCH_SIDES = 3  # columns cut out of the wall for each end of the handle: 11.8 
 PATCH_ROWS = 3  # rows: 10.2 mm
 LOWER_ROW = 5  # first row of the lower patch, counted from the foot
 UPPER_ROW = 17  # first row of the upper patch
-HANDLE_REACH = 0.026  # how far the handle's middle line stands off the wall
+HANDLE_REACH = 0.026  # distance of the handle's centre line from the wall
 HANDLE_STEPS = 24
 HANDLE_HALF_WIDTH = 0.0055  # across, in y
 HANDLE_HALF_DEPTH = 0.0050  # in the plane of the handle
@@ -211,7 +211,7 @@ def patch_border(row, flip):
     border += [(r1, s) for s in range(high, low, -1)] + [(r, low) for r in range(r1, r0, -1)]
     if not flip:
         return border
-    # Mirrored in z, so that point i of both borders is point i of the handle's section; it now runs
+    # Mirrored in z, so that point i of both borders is point i of the handle's section; it is now
     # clockwise.
     return [(r0 + r1 - r, s) for r, s in border]
 
@@ -257,7 +257,7 @@ def add_handle(mesh, wall):
         tx, tz = HANDLE_REACH * math.cos(a), half * math.sin(a)
         length = math.hypot(tx, tz)
         tx, tz = tx / length, tz / length
-        # From the patch's outline to the section within a fifth of the way, and back.
+        # From the patch's outline to the section within a fifth of the path, and back.
         blend = min(1.0, 5 * min(step, HANDLE_STEPS - step) / HANDLE_STEPS)
         border = borders[0] if 2 * step < HANDLE_STEPS else borders[1]
         ring = []
@@ -270,9 +270,9 @@ def add_handle(mesh, wall):
 
 
 def cup():
-    """Walls and floor are one turned profile; the handle is a tube between the borders of two
-    patches left out of the outer wall, so that the whole is one surface with one hole through it
-    (genus 1) and nothing runs through anything."""
+    """Walls and floor are one solid of revolution; the handle is a tube between the borders of
+    two patches omitted from the outer wall. The whole is one surface with one hole (genus 1)
+    and without self-intersection."""
     mesh = Mesh()
     profile, start = cup_profile()
     # Side 0 begins half a patch before the x axis: the handle is symmetric in y.

@@ -1,4 +1,4 @@
-/// Reading in a process of its own: the same result, and every way to fail is a sentence.
+/// Reading in a separate process: the same result, and a sentence for every failure.
 #include "nodes/mesh_import/mesh_process.hpp"
 
 #include <fcntl.h>
@@ -20,7 +20,7 @@ using samples::Folder;
 
 namespace {
 
-/// Node n instances node n - 1 twice: 2^29 of them, if they are ever counted.
+/// Node n instances node n - 1 twice: 2^29 instances in total.
 std::string endless() {
   samples::Collada bomb;
   bomb.library = "<library_nodes><node id=\"n0\"><instance_geometry url=\"#g\"/></node>";

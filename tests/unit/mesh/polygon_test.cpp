@@ -35,8 +35,7 @@ Vec3 doubled_area(const Corners& path) {
   return sum;
 }
 
-/// How often each edge between two places is walked from the lower to the higher, less the way
-/// back.
+/// Net number of times each edge is traversed from the lower to the higher point.
 class Chain {
  public:
   void walk(const Vec3& a, const Vec3& b) {
@@ -115,8 +114,8 @@ Corners star(Random& random, std::size_t corners) {
   return path;
 }
 
-/// Whole numbers: up to a height of its own over each step, and back along the ground. Steps of the
-/// same height give corners on a line.
+/// Integers: up to a random height over each step, and back along the base. Steps of the same
+/// height give collinear corners.
 Corners staircase(Random& random, int steps) {
   Corners path;
   path.emplace_back(0, 0, 0);
@@ -178,8 +177,8 @@ TEST(Polygon, TenThousandStarsAndStaircasesKeepBoundaryAndArea) {
 TEST(Polygon, HolesJoinedByBridgesStayOpen) {
   Random random(static_cast<unsigned>(voxtouch::testing::seed(10)));
   for (int round = 0; round < 1'000; ++round) {
-    // Holes in the cells of a board: each is walked the other way round, from the first corner and
-    // back.
+    // Holes in the cells of a board: each is traversed in the opposite direction, from the first
+    // corner and back.
     const int cells = 1 + round % 4;
     Corners path{{0, 0, 0}, {double(cells), 0, 0}, {double(cells), 1, 0}, {0, 1, 0}, {0, 0, 0}};
     std::size_t corners = 4;
@@ -229,8 +228,7 @@ TEST(Polygon, BentConcaveQuadsKeepTheirBoundary) {
 }
 
 TEST(Polygon, LobesThatTouchInACornerAreAllKept) {
-  // Two squares that share a corner, walked as one boundary; and a square hole that touches the
-  // outline.
+  // Two squares with a common corner, as one boundary; and a square hole that touches the outline.
   expect_cut(
       {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {2, 1, 0}, {2, 2, 0}, {1, 2, 0}, {1, 1, 0}, {0, 1, 0}}, 4);
   expect_cut(

@@ -16,7 +16,7 @@ using samples::tetrahedron;
 
 namespace {
 
-/// One finding in one sentence: how many, and where the first are.
+/// One sentence per finding: number, and the first ones.
 void expect_reports(const mesh::MeshReport& report, const std::string& count,
                     const std::string& places) {
   const auto all = report.sentences();
@@ -87,7 +87,7 @@ TEST(MeshReport, NamesTheFlippedTriangleAndNotItsNeighbours) {
 TEST(MeshReport, DistinguishesDuplicatesFromFlippedTriangles) {
   mesh::TriangleMesh mesh = tetrahedron();
   mesh.triangles.push_back({2, 1, 0});  // triangle 0, other first corner
-  mesh.triangles.push_back({3, 2, 1});  // triangle 3, turned round
+  mesh.triangles.push_back({3, 2, 1});  // triangle 3, flipped
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.duplicates.examples, Indices{4});
   EXPECT_EQ(r.opposite_duplicates.examples, Indices{5});
@@ -112,7 +112,7 @@ TEST(MeshReport, IgnoresZeroAreaTrianglesForClosedness) {
 
 TEST(MeshReport, ZeroAreaTriangleClosesALongEdge) {
   // The face on edge 0-1 of one side is split at vertex 4, the other is not; a collinear triangle
-  // stands between them.
+  // is between them.
   const mesh::TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5, 0, 0}},
                                 {{0, 2, 4}, {4, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}, {0, 4, 1}}};
   const mesh::MeshReport r = mesh::inspect(mesh);
@@ -138,7 +138,7 @@ TEST(MeshReport, FindsCollinearCornersAtAnyScaleAndPlace) {
 }
 
 TEST(MeshReport, FindsEdgesBetweenSheets) {
-  // Two boxes that share one edge: four triangles there.
+  // Two boxes with one common edge: four triangles there.
   const mesh::TriangleMesh mesh =
       mesh::weld(joined(box({0, 0, 0}, {1, 1, 1}), box({1, 1, 0}, {2, 2, 1})));
   const mesh::MeshReport r = mesh::inspect(mesh);
@@ -163,7 +163,7 @@ TEST(MeshReport, NamesANestedShellOfEqualOrientation) {
   const mesh::MeshReport r = mesh::inspect(mesh);
   EXPECT_EQ(r.nested_parts.examples, Indices{12});
   expect_reports(r, "1", " 12)");
-  // Also where the inner one comes first, and with a part of its own next to.
+  // Also if the inner one comes first, and with a separate part next to it.
   const mesh::MeshReport first = mesh::inspect(joined(
       joined(box({1, 1, 1}, {2, 2, 2}), box({0, 0, 0}, {3, 3, 3})), box({7, 0, 0}, {8, 1, 1})));
   EXPECT_EQ(first.nested_parts.examples, Indices{0});

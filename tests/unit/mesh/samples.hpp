@@ -1,5 +1,5 @@
 #pragma once
-/// Small meshes and small files that the tests of this folder share.
+/// Common small meshes and files of the tests in this folder.
 #include <unistd.h>
 
 #include <filesystem>
@@ -47,7 +47,7 @@ inline TriangleMesh flipped(TriangleMesh mesh) {
   return mesh;
 }
 
-/// Every triangle with vertices of its own, as STL has them.
+/// Every triangle with separate vertices, as in STL.
 inline TriangleMesh soup(const TriangleMesh& mesh) {
   TriangleMesh loose;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -58,7 +58,7 @@ inline TriangleMesh soup(const TriangleMesh& mesh) {
   return loose;
 }
 
-/// A folder of its own that goes away with the object.
+/// A temporary folder, removed with the object.
 class Folder {
  public:
   Folder() {

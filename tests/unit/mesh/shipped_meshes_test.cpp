@@ -1,4 +1,4 @@
-/// The meshes of deploy/meshes: what their scenes take for granted.
+/// The meshes of deploy/meshes: assumptions of their scenes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -120,7 +120,7 @@ bool have_common_corner(const std::array<std::uint32_t, 3>& s,
   return false;
 }
 
-/// Pairs without a common corner: no side of one goes through the other. Neighbours: not folded
+/// Pairs without a common corner: no side of one passes through the other. Neighbours: not folded
 /// onto each other.
 std::size_t self_intersections(const mesh::TriangleMesh& mesh) {
   std::vector<Eigen::AlignedBox3d> boxes(mesh.triangles.size());
@@ -164,7 +164,7 @@ TEST(ShippedMeshes, TheTestForSelfIntersectionsFindsThem) {
             0u);
 }
 
-/// The hand's way through: a finger's width of air between wall and handle, and china around it.
+/// The path of the hand: a finger's width of air between wall and handle, surrounded by solid.
 TEST(ShippedMeshes, CupHasAHandleWithRoomForAFinger) {
   const mesh::TriangleMesh cup = mesh::import_mesh(kMeshes / "cup.obj").mesh;
   const auto crossings = [&](const Vec3& from, const Vec3& to) {

@@ -1,5 +1,5 @@
-// A ring in contact, in real time, and a person on its network who writes its messages too: nothing
-// of his is displayed, and he is named.
+// A ring in contact, in real time, and an unauthorised writer of its messages: none of them is
+// displayed, and the writer is named.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,9 +21,9 @@ namespace {
 
 using std::chrono::milliseconds;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kMark = 0.0987;  ///< [m], where the tool never is; what an attack says bears it
+constexpr double kMark = 0.0987;  ///< [m], never reached by the tool; marks an attack
 
-/// plane.yaml, whose hand presses after a moment and stays.
+/// plane.yaml with a hand that presses after a moment and stays.
 std::string pressing_scene() {
   std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   std::stringstream text;
@@ -72,7 +72,7 @@ class Attacked : public testing::Test {
     o.motion = "hit";
     device.emplace(std::move(o), device_node::run);
   }
-  /// Listens to the ring's own nodes alone.
+  /// Receives from the ring's nodes only.
   void look() {
     registry.update();
     follow("rendering", contacts);
@@ -116,21 +116,22 @@ class Attacked : public testing::Test {
     const auto* report = report_of(role);
     return report && report->message.find(words) != std::string::npos;
   }
-  /// Until the hand has pressed for a while; the force that is displayed then is what stays right.
+  /// Waits until the hand has pressed for a while; the force at that time is the reference.
   void until_it_presses() {
     ASSERT_TRUE(sees([&] {
       return newest_state.sequence_number > 1500 && number("device", "max_force_n") > 0.05;
     }));
     ASSERT_TRUE(sees([&] {
       return newest_state.sequence_number > 2700;
-    }));  // and its status has reported of all that
+    }));  // its status has reported all of that
     device_force = number("device", "max_force_n");
     commanded = largest_force, steady = last_force;
     ASSERT_GT(std::abs(steady), 0.05);
     session = newest_state.session_id;
     ASSERT_LT(device_force, 3.0);
   }
-  /// `write` about a thousand times a second for a while; then nothing of it has been felt.
+  /// Calls `write` about a thousand times a second for a while; afterwards none of it may have been
+  /// displayed.
   void attack(const std::string& what, const std::function<void(Adversary&)>& write,
               const std::string& naming_participant) {
     SCOPED_TRACE(what);
@@ -158,7 +159,7 @@ class Attacked : public testing::Test {
     EXPECT_EQ(number("coupling", "designs"), 1.0);
     EXPECT_EQ(device->thread.status(), -1);
   }
-  /// He has gone, and none is named any more.
+  /// The writer has left, and none is named.
   void expect_silence() {
     EXPECT_TRUE(sees([&] {
       return !says("device", "refused") && !says("coupling", "refused") &&

@@ -1,5 +1,5 @@
 #pragma once
-/// Device and rendering of one rig, as far as a coupling node sees them, and what it answers.
+/// Device and rendering of one rig, as a coupling node receives them, and its answers.
 #include <unistd.h>
 
 #include <filesystem>
@@ -23,7 +23,7 @@ namespace voxtouch::test::around_coupling {
 using std::chrono::milliseconds;
 inline constexpr double kDepth = 1e-3, kStiffness = 200.0, kForce = kStiffness * kDepth;
 
-/// plane.yaml with another coupling, as a file of its own.
+/// plane.yaml with another coupling, as a temporary file.
 inline std::string scene_with(const std::string& coupling) {
   std::ifstream in(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   std::string line, text;
@@ -45,13 +45,13 @@ struct Seen {
   double cutoff_hz = 0, displayed_n_per_m = 0, damping_ns_per_m = 0;
   std::size_t reasons = 0, notes = 0;
   std::uint64_t from_sample = 0;
-  bool anew = false, runs = false;
+  bool starts_at_rest = false, commands_force = false;
 };
 
 /// Device and rendering of one rig, as far as the coupling sees them.
 class Around {
  public:
-  /// `claimed`: the ring is one of `voxtouch up`, whose claim is to be written.
+  /// `claimed`: the ring belongs to a `voxtouch up`, whose claim is to be written.
   explicit Around(const std::string& coupling, bool lockstep = false, bool claimed = false)
       : rig(own_rig("c")),
         device(kDomain, "device", rig),
@@ -99,7 +99,7 @@ class Around {
     descriptions.write(m);
     device.say(7);
   }
-  /// What the effects demand, next to the contact.
+  /// Requirements of the effects, in addition to the contact.
   struct Demand {
     double damping_ns_per_m, least_n_per_m;
     std::string torque;
@@ -138,7 +138,8 @@ class Around {
     m.external_place = runtime::lend(none);
     return m;
   }
-  /// Force stops within some samples, and the node says why; `text` stands in its sentence.
+  /// Force stops within some samples, and the node reports the reason; `text` is part of its
+  /// sentence.
   void expect_no_force(const std::string& text) {
     EXPECT_TRUE(wait_until([&] {
       touch();
@@ -183,7 +184,7 @@ class Around {
     designs.take_each([this](const msg::CouplingDesign& d) {
       seen.push_back({d.status, d.kind, d.cutoff_hz, d.displayed_stiffness_n_per_m,
                       d.injected_damping_ns_per_m, d.reasons._length, d.notes._length,
-                      d.from_sample, d.anew, d.runs});
+                      d.from_sample, d.starts_at_rest, d.commands_force});
       for (std::uint32_t n = 0; n < d.notes._length; ++n)
         notes.emplace_back(d.notes._buffer[n]);
     });

@@ -1,5 +1,5 @@
 #pragma once
-/// Whoever asks a rendering to change while it runs, over DDS, and what is answered.
+/// A client that requests changes of a running rendering, over DDS, and the replies.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -23,7 +23,7 @@ struct Said {
   std::string sentence;
 };
 
-/// Whoever asks: `voxtouch change`, or a ROS 2 tool.
+/// A client: `voxtouch change`, or a ROS 2 tool.
 class Asker {
  public:
   Asker(const bus::Participant& participant, const std::string& rig)
@@ -33,7 +33,7 @@ class Asker {
     return wait_until([&] { return changes.matched_count() == 1 && answers.matched_count() == 1; });
   }
 
-  /// Sends until a person has received: a first message may go before the other end knows this one.
+  /// Repeats the request until it is received: a first message may be sent before discovery.
   bool send_until_received(msg::EffectChange m, std::uint64_t request) {
     static char none[] = "", name[] = "viscosity";
     m.request = request;
@@ -59,13 +59,13 @@ class Asker {
         << "none answered " << request;
     return said[request].empty() ? Said{} : said[request].front();
   }
-  /// The last word on a request; `meanwhile` is done until it comes.
+  /// The final reply to a request; calls `meanwhile` until then.
   Said last_word(std::uint64_t request, const std::function<void()>& meanwhile) {
     EXPECT_TRUE(wait_until([&] {
       meanwhile();
       take_answers();
       return !said[request].empty() &&
-             said[request].back().result != msg::effect_changed::kResultWaiting;
+             said[request].back().result != msg::effect_changed::kResultPending;
     })) << "none answered "
         << request;
     return said[request].empty() ? Said{} : said[request].back();

@@ -1,5 +1,4 @@
-// The rendering node asked to change while it runs, over real DDS: what it does, and what it
-// refuses.
+// Changes of a running rendering node, over real DDS: results and refusals.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -93,7 +92,7 @@ class RenderingLive : public testing::Test {
     msg::ContactState c;
     while (contacts.take(c)) {
       if (!seen.empty()) {
-        // Samples may be lost in real time: the time between two that came counts.
+        // Samples may be lost in real time: the time between two received ones counts.
         const auto ms = static_cast<double>(c.sequence_number - seen.back().sequence_number);
         const auto &a = seen.back().wrench.force, &b = c.wrench.force;
         if (ms > 0)
@@ -117,7 +116,7 @@ class RenderingLive : public testing::Test {
   }
   void samples(int count) {
     for (int i = 0; i < 5000 && seen.empty(); ++i)
-      sample();  // no answer before scene and device are judged
+      sample();  // no answer before scene and device are checked
     for (int i = 0; i < count; ++i)
       sample();
   }
@@ -129,7 +128,7 @@ class RenderingLive : public testing::Test {
     registry.update();
     return registry.find("rendering").value_or(runtime::NodeReport{});
   }
-  /// Samples go on until the node says so of itself.
+  /// Sends samples until the node's message has this text.
   bool says(const std::string& text) {
     return wait_until([&] {
       sample();
@@ -244,7 +243,7 @@ TEST_F(RenderingLive, WaitsForTheNamedSample) {
   EXPECT_EQ(said.result, result::kResultDone) << said.sentence;
   EXPECT_EQ(said.from_sample, at);
   ASSERT_EQ(asker.said[request].size(), 2U);
-  EXPECT_EQ(asker.said[request][0].result, result::kResultWaiting);
+  EXPECT_EQ(asker.said[request][0].result, result::kResultPending);
   samples(20);
   for (const msg::ContactState& c : seen)
     if (c.sequence_number < at)
@@ -391,7 +390,7 @@ TEST_F(RenderingLive, ChecksEarlierChangesWhenADeviceComes) {
 TEST_F(RenderingLive, DropsPendingChangesTheDeviceCannotBear) {
   const std::uint64_t waits =
       asker.send(change(kActionValue, 60.0, 300), "viscosity", "damping_ns_per_m");
-  EXPECT_EQ(asker.first_word(waits).result, result::kResultWaiting);
+  EXPECT_EQ(asker.first_word(waits).result, result::kResultPending);
   begin(5);
   samples(400);
   refused(asker.last_word(waits, [this] { sample(); }), kStands);
@@ -419,7 +418,7 @@ TEST_F(RenderingLive, ChecksAgainForASessionOfAnotherDevice) {
   refused(ask(change(kActionValue, 3.0), "viscosity", "damping_ns_per_m"), kStands);
 }
 
-/// What fades out counts until it is gone, what goes down until it has come there.
+/// A fading effect counts until it is zero, a decreasing one until it has reached its value.
 TEST_F(RenderingLive, ReportsTheLargestDemandDuringATransition) {
   begin(5);
   samples(20);
@@ -447,7 +446,7 @@ TEST_F(RenderingLive, ReportsPendingChangesAtOnceWithTheirDelay) {
   EXPECT_EQ(done.result, result::kResultDone) << done.sentence;
   EXPECT_EQ(done.from_sample, asker.said[far].back().from_sample) << "in order";
   const Said waits = asker.said[behind].front();
-  EXPECT_EQ(waits.result, result::kResultWaiting);
+  EXPECT_EQ(waits.result, result::kResultPending);
 }
 
 TEST_F(RenderingLive, ContinuesAfterAnInvalidDescription) {
@@ -459,7 +458,7 @@ TEST_F(RenderingLive, ContinuesAfterAnInvalidDescription) {
   EXPECT_TRUE(says("device description")) << report().message;
   samples(50);
   EXPECT_NEAR(drag(), -2.0 * kSpeed, 1e-12) << "force goes on";
-  descriptions.write(stylus(9));  // its status says 5
+  descriptions.write(stylus(9));  // its status has 5
   samples(100);
   EXPECT_EQ(planned, 5U) << "a session is what status and description name";
   session = 9;

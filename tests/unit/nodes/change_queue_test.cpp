@@ -1,4 +1,4 @@
-// What the loop is asked to change: in order, at its sample, or not at all.
+// Changes requested from the loop: in order, at their sample, or not at all.
 #include "nodes/rendering/change_queue.hpp"
 
 #include <gtest/gtest.h>
@@ -146,7 +146,7 @@ TEST_F(ChangeQueueTest, MakesRelatedChangesInOneSampleOrNotAtAll) {
   EXPECT_TRUE(live_->effects().spec(0).on)
       << "what stands behind a change that is dropped is dropped with it";
 
-  // Nobody takes the reports: all but two places are full, and each of the pair needs one, with one
+  // The reports are not read: all but two places are full, and each of the pair needs one, with one
   // to spare.
   std::uint64_t ticket = 5, sample = 10;
   for (std::size_t n = 0; n < 4 * ChangeQueue::kCapacity - 2; ++n, ++ticket)
@@ -269,11 +269,11 @@ TEST_F(ChangeQueueTest, AcceptsNoMoreThanItCanReport) {
 
 TEST_F(ChangeQueueTest, HoldsTheLoopUntilTheSceneIsBuilt) {
   line_.pause_before(100);
-  EXPECT_FALSE(line_.is_paused_before(99));
-  EXPECT_TRUE(line_.is_paused_before(100));
+  EXPECT_FALSE(line_.announce_sample(99));
+  EXPECT_TRUE(line_.announce_sample(100));
   EXPECT_EQ(line_.answering(), 100U);
   line_.resume();
-  EXPECT_FALSE(line_.is_paused_before(100));
+  EXPECT_FALSE(line_.announce_sample(100));
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// The coupling node alone: what it designs, when it designs anew, and which numbers of a device it
-// refuses.
+// The coupling node alone: its designs, the causes of a new design, and refused device properties.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -60,9 +59,9 @@ TEST(CouplingNode, RedesignsWithoutAForceStep) {
   ASSERT_EQ(around.seen.size(), 2U);
   EXPECT_LT(around.seen[1].displayed_n_per_m, around.seen[0].displayed_n_per_m);
   EXPECT_GT(around.seen[1].damping_ns_per_m, 0.0);
-  EXPECT_TRUE(around.seen[0].anew && around.seen[0].runs);
+  EXPECT_TRUE(around.seen[0].starts_at_rest && around.seen[0].commands_force);
   EXPECT_EQ(around.seen[0].from_sample, 0U);
-  EXPECT_TRUE(!around.seen[1].anew && around.seen[1].runs);
+  EXPECT_TRUE(!around.seen[1].starts_at_rest && around.seen[1].commands_force);
   EXPECT_GE(around.seen[1].from_sample, 800U);
   around.plan(300.0);
   for (int i = 0; i < 600 || (around.seen.size() < 3 && i < 5000); ++i)

@@ -1,5 +1,4 @@
-// The coupling node alone: it commands no force while the effects or the contact ask for more than
-// the device stands.
+// The coupling node alone: it commands no force while effects or contact exceed the device.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +14,7 @@
 namespace voxtouch::test::around_coupling {
 namespace {
 
-/// The second line: whatever the rendering has taken, it is judged for the device once more where
-/// the force is made.
+/// The second check: after the rendering's, the node that makes the force checks the device again.
 TEST(CouplingNode, IsSilentIfEffectsExceedTheDevice) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(20.0);
@@ -62,8 +60,7 @@ TEST(CouplingNode, IsSilentIfAnExternalWrenchExceedsTheDevice) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-/// Another rendering may run another scene: nothing of it is displayed before its plan has come and
-/// has been fitted to.
+/// A restarted rendering may run another scene: no force before its plan is received and fitted.
 TEST(CouplingNode, IsSilentForARestartedRenderingWithoutPlan) {
   Around around("{design: auto, kind: shaping_filter}", false, true);
   const std::pair device{std::string("device"), around.device.participant.guid()};
@@ -124,7 +121,7 @@ TEST(CouplingNode, IsSilentIfEffectsAreTooStiffForIt) {
   EXPECT_EQ(around.node.end(), 0);
 }
 
-/// A fit takes some tenths of a second; what comes meanwhile is not in it.
+/// A fit takes tenths of a second and does not include inputs received meanwhile.
 TEST(Fitting, ChecksItsResultAgainstNewerInputs) {
   const scene::Scene scene = scene::load_scene(scene_with("{design: auto, kind: shaping_filter}"));
   const Around::Demand little{0.1, 0.0, ""}, much{50.0, 0.0, ""};

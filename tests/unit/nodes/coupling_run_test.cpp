@@ -1,5 +1,5 @@
-// The coupling node alone, once it is designed: contacts that come twice or out of order, and the
-// lock at zero force.
+// The coupling node alone, after its design: duplicated and reordered contacts, and the fault
+// latch.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +12,8 @@
 namespace voxtouch::test::around_coupling {
 namespace {
 
-/// Such a number may be forged with the rendering's own GUID, which DDS without security cannot
-/// tell from the rightful one.
+/// Such a number may be forged with the rendering's GUID, which DDS without security cannot
+/// distinguish from the authorised one.
 TEST(CouplingNode, AcceptsContactsAfterAForgedNumber) {
   Around a("{design: auto}");
   a.describe(20.0), a.plan();
@@ -24,8 +24,8 @@ TEST(CouplingNode, AcceptsContactsAfterAForgedNumber) {
   EXPECT_TRUE(a.force_comes()) << a.message();
 }
 
-/// DDS makes a write anew that it could not end in time, and who had it already has it twice.
-/// Answered twice, the filter would be a step ahead.
+/// DDS repeats a write that did not complete in time, so a reader may receive it twice. Answered
+/// twice, the filter would be a step ahead.
 TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
   Around a("{design: auto}", true);
   a.describe(20.0), a.plan();
@@ -42,27 +42,27 @@ TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
   EXPECT_EQ(a.forces.size(), 50U);
 }
 
-/// A contact that pushes only on the way out, harder each time.
+/// A contact with force only on the way out, larger each time.
 TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
   Around a("{kind: shaping_filter, cutoff_hz: 20}");
   bus::Writer<msg::Recover> person(a.participant, qos::kRecover, a.rig,
                                    qos::profile(qos::ProfileId::kEvent));
   a.describe(20.0), a.plan();
   ASSERT_TRUE(a.force_comes()) << a.message();
-  const auto lock = [&] {
+  const auto latch = [&] {
     a.registry.update();
     const auto report = a.registry.find("coupling");
-    const auto number =
-        report ? report->values.find("lock") : std::map<std::string, std::string>::iterator{};
+    const auto number = report ? report->values.find("fault_latch")
+                               : std::map<std::string, std::string>::iterator{};
     return report && number != report->values.end() ? std::stoull(number->second) : 0;
   };
   for (int n = 0; n < 90; ++n)
     a.touch(-kDepth * (1.0 + 0.1 * n), 0.0);
-  for (int stroke = 0; stroke < 20 && lock() == 0; ++stroke)
+  for (int stroke = 0; stroke < 20 && latch() == 0; ++stroke)
     for (int n = 0; n < 200; ++n)
       a.touch(-kDepth * (n < 100 ? 10 - 0.1 * n : 0.1 * (n - 100)),
               n < 100 ? 0.3 * std::pow(1.3, stroke) : 0.0);
-  const std::uint64_t number = lock();
+  const std::uint64_t number = latch();
   ASSERT_NE(number, 0U) << a.message();
   EXPECT_NE(a.message().find("voxtouch recover"), std::string::npos) << a.message();
   for (int n = 0; n < 20; ++n)
@@ -73,15 +73,14 @@ TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
   for (int n = 0; n < 300; ++n)
     a.touch();
   ASSERT_GT(a.forces.size(), 200U) << "the ring goes on";
-  EXPECT_EQ(*std::ranges::max_element(a.forces), 0.0)
-      << "another lock's number, or another session's";
+  EXPECT_EQ(*std::ranges::max_element(a.forces), 0.0) << "another number, or another session";
   person.write(msg::Recover{7, number});
   EXPECT_TRUE(a.force_comes()) << a.message();
-  EXPECT_EQ(lock(), 0U);
+  EXPECT_EQ(latch(), 0U);
 }
 
-/// Strokes that each give energy: the port as a whole gives more than five times what a sound
-/// contact may show.
+/// Strokes that each supply energy: the port as a whole supplies more than five times the bound of
+/// a sound contact.
 TEST(CouplingNode, LatchesIfThePortGivesEnergy) {
   Around a("{kind: shaping_filter, cutoff_hz: 20}");
   a.describe(20.0), a.plan();
@@ -99,7 +98,7 @@ TEST(CouplingNode, LatchesIfThePortGivesEnergy) {
   ASSERT_TRUE(wait_until(
       [&] { return figures()["samples"].value >= static_cast<double>(a.sequence) - 20.0; }));
   EXPECT_LT(figures()["lowest_energy_j"].value, -0.01);
-  EXPECT_EQ(figures()["locks"].value, 1.0) << a.message();
+  EXPECT_EQ(figures()["fault_latches"].value, 1.0) << a.message();
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What DDS says of the datagrams that any participant may send it, on stderr.
+// Output of DDS on stderr about datagrams that any participant may send.
 #include <gtest/gtest.h>
 
 #include <arpa/inet.h>
@@ -19,7 +19,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Lines that stand on stderr at the end of `reported`, and the seconds that it took.
+/// Lines on stderr after `reported`, and its duration [s].
 struct Said {
   std::string text;
   long lines = 0;
@@ -37,7 +37,7 @@ Said said_while(F&& reported) {
   return said;
 }
 
-/// Four in each second, and what was left out.
+/// Four per second, and the count of skipped ones.
 long most_lines(const Said& said) { return 5 * static_cast<long>(said.seconds + 2.0); }
 
 TEST(DdsLogLines, AreRateLimitedUnderMalformedDatagrams) {
@@ -47,7 +47,7 @@ TEST(DdsLogLines, AreRateLimitedUnderMalformedDatagrams) {
   to.sin_family = AF_INET;
   to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   to.sin_port = htons(static_cast<std::uint16_t>(7400 + 250 * kDomain));
-  // A header of RTPS 2.1, then a DATA that says it is longer than it can be.
+  // A header of RTPS 2.1, then a DATA with a length beyond the datagram.
   std::array<unsigned char, 44> bytes{'R',  'T',  'P', 'S', 2, 1, 1,    16,  1,  2,
                                       3,    4,    5,   6,   7, 8, 9,    10,  11, 12,
                                       0x15, 0x07, 20,  0,   0, 0, 0xff, 0xff};

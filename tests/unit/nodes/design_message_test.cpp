@@ -8,9 +8,9 @@
 namespace voxtouch::coupling_node {
 namespace {
 
-/// Every field has a value of its own, which none has by default.
-TakenUp distinct() {
-  TakenUp use{7, 812, true, {}, 0.0013};
+/// Every field has a different value, none its default.
+Adoption distinct() {
+  Adoption use{7, 812, true, {}, 0.0013};
   auto& [kind, cutoff, ratio, gain, c, r, cap, cap_rotation, injected, injected_rotation, filter,
          window, slow, band, fraction, free_n] =
       use.coupling.spec;  // a field more does not compile: it has to go with the message
@@ -27,14 +27,14 @@ TakenUp distinct() {
   return use;
 }
 
-TakenUp through_the_message(const TakenUp& use) {
+Adoption through_the_message(const Adoption& use) {
   msg::CouplingDesign message{};
   write_coupling(use, message);
-  return taken_up(message);
+  return adoption_of(message);
 }
 
 TEST(DesignMessage, CarriesAllCouplingParameters) {
-  const TakenUp use = distinct(), back = through_the_message(use);
+  const Adoption use = distinct(), back = through_the_message(use);
   EXPECT_EQ(back.session, use.session);
   EXPECT_EQ(back.from_sample, use.from_sample);
   EXPECT_EQ(back.sample_time_s, use.sample_time_s);
@@ -46,7 +46,7 @@ TEST(DesignMessage, CarriesAllCouplingParameters) {
   EXPECT_EQ(back.coupling.limits.coulomb_friction_n, use.coupling.limits.coulomb_friction_n);
   EXPECT_EQ(back.coupling.limits.delay_s, use.coupling.limits.delay_s);
   EXPECT_EQ(back.coupling.limits.force_lag_s, use.coupling.limits.force_lag_s);
-  EXPECT_TRUE(back.anew && back.coupling.runs);
+  EXPECT_TRUE(back.starts_at_rest && back.coupling.runs);
   EXPECT_TRUE(differences(use.coupling, back.coupling).empty());
 }
 

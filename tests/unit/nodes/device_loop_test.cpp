@@ -1,4 +1,4 @@
-// The device's loop over a device that can fail in every way a driver may, commanded over real DDS.
+// The device's loop with a device that fails in every way a driver may, commanded over real DDS.
 #include "nodes/device/device_loop.hpp"
 
 #include <gtest/gtest.h>
@@ -24,13 +24,13 @@ class FaultyDevice final : public devices::Driver {
   std::map<std::uint64_t, devices::DeviceError> read_faults,
       write_faults;  ///< by the number of the read
   std::map<std::uint64_t, devices::DeviceSample> odd_samples;
-  std::vector<double> pushed;  ///< force after each read [N]; 0 where it failed
+  std::vector<double> pushed;  ///< force after each read [N]; 0 if it failed
   double force = 0.0;
   int stops = 0;
   bool paces = false;  ///< as a real device: `read` waits for the tick of a clock that is not ours
   std::vector<double> delays_ms;  ///< from a tick to the write that answers it
   int skipped_ticks = 0;
-  std::uint64_t busy_at = 0;  ///< before this read the thread is kept from its work for three ticks
+  std::uint64_t busy_at = 0;  ///< before this read the thread is blocked for three ticks
   std::function<void(std::uint64_t)> at_read;  ///< called at each
   std::map<std::uint64_t, int>
       stops_ms;  ///< at these reads the whole process is stopped for so long: its own clock too
@@ -83,7 +83,7 @@ class FaultyDevice final : public devices::Driver {
 
  private:
   void wait_for_tick() {
-    constexpr std::int64_t kTickNs = 4'150'000;  // it says 4 ms, and its quartz is off
+    constexpr std::int64_t kTickNs = 4'150'000;  // it declares 4 ms, and its clock is off
     if (tick_ns_ == 0)
       tick_ns_ = runtime::monotonic_ns();
     if (reads_ == busy_at)
@@ -122,8 +122,8 @@ class DeviceLoopRun : public testing::Test {
     return end;
   }
 
-  /// Of the forces after these reads. The machine may stall in between, so that single ones say
-  /// little.
+  /// Of the forces after these reads. The machine may stall in between, so single ones are not
+  /// conclusive.
   double largest(std::ptrdiff_t first, std::ptrdiff_t last) const {
     return *std::max_element(device.pushed.begin() + first, device.pushed.begin() + last);
   }
@@ -197,7 +197,7 @@ TEST_F(DeviceLoopRun, KeepsItsRecordOfADroppedForce) {
   faults = make_faults(folder.path(), "r", 1000.0);
   device.write_faults = {{900, devices::DeviceError::kRecoverable}};
   EXPECT_EQ(run(), End::kFinished);
-  faults.reset();  // what is under way is written
+  faults.reset();  // writes the pending record
   const auto states =
       test::read_ring_topic<msg::DeviceState>(folder / "device_1", "/r/device/state");
   ASSERT_FALSE(states.empty());
@@ -217,7 +217,7 @@ TEST_F(DeviceLoopRun, LatchesForTooLargeCommandsUntilReset) {
     if (n == 1800) {
       runtime::NodeReport report;
       progress.latch.report_to(report);
-      number = std::stoull("0" + report.values["lock"]);
+      number = std::stoull("0" + report.values["fault_latch"]);
       commanded_n = 2.0;
       progress.latch.reset(number + 1);
     }
@@ -227,8 +227,8 @@ TEST_F(DeviceLoopRun, LatchesForTooLargeCommandsUntilReset) {
   EXPECT_EQ(run(3500), End::kFinished);
   EXPECT_NE(number, 0U);
   EXPECT_GT(largest(50, 1700), 0.5) << "it had begun to push, and it is cut to the limit";
-  EXPECT_EQ(largest(1750, 1999), 0.0) << "no force, and no word for another lock helps";
-  EXPECT_LT(largest(2000, 2100), 1.0) << "it ramps in";
+  EXPECT_EQ(largest(1750, 1999), 0.0) << "no force: another number does not reset it";
+  EXPECT_LT(largest(2000, 2100), 1.0) << "ramps in";
   EXPECT_GT(largest(3000, 3500), 1.5);
 }
 

@@ -12,8 +12,8 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// Counts by stamps: of loops at 1 kHz and at 700 Hz, and of one that is often late and stands
-/// still for up to 90 ms.
+/// Counts by stamps: for loops at 1 kHz and at 700 Hz, and for one that is often late and stalls
+/// for up to 90 ms.
 TEST(DisplaySampler, SamplesALateLoopAtAHundredHertz) {
   for (const double rate_hz : {1000.0, 700.0, 120.0}) {
     DisplaySampler regular;

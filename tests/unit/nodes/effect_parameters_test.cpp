@@ -1,4 +1,4 @@
-// The scene's effects as parameters: every row of every kind, and what setting one asks for.
+// The scene's effects as parameters: every row of every kind, and the request made by setting one.
 #include "nodes/rendering/effect_parameters.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The rendering node and who writes the outside wrench, over real DDS: whom it follows, what it
+// The rendering node and writers of the external wrench, over real DDS: which it follows, which it
 // refuses, and when the force fades.
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN(),
                  kInf = std::numeric_limits<double>::infinity();
 constexpr double kMaxN = 2.0, kTimeoutS = 0.1, kFadeS = 0.02;
 
-/// plane.yaml with an outside wrench, as a file of its own.
+/// plane.yaml with an external wrench, as a temporary file.
 class ExternalScene {
  public:
   explicit ExternalScene(const std::string& topic)
@@ -50,7 +50,7 @@ class ExternalScene {
   std::filesystem::path file;
 };
 
-/// Somebody outside the ring with a writer on the topic.
+/// A participant outside the ring with a writer on the topic.
 class Outsider {
  public:
   Outsider(const std::string& topic, const std::string& rig, const std::string& frame = "world")
@@ -159,7 +159,7 @@ class ExternalLive : public testing::Test {
   bool says(const std::string& text) {
     return until([&] { return report().message.find(text) != std::string::npos; });
   }
-  /// Waits until this one is followed, which needs a look of the node's housekeeping.
+  /// Waits until this one is followed, which needs a poll of the node's monitor.
   bool is_followed(Outsider& who, double y) {
     return until([&] { return last.effects_wrench.force.y * y > 0.0; },
                  [&] { who.write(0, y, 0); });
@@ -210,7 +210,7 @@ TEST_F(ExternalLive, IsBoundedAndFadesWhenItsWriterFallsSilent) {
       << "a status comes ten times a second";
   EXPECT_NE(report().values["external"].find("not certified"), std::string::npos);
   ASSERT_TRUE(until([&] { return force() > 0.999 * kMaxN; }, feed));
-  // Silence: by the samples' own time it is held for the timeout, and zero after the fade.
+  // Silence: by the samples' time it is repeated for the timeout, and zero after the fade.
   ASSERT_TRUE(until([&] { return force() == 0.0; }));
   const double silent_s =
       1e-3 * static_cast<double>(last.sequence_number - reported.back().sequence_number);
@@ -253,7 +253,7 @@ TEST_F(ExternalLive, FollowsNoneOfSeveralInitialWriters) {
   EXPECT_TRUE(until([&] { return report().message.find("2 writers") != std::string::npos; }, both))
       << report().message;
   for (int n = 0; n < 200; ++n)
-    both(), sample();  // ten looks of the housekeeping
+    both(), sample();  // ten polls of the monitor
   EXPECT_TRUE(reported.empty());
   EXPECT_EQ(force(), 0.0);
   two.reset();

@@ -1,4 +1,4 @@
-// What the rendering counts of a frame, without DDS.
+// The rendering's counts of a frame, without DDS.
 #include "nodes/rendering/frame_counters.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ double counted(FrameCounter counter,
   return counters[counter];
 }
 
-/// Each case sets what one counter counts, and no other counter but the samples may move.
+/// Each case triggers one counter; only that one and the samples may change.
 TEST(FrameCounters, CountOneKindOfFrameEach) {
   using Frame = rendering::SceneFrame;
   using Change = std::function<void(Frame&, msg::ContactState&)>;

@@ -1,4 +1,4 @@
-// What the line that `up` shows once a second says of that second.
+// The status line that `up` prints once a second, about that second.
 #include "nodes/device/last_second.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A ring in real time whose hand a page leads. The page is a participant of the test.
+// A ring in real time with a hand led by a page. The page is a participant of the test.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -63,13 +63,13 @@ class LedHand : public testing::Test {
         rendering(node_options<rendering_node::Options>(rig, scene), rendering_node::run),
         coupling(node_options<coupling_node::Options>(rig, scene), coupling_node::run),
         device(led_device(rig, up.participant.guid(), scene, motion), device_node::run) {
-    // Of the ring's nodes only the device asks who plays a role; it is reported who does.
+    // Of the ring's nodes only the device checks the roles; the others report.
     EXPECT_TRUE(sees([&] { return report("rendering") && report("coupling") && state.session_id; }))
         << device.thread.error();
     name({});
     EXPECT_TRUE(sees([&] { return number("samples") > 500.0; }));
   }
-  /// The ring's own nodes, and these pages.
+  /// The ring's nodes, and these pages.
   void name(const std::vector<Page*>& pages) {
     std::vector<std::pair<std::string, bus::Guid>> players = {
         {"rendering", report("rendering")->participant},
@@ -90,7 +90,7 @@ class LedHand : public testing::Test {
     const auto device_report = report("device");
     return device_report ? runtime::value_of(device_report->figures, figure) : 0.0;
   }
-  /// Who leads the hand, as the device reports it.
+  /// The page that leads the hand, as reported by the device.
   std::string leader() {
     auto device_report = report("device");
     return device_report ? device_report->values["hand_from"] : "";

@@ -1,4 +1,5 @@
-// The logger where others go on talking, and the bus with more peers than any participant needs.
+// The logger while others continue to write, and the bus with more peers than any participant
+// needs.
 #include <gtest/gtest.h>
 
 #include <filesystem>

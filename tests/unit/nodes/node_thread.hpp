@@ -1,5 +1,5 @@
 #pragma once
-/// Nodes as threads of a test, in a rig of their own.
+/// Nodes as threads of a test, in a private rig.
 #include <unistd.h>
 
 #include <atomic>

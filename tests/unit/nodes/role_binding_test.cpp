@@ -1,4 +1,5 @@
-// Who plays a role: whose status counts, whom a reader follows, and who is named.
+// Role bindings: which status counts, which writer a reader follows, and which participant is
+// named.
 #include "nodes/runtime/role_binding.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ const qos::Profile& stream() { return qos::profile(qos::ProfileId::kStream); }
 
 class RoleTest : public testing::Test {
  protected:
-  /// Time for what was written to come.
+  /// Waits for written samples to arrive.
   void settle() {
     for (int i = 0; i < 20; ++i)
       update(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -141,7 +142,7 @@ TEST(RigRoles, WritesAGuidAsTextAndReadsItBack) {
 TEST_F(RoleTest, IsUnboundAndNamesBothConflictingClaimants) {
   auto first = std::make_unique<Coupling>(rig);
   Coupling second(rig);
-  registry.update();  // none looks while they come
+  registry.update();  // not polled while they arrive
   first->say(7), second.say(7);
   std::this_thread::sleep_for(std::chrono::milliseconds(500));
   update();
@@ -216,7 +217,7 @@ TEST_F(RoleTest, AcceptsOnlyItsHolderAndNamesOthers) {
   foreign.sequence_number = 666;
   real.command(1);
   for (int i = 0; i < 10'000; ++i)
-    other->write(foreign);  // one history for all, if it were asked for
+    other->write(foreign);  // one history for all, if it were requested
   ASSERT_TRUE(comes([&] { return role.refused() > 100; }));
   ASSERT_TRUE(wait_until([&] { return commands.take(taken); })) << "pushed out by the foreign ones";
   EXPECT_EQ(taken.sequence_number, 1U);
@@ -349,7 +350,7 @@ TEST_F(RoleTest, RosterRefusesOversizedTextsAndForgetsGoneNodes) {
   })) << "only a child's last word is kept";
 }
 
-/// A status with one thing in it that no node's own has.
+/// A status with one property that no real node has.
 struct Unlikely {
   const char* what;
   std::size_t name = 4, values = 0, figures = 0, key = 3, value = 3, unit = 1;
@@ -451,7 +452,7 @@ TEST_F(RoleTest, RosterForgetsVanishedNodesAfterAWhile) {
   EXPECT_TRUE(comes([&] { return registry.hung().empty(); })) << "after 10 s";
 }
 
-/// A coupling in lockstep with a device and a rendering, which speak as long as the test wants.
+/// A coupling in lockstep with a device and a rendering, which send as long as the test needs.
 class LockstepPeers : public testing::Test {
  protected:
   LockstepPeers() {
@@ -460,7 +461,7 @@ class LockstepPeers : public testing::Test {
     coupling.emplace(own, "coupling", options,
                      [this](runtime::NodeRegistry& registry, runtime::NodeReport& report) {
                        session.report_to(report, options, registry, links, "", true);
-                       partners = report.partners.size();
+                       peers = report.lockstep_peers.size();
                      });
   }
   /// Time passes in which `speaking` give signs of life; until it is over or the coupling has lost
@@ -477,14 +478,14 @@ class LockstepPeers : public testing::Test {
         within);
   }
   bool starts() {
-    return wait_until([&] { return device->say(7), rendering->say(7), partners == 3; });
+    return wait_until([&] { return device->say(7), rendering->say(7), peers == 3; });
   }
 
   const std::string rig = own_rig("peers");
   runtime::NodeOptions options;
   bus::Participant own{{kDomain, "lo", "coupling"}};
   runtime::Session session;
-  std::atomic<std::size_t> partners{0};
+  std::atomic<std::size_t> peers{0};
   std::optional<StandIn> device{std::in_place, kDomain, "device", rig},
       rendering{std::in_place, kDomain, "rendering", rig};
   const std::vector<runtime::Link> links{
@@ -519,8 +520,7 @@ TEST_F(LockstepPeers, ExcludeOtherSessionsUnlinkedAndNamesakes) {
       namesake(kDomain, "coupling", rig);
   of_another.say(8), unlinked.say(7), namesake.say(7);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  ASSERT_TRUE(wait_until([&] { return device->say(7), rendering->say(7), partners >= 3; }))
-      << partners;
+  ASSERT_TRUE(wait_until([&] { return device->say(7), rendering->say(7), peers >= 3; })) << peers;
   EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "these fell silent before the start";
 }
 

@@ -1,5 +1,5 @@
-// Records that a replay follows: those of who plays the rendering are in the bag, whoever comes
-// when; those of others are not, and are reported.
+// Records that a replay follows: those of the authorised rendering are in the bag, in any order of
+// arrival; those of others are not, and are reported.
 #include "nodes/logger/role_records.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ RoleRecords::Record record(std::int64_t time_ns, std::size_t bytes = 10) {
   return {0, time_ns, std::vector<std::byte>(bytes)};
 }
 
-/// Times of those that are for the bag now.
+/// Times of the records that are now for the bag.
 std::vector<std::int64_t> settled(RoleRecords& records) {
   std::vector<std::int64_t> times;
   records.settle([&](const RoleRecords::Record& one) { times.push_back(one.time_ns); });

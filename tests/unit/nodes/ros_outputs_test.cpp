@@ -1,4 +1,4 @@
-// What ROS tools look at costs nothing until one of them looks; and the plan says so of each topic.
+// Outputs for ROS tools cost nothing without a reader; the plan states this for each topic.
 #include "nodes/rendering/ros_outputs.hpp"
 
 #include <gtest/gtest.h>
@@ -60,7 +60,7 @@ class RosOutputsTest : public testing::Test {
 };
 
 TEST_F(RosOutputsTest, AreNotMadeWithoutAReader) {
-  run_for(std::chrono::milliseconds(400));  // forty turns of its thread
+  run_for(std::chrono::milliseconds(400));  // forty cycles of its thread
   // /tf has one name for all rigs: a test that runs next to this one may read it.
   for (const RosOutput kind : {RosOutput::kPose, RosOutput::kWrench, RosOutput::kMarkers})
     EXPECT_EQ(outputs_->made(kind), 0U);
@@ -73,7 +73,7 @@ TEST_F(RosOutputsTest, AreMadeForTheTopicsWithReadersOnly) {
   }));
   EXPECT_EQ(outputs_->made(RosOutput::kWrench) + outputs_->made(RosOutput::kMarkers), 0U);
   poses.reset();
-  // Its going takes a moment to be known; from then on the count stands still.
+  // Its departure is detected after a moment; from then on the count is constant.
   std::uint64_t last = 0;
   ASSERT_TRUE(wait_until([&] {
     last = outputs_->made(RosOutput::kPose);
@@ -176,7 +176,7 @@ TEST_F(RosOutputsTest, PublishStaticFramesOnceAlsoForLateReaders) {
 rendering_node::LastingMarker triangle(const std::string& name_space, std::int32_t id) {
   return {name_space, id, "world", {}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {}};
 }
-/// "ADD scene 0, DELETE ..." of what is sent from `now_ns` on, while something is due.
+/// "ADD scene 0, DELETE ..." of the markers sent from `now_ns` on, while any are due.
 std::vector<std::string> all_due(rendering_node::MarkerRounds& rounds, std::int64_t now_ns) {
   std::vector<std::string> said;
   for (int message = 0; message < 100 && rounds.due(now_ns); ++message) {
@@ -255,8 +255,7 @@ TEST(PlanRing, HasEachTopicAndEachNodeOnceWithAReason) {
     const auto part = std::find_if(parts.begin(), parts.end(), [&](const rendering::PlanPart& p) {
       return p.name == "topic " + std::string(topic.path);
     });
-    // What the logger does not record unasked is there for ROS tools, and only for those who read
-    // it.
+    // Topics that the logger does not record by default exist for ROS tools, and only for readers.
     EXPECT_EQ(part->why.find("ROS tools") != std::string::npos, !(topic.readers & qos::kLogger))
         << topic.path;
   }

@@ -1,4 +1,4 @@
-// What ROS tools learn of a node's sentences: lines of /rosout that no sentence can make many.
+// A node's sentences for ROS tools: lines of /rosout with a limited rate.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -50,7 +50,7 @@ TEST_F(RosLines, AreLimitedToTenASecondAndCountTheRest) {
   for (int n = 0; n < kSaid; ++n)
     log.say(NodeState::kRunning, "sentence " + std::to_string(n));
   const std::uint64_t of_the_flood = log.written();
-  // A machine that stands still meanwhile makes it longer, and more lines fit in.
+  // A stalled machine makes it longer, and then more lines fit.
   const auto seconds =
       static_cast<std::uint64_t>((runtime::monotonic_ns() - begin_ns) / 1'000'000'000);
   EXPECT_GE(of_the_flood, 10U);

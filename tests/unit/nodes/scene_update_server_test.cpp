@@ -1,4 +1,4 @@
-// The update server alone: what it hands over to the loop, what it refuses, and what it reports the
+// The update server alone: what it passes to the loop, what it refuses, and what it reports to the
 // coupling.
 #include "nodes/rendering/scene_update_server.hpp"
 
@@ -21,7 +21,7 @@ using std::chrono::milliseconds;
 using namespace msg::effect_change;
 namespace result = msg::effect_changed;
 
-/// An effect that does nothing: what counts is what its kind says that it may show.
+/// An effect without a law: only the bounds of its kind matter.
 class Idle final : public effects::Effect {
  public:
   void apply(const effects::EffectFrame&, const effects::EffectValues&,
@@ -32,7 +32,7 @@ effects::EffectKind idle_kind(std::string_view name,
                               std::span<const effects::EffectParameter> parameters,
                               effects::EffectBound (*bound)(const effects::EffectValues&)) {
   return {.name = name,
-          .says = "",
+          .summary = "",
           .equations = "",
           .parameters = parameters,
           .needs = [](const effects::EffectValues&) { return effects::EffectNeeds{}; },
@@ -49,8 +49,8 @@ const effects::EffectKind kSpring =
       return bound;
     });
 
-/// Its damping is a product: two numbers that change one after the other may meet where neither
-/// change comes to rest.
+/// Its damping is a product: two numbers that change one after the other may combine to an
+/// intermediate maximum.
 constexpr std::array kPasteParameters = {
     effects::EffectParameter{.name = "share", .high = 10.0, .standard = {{2.0, 0.0, 0.0}}},
     effects::EffectParameter{
@@ -72,7 +72,7 @@ coupling::design::DeviceModel stylus() {
   return model;
 }
 
-/// The update server's thread may be held up by whatever it does; a session begins without it.
+/// The update server's thread may be blocked; a session begins without it.
 TEST(SceneUpdateServer, DoesNotDelayANewSession) {
   const scene::Scene scene = scene::load_scene(std::string(VOXTOUCH_DEPLOY) + "/scenes/plane.yaml");
   const std::string rig = own_rig("w");
@@ -87,7 +87,7 @@ TEST(SceneUpdateServer, DoesNotDelayANewSession) {
       [&](std::uint64_t session) {
         last = session, waiting = true;
         EXPECT_TRUE(wait_until([&] { return go_on.load(); }))
-            << "device_is waits for the update server";
+            << "set_device waits for the update server";
       });
   const auto begin = [&](std::uint64_t session) {
     server.set_device(std::make_unique<rendering_node::DescribedDevice>(
@@ -100,8 +100,7 @@ TEST(SceneUpdateServer, DoesNotDelayANewSession) {
   EXPECT_TRUE(wait_until([&] { return last == 5; })) << "the last one counts";
 }
 
-/// The update server of plane.yaml with one effect, a device and a loop that takes what is handed
-/// over.
+/// The update server of plane.yaml with one effect, a device and a loop that takes its changes.
 class UpdateServer {
  public:
   UpdateServer(effects::EffectSpec effect, const coupling::design::DeviceModel& device)
@@ -125,7 +124,7 @@ class UpdateServer {
         rendering_node::DescribedDevice{3, device}));
     EXPECT_TRUE(wait_until([&] { return begun_ == 3 && (loop(), !plans.empty()); }));
   }
-  /// One sample, as the loop takes it, and the plans that have come.
+  /// One sample, as the loop takes it, and the plans received.
   void loop() {
     line_.apply_due(live_, ++sample_, true);
     effects::EffectFrame frame;
@@ -140,7 +139,7 @@ class UpdateServer {
   Said ask(const msg::EffectChange& m, const std::string& parameter) {
     return asker_.last_word(asker_.send(m, name_, parameter), [this] { loop(); });
   }
-  /// What is answered at once, if only that it waits; the loop goes nowhere meanwhile.
+  /// The immediate reply, possibly PENDING; the loop does not run meanwhile.
   Said ask_and_wait(const msg::EffectChange& m, const std::string& parameter) {
     return asker_.first_word(asker_.send(m, name_, parameter));
   }
@@ -162,7 +161,7 @@ class UpdateServer {
     double value;
     bool operator==(const Made&) const = default;
   };
-  /// The records of what was made, as a recorder gets them that comes now.
+  /// The records of changes, as a recorder that starts now receives them.
   std::vector<Made> records(std::size_t count) {
     bus::Reader<msg::EffectChange> reader(participant_, qos::kEffectMade, rig_,
                                           qos::profile(qos::kEffectMade.profile));
@@ -232,8 +231,8 @@ TEST(SceneUpdateServer, RepublishesThePlanForANewStiffnessBound) {
   EXPECT_NEAR(on.plans[2].stiffness_n_per_m, on.of_contact + 50.0, 1e-9);
 }
 
-/// A bag that has these replays every change, whoever asked for it and whether its question was
-/// received by the recorder.
+/// A bag with these records replays every change, for any sender, even if the recorder missed the
+/// request.
 TEST(SceneUpdateServer, RecordsAppliedChangesAlsoForLateRecorders) {
   UpdateServer on({.name = "spring",
                    .kind = &kSpring,
@@ -281,7 +280,7 @@ TEST(SceneUpdateServer, ChecksTheTransitionOfTwoChanges) {
 TEST(SceneUpdateServer, ChecksTheTransitionOfTwoPendingChanges) {
   UpdateServer on(paste(), stylus());
   EXPECT_EQ(on.ask_and_wait(change(kActionValue, 0.2, 5'000), "share").result,
-            result::kResultWaiting);
+            result::kResultPending);
   const Said thicker = on.ask_and_wait(change(kActionValue, 9.0, 5'000), "thickness_ns_per_m");
   EXPECT_EQ(thicker.result, result::kResultRefused)
       << "2 * 9 Ns/m may be displayed before the fraction is down";

@@ -1,4 +1,4 @@
-// What a bag lacks, found by the samples' own numbers.
+// Missing samples of a bag, found by their sequence numbers.
 #include "nodes/logger/sequence_count.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,4 @@
-// Sessions: what a device that is started anew, a second rig or a second device does to nodes that
-// keep running.
+// Sessions: effects of a restarted device, a second rig or a second device on running nodes.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -59,7 +58,7 @@ class Bystander {
         first_force = std::max(first_force, force(command));
     }
   }
-  /// What is latched may be written again for one who has missed it.
+  /// Latched samples may be written again for a late reader.
   static void note(std::vector<std::uint64_t>& sessions, std::uint64_t session) {
     if (sessions.empty() || sessions.back() != session)
       sessions.push_back(session);
@@ -106,7 +105,7 @@ device_node::Options device_options(const std::string& rig, double duration_s) {
   return options;
 }
 
-/// A logger as far as a device sees it; it has room for all that a test waits for.
+/// A logger as the device sees it, with enough space for the test.
 struct DeviceLogger {
   explicit DeviceLogger(const std::string& rig)
       : node(kDomain, "logger", rig),
@@ -214,8 +213,8 @@ TEST(Session, OfARestartedDeviceIsNewAndResetsTheNodes) {
   Node device(device_options(rig, 2.0), device_node::run);
   ASSERT_TRUE(bystander.sees([&] { return !bystander.commanded.empty(); }))
       << device.thread.error();
-  // Somebody repeats a command of the old session: refused and counted, and it does not take the
-  // coupling's place.
+  // An unauthorised participant repeats a command of the old session: refused and counted, and it
+  // does not replace the coupling.
   bus::Writer<msg::ForceCommand> repeater(bystander.participant, qos::kForceCommand, rig,
                                           qos::profile(qos::ProfileId::kStream));
   ASSERT_TRUE(wait_until([&] { return repeater.matched_count() >= 1; }));
@@ -276,7 +275,7 @@ TEST(Session, IsNewInLockstepToo) {
             (std::set<std::uint64_t>{bystander.described[0], bystander.described[1]}));
 }
 
-/// What a device says, without one.
+/// The messages of a device, without one.
 class FakeDevice : public StandIn {
  public:
   FakeDevice(const std::string& rig)
@@ -450,9 +449,8 @@ TEST(Rigs, AfterASplitTheBusierDeviceStays) {
   ASSERT_TRUE(bystander.sees([&] { return figure("answered") > 500; })) << device.thread.error();
   constexpr char kClaim[] = "answered_before_conflict";
   {
-    StandIn other(
-        kDomain, "device",
-        rig);  // an earlier session by its number, as a clock that is behind would give it
+    StandIn other(kDomain, "device",
+                  rig);  // an earlier session by its number, as a slow clock would give it
     other.say(1, runtime::NodeState::kRunning, {{kClaim, {3, "samples"}}});
     ASSERT_TRUE(wait_until([&] {
       bystander.registry.update();
@@ -470,7 +468,7 @@ TEST(Rigs, AfterASplitTheBusierDeviceStays) {
   EXPECT_TRUE(bystander.sees([&] { return device.thread.status() == 1; })) << "both run";
 }
 
-/// In a ring that was started by hand: one that waits does not take the role within the session.
+/// In a ring without `up`: a waiting node does not take the role within the session.
 TEST(Rigs, ALostRenderingEndsTheSessionAtZeroForce) {
   const std::string rig = own_rig();
   Bystander bystander(rig);

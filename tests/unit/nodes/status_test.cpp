@@ -1,5 +1,5 @@
-// What a node reports of itself arrives as it was set: words as words, numbers as numbers. The ROS
-// form of a node's status is made for whoever reads it, and for none else.
+// A node's status arrives as it was set: words as words, numbers as numbers. The ROS form of a
+// status is made only if it has a reader.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -85,8 +85,7 @@ TEST(Status, ConvertsInvalidCountsToAValidCount) {
   EXPECT_EQ(runtime::as_count(7.0), 7U);
 }
 
-/// Two nodes of a rig, of which one has a loop that the test holds up, and a person who reads their
-/// statuses.
+/// Two nodes of a rig, one with a loop that the test blocks, and a reader of their statuses.
 class TwoNodes : public testing::Test {
  protected:
   TwoNodes() {
@@ -100,7 +99,7 @@ class TwoNodes : public testing::Test {
     device.emplace(second, "device", options, well);
     registry.emplace(third, options.rig);
   }
-  /// Whether the last status of `node` comes to satisfy this.
+  /// Whether the last status of `node` eventually satisfies this.
   bool comes_to(const char* node, const std::function<bool(const runtime::NodeReport&)>& holds) {
     return wait_until([&] {
       registry->update();

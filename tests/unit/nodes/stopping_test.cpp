@@ -1,5 +1,5 @@
-// However a node or `up` is reported to stop, and however early, it stops by itself and says what
-// happened.
+// A node or `up` that is stopped in any way, and however early, ends by itself and reports the
+// result.
 #include <gtest/gtest.h>
 
 #include <signal.h>

@@ -1,4 +1,4 @@
-// The validator judges for whoever reads its verdicts, and for none else.
+// The validator works only while its verdicts have a reader.
 #include "nodes/validator/validator_node.hpp"
 
 #include <gtest/gtest.h>

@@ -257,7 +257,7 @@ TEST_F(RealTime, ASecondOfTheServoThreadFeedsASecondOfTheLoop) {
     ++samples;
   }
   const phantom::ServoCounts& s = driver->servo().counts();
-  EXPECT_GT(samples, 200);  // 1000 where none else wants the processor
+  EXPECT_GT(samples, 200);  // 1000 on an idle processor
   EXPECT_LT(samples, 1100);
   EXPECT_NEAR(1e-9 * static_cast<double>(last), 1.0, 0.3);
   EXPECT_GT(s.pushed.load(), 200u);
@@ -353,7 +353,7 @@ TEST_F(RealTime, SilentServoLoopTimesOutThenDisconnects) {
   while (!sample && sample.error() == devices::DeviceError::kTimeout);
   ASSERT_FALSE(sample);
   EXPECT_EQ(sample.error(), devices::DeviceError::kDisconnected);
-  ASSERT_TRUE(driver->read(5s));  // it comes back: nothing was final
+  ASSERT_TRUE(driver->read(5s));  // it recovers: the error was not permanent
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(driver->write(push(1.0)));
     ASSERT_TRUE(driver->read(500ms));

@@ -1,4 +1,4 @@
-// Each fault: what the caller is reported, and what the motors give in the 100 ms after it.
+// Each fault: the caller's error, and the motors' forces in the following 100 ms.
 #include <algorithm>
 
 #include "fixture.hpp"
@@ -18,15 +18,15 @@ class Fault : public DriverTest {
   struct After {
     std::vector<double> force;
     std::vector<devices::DeviceError> read,
-        written;  ///< errors, without those that repeat the one before
+        written;  ///< errors, without repetitions
     int samples = 0;
     int pushing() const {
       return static_cast<int>(
           std::count_if(force.begin(), force.end(), [](double f) { return f > 0.0; }));
     }
   };
-  /// A loop that receives nothing and goes on pushing for 100 periods. Where the driver makes no
-  /// tick any more the arm's time goes on.
+  /// A loop without recovery that writes for 100 periods. If the driver makes no ticks, the arm's
+  /// time advances.
   After next_100_ms() {
     After after;
     const auto note = [](std::vector<devices::DeviceError>& all, devices::DeviceError e) {
@@ -103,9 +103,9 @@ TEST_F(Fault, WarmMotorsAreReportedOnceAndForceReturns) {
   EXPECT_EQ(after.pushing(), 0);
   EXPECT_EQ(driver->servo().errors().dropped(), 1u);
   EXPECT_EQ(driver->servo().errors().newest(), phantom::hd::kWarmMotors);
-  EXPECT_EQ(driver->servo().counts().withheld.load(), 1u);  // the command that was under way
+  EXPECT_EQ(driver->servo().counts().withheld.load(), 1u);  // the pending command
   EXPECT_EQ(driver->servo().counts().invalid_poses.load(),
-            0u);  // heat says nothing about where it is
+            0u);  // heat does not affect the position
   ASSERT_EQ(sim.inject(HDSIM_WARM_MOTORS, 0.4), 0);
   push_until_steady(kPush);
 }
@@ -144,7 +144,7 @@ TEST_F(Fault, TooLargeForceStepIsReportedAndForceReturns) {
   api.hdSetDoublev(phantom::hd::kSoftwareForceImpulseLimit, &limit);
   const After after = next_100_ms();  // steady: no change
   EXPECT_EQ(after.written, Errors{});
-  ASSERT_TRUE(driver->read(10ms));  // nothing was asked for: 2 N to 0 in a millisecond
+  ASSERT_TRUE(driver->read(10ms));  // nothing was commanded: 2 N to 0 in a millisecond
   EXPECT_EQ(cycle(push(0.5)).written.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(driver->servo().errors().newest(), phantom::hd::kExceededMaxForceImpulse);
   for (int i = 0; i < 100; ++i)
@@ -278,7 +278,7 @@ TEST_F(Fault, LongSilenceDropsTheForceUntilTheNextCommand) {
   sim.step();
   EXPECT_EQ(applied().norm(), 0.0);
   EXPECT_EQ(driver->read(10ms).error(), devices::DeviceError::kTimeout);
-  driver->stop();  // what a loop does then
+  driver->stop();  // as a loop does
   ASSERT_TRUE(driver->read(10ms));
   EXPECT_EQ(Spy::instance().calls({"enable"}), std::vector<std::string>{});
   push_until_steady(kPush);

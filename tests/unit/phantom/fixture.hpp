@@ -1,5 +1,5 @@
 #pragma once
-/// The driver on the simulated library; virtual time unless a test says otherwise.
+/// The driver on the simulated library; virtual time by default.
 #include <cmath>
 #include <memory>
 #include <string>
@@ -45,8 +45,7 @@ class DriverTest : public hd_sim_test::SimulatedLibrary {
     devices::DeviceResult<void> written;
     double force = 0.0;  ///< at the motors, after the tick
   };
-  /// What a device loop does in one period. Whatever fails, it goes on pushing: the driver has to
-  /// hold.
+  /// One period of a device loop. It continues to write after any error: the driver must stay safe.
   Cycle cycle(const Wrench& command) {
     Cycle t{driver->read(10ms), {}};
     t.force = applied().norm();

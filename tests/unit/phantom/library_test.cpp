@@ -1,5 +1,5 @@
-// Finding and loading the library. The tests stand in the order in which one process may do it:
-// what is loaded stays.
+// Finding and loading the library. The order of the tests matters in one process: a loaded library
+// stays.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -58,7 +58,7 @@ TEST(HdLibrary, IsLoadedOnceAndStays) {
 }
 
 TEST(HdLibrary, OneWithoutTheHooksHasNoVirtualTime) {
-  // What the vendor's library looks like to the driver.
+  // The vendor's library from the driver's view.
   const_cast<HdSimHooks&>(HdLibrary::load(VOXTOUCH_HD_SIM_LIBRARY).hooks()) = {};
   PhantomOptions options;
   options.library = VOXTOUCH_HD_SIM_LIBRARY;

@@ -1,4 +1,4 @@
-// What is known of a model, and the description made of it.
+// Known properties of a model, and the description derived from them.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-/// Counts what any thread asks of the heap while an open driver runs: the loop's calls, and the
+/// Counts heap allocations of all threads while an open driver runs: the loop's calls, and the
 /// servo thread's callback.
 #include <gtest/gtest.h>
 

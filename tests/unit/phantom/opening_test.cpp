@@ -1,4 +1,4 @@
-// Ways to open, and what is left where it fails.
+// Ways to open, and the state after a failure.
 #include "fixture.hpp"
 
 namespace voxtouch::phantom_test {

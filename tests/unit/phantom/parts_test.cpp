@@ -66,7 +66,7 @@ TEST(ThermalClamp, ShrinksWhileWarmAndRecoversWhenCool) {
 TEST(ThermalClamp, StartsFromTheRequestedForce) {
   ThermalClamp clamp(8.5, 1.4);
   EXPECT_DOUBLE_EQ(clamp.see(std::array{0.8}, 4.0), 4.0 * 0.999);
-  EXPECT_EQ(clamp.see(std::array{0.8}, 0.1), 1.4);  // never below what the motors can for ever
+  EXPECT_EQ(clamp.see(std::array{0.8}, 0.1), 1.4);  // never below the motors' continuous limit
 }
 
 TEST(ThermalClamp, TreatsNanAsWarmAndKeepsItsStateWithoutData) {
@@ -87,7 +87,7 @@ std::array<double, 16> column_major(const Mat3& rotation) {
 
 TEST(HdOrientation, ReadsColumns) {
   Quat q;
-  // x to y, y to -x: a quarter turn about z has its first column (0, 1, 0).
+  // x to y, y to -x: a rotation of 90 degrees about z has its first column (0, 1, 0).
   const std::array<double, 16> m{0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1};
   ASSERT_TRUE(orientation_of(m.data(), q));
   EXPECT_LT((q * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12);
@@ -96,7 +96,7 @@ TEST(HdOrientation, ReadsColumns) {
 TEST(HdOrientation, IsTheNearestRotationAndOfUnitLength) {
   const Quat truth = Quat(0.3, -0.5, 0.7, 0.2).normalized();
   Mat3 skewed = truth.toRotationMatrix();
-  // A symmetric factor is what the polar decomposition takes off again.
+  // The polar decomposition removes a symmetric factor.
   Mat3 stretch = Mat3::Identity();
   stretch(0, 0) = 1.01, stretch(0, 1) = stretch(1, 0) = 0.008, stretch(2, 2) = 0.99;
   Quat q;

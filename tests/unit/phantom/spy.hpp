@@ -1,6 +1,6 @@
 #pragma once
-/// Stands between the driver and the simulated library: notes what is called, in order, and answers
-/// wrongly where it is reported to.
+/// Wraps the simulated library for the driver: records the calls in order, and returns wrong
+/// answers on request.
 #include <functional>
 #include <mutex>
 #include <string>
@@ -18,19 +18,19 @@ class Spy {
   /// Forgets calls and plans.
   void reset();
   std::vector<std::string> calls() const;
-  /// Of calls() those that begin with one of these.
+  /// The calls() that begin with one of these.
   std::vector<std::string> calls(const std::vector<std::string>& beginnings) const;
 
   /// hdInitDevice fails with this code as often as this.
   void fail_init(phantom::hd::HDerror code, int times);
-  /// hdGetError gives this once, before what the library has.
+  /// hdGetError returns this once, before the library's errors.
   void plant_error(phantom::hd::HDerror code);
-  /// Changes what hdGetDoublev has read.
+  /// Changes the results of hdGetDoublev.
   void change_reading(std::function<void(phantom::hd::HDenum name, double* values)> change);
   /// hdStartScheduler does nothing.
   void swallow_start();
 
-  // for the functions that stand in
+  // for the replaced functions
   void note(std::string call);
   phantom::hd::HDerror next_init_failure();
   phantom::hd::HDerror next_error();

@@ -1,4 +1,4 @@
-// What the library shows to a linker and to the registers of a call.
+// The library's interface for a linker and for the registers of a call.
 #include <elf.h>
 
 #include <algorithm>
@@ -62,7 +62,7 @@ TEST_F(Abi, ErrorComesByValueInTwoRegisters) {
   EXPECT_EQ(info.error_code, phantom::hd::kIllegalEnd);
   EXPECT_EQ(info.internal_error_code, 0);
   EXPECT_EQ(info.device, device);
-  // The same call seen as what the calling convention makes of twelve bytes: eight in one register,
+  // The same call with twelve bytes as the calling convention passes them: eight in one register,
   // four in the next.
   struct Registers {
     unsigned long low, high;

@@ -5,8 +5,7 @@
 
 namespace voxtouch::hd_sim {
 
-/// What one would feel pushing along each axis of D [kg]: 1 / diag(J M^-1 J^T). Zero where the arm
-/// is stretched.
+/// Apparent mass along each axis of D [kg]: 1 / diag(J M^-1 J^T). Zero if the arm is stretched.
 inline Vec3 apparent_mass(const phantom::PhantomDynamics& dynamics, const Vec3& joints) {
   const Mat3 j = phantom::phantom_jacobian(dynamics.geometry(), joints);
   const Vec3 mobility = (j * dynamics.mass(joints).inverse() * j.transpose()).diagonal();

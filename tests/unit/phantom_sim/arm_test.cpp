@@ -1,5 +1,4 @@
-// The arm's model against what it has to be by mechanics: every derivative once more, from
-// differences.
+// The arm's model checked by mechanics: every derivative is compared with differences.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,7 +28,7 @@ class Arm : public ::testing::Test {
 Vec3 unit(int axis) { return Vec3::Unit(axis); }
 
 /// A body of the arm for the kinetic energy: its centre's reach and height from the shoulder, and
-/// its principal moments with the angles of its frame; the arm turns as a whole about the turret.
+/// its principal moments with the angles of its frame; the whole arm rotates about the turret.
 /// Independent of the closed form under test.
 struct Body {
   double mass_kg;
@@ -48,7 +47,7 @@ double kinetic_energy(const Body& b, const Vec3& q, const Vec3& v) {
   const double linear =
       0.5 * b.mass_kg *
       (reach * v[0] * reach * v[0] + reach_rate * reach_rate + height_rate * height_rate);
-  // The turret's turn about y, seen in a frame that is turned about x by the link's angle.
+  // The turret's rotation about y, in a frame that is rotated about x by the link's angle.
   const double angle = q[b.turns_with];
   const Vec3 turn(v[b.turns_with], v[0] * std::cos(angle), v[0] * std::sin(angle));
   return linear + 0.5 * b.moments.dot(turn.cwiseAbs2());

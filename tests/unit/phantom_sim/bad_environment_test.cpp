@@ -1,4 +1,4 @@
-// A mistake in the environment variable: no device, rather than another one than was asked for.
+// A mistake in the environment variable gives no device, instead of another one.
 #include <cstdlib>
 
 #include "library.hpp"

@@ -1,5 +1,5 @@
-// What the environment variable sets. It is read once a process, so this is a program of its own
-// that sets it first.
+// Effects of the environment variable. It is read once per process, so this separate program sets
+// it first.
 #include <cstdlib>
 
 #include "library.hpp"

@@ -1,5 +1,4 @@
-// Each fault on command: what a caller is reported, and what the motors give in the 100 ms after
-// it.
+// Each fault on command: the caller's error, and the motors' forces in the following 100 ms.
 #include <cmath>
 
 #include "library.hpp"
@@ -19,7 +18,7 @@ class Faults : public SimulatedLibrary {
     ASSERT_NEAR(applied().x(), kPush.x(), 0.05);
     ASSERT_EQ(errors(), Errors{});
   }
-  /// Force along x after each of 100 ticks of a caller that notices nothing and goes on pushing.
+  /// Force along x after each of 100 ticks of a caller without recovery.
   std::vector<double> next_100_ms() {
     std::vector<double> force;
     for (int i = 0; i < 100; ++i) {
@@ -45,7 +44,7 @@ TEST_F(Faults, LostCommunicationEndsTheForceByWatchdog) {
   EXPECT_EQ(force[99], 0.0);
   EXPECT_EQ(read_vector(phantom::hd::kCurrentPosition), before);
   const Errors seen = errors();
-  ASSERT_GE(seen.size(), 100u);  // at each frame, as far as the stack goes
+  ASSERT_GE(seen.size(), 100u);  // at each frame, up to the size of the stack
   for (const phantom::hd::HDerror e : seen)
     EXPECT_EQ(e, phantom::hd::kCommError);
   tick_force(kPush);
@@ -81,7 +80,7 @@ TEST_F(Faults, DeadTimerMeansNoCallbacksAndTheWatchdogEndsTheForce) {
   int called = 0;
   EXPECT_EQ(tick([&] { ++called; }), 1);
   EXPECT_EQ(called, 0);
-  EXPECT_NEAR(applied().x(), 2.0, 0.1);  // still held
+  EXPECT_NEAR(applied().x(), 2.0, 0.1);  // still displayed
   EXPECT_LE(nonzero(next_100_ms()), 10);
   EXPECT_EQ(applied().x(), 0.0);
   api.hdStopScheduler();
@@ -142,7 +141,7 @@ TEST_F(Faults, NonFinitePositionIsReadAsSuch) {
     EXPECT_EQ(std::isnan(m[13]), i < 2);
     EXPECT_FALSE(std::isnan(m[0]));
   }
-  EXPECT_EQ(errors(), Errors{});  // none says so
+  EXPECT_EQ(errors(), Errors{});  // no error is reported
   EXPECT_TRUE(std::isfinite(state().tip[0]));
 }
 

@@ -1,4 +1,4 @@
-// What reaches the motors: switches, overrides, limits, ramps, heat, calibration.
+// Forces at the motors: switches, overrides, limits, ramps, heat, calibration.
 #include <algorithm>
 #include <cmath>
 
@@ -56,7 +56,7 @@ TEST_F(Forces, MotorsGiveTheTransposedJacobianOfTheForce) {
   open_and_start();
   tick_force({1.0, 2.0, 3.0});
   EXPECT_NEAR(motor(0), 0.215 * 1.0,
-              2e-3);  // in the reset pose the thigh lifts, the shin goes to and fro
+              2e-3);  // in the reset pose the thigh lifts, the shin moves horizontally
   EXPECT_NEAR(motor(1), 0.215 * 2.0, 2e-3);
   EXPECT_NEAR(motor(2), 0.170 * 3.0, 2e-3);
 }
@@ -105,7 +105,7 @@ TEST_F(Forces, MoreThanTheMaximumIsAnErrorAndNoForce) {
   api.hdDisable(phantom::hd::kSoftwareForceLimit);
   tick_force({20.0, 0.0, 0.0});
   EXPECT_EQ(errors(), Errors{});
-  EXPECT_NEAR(motor(0), 1.8275, 1e-9);  // what the motor can
+  EXPECT_NEAR(motor(0), 1.8275, 1e-9);  // the motor's limit
 }
 
 TEST_F(Forces, ImpulseOverItsLimitIsAnErrorAndNoForce) {
@@ -141,7 +141,7 @@ TEST_F(Forces, SpeedOverItsLimitDropsTheForceWhileItLasts) {
       ++slow_after;
     }
   }
-  EXPECT_EQ(seen, Errors{phantom::hd::kExceededMaxVelocity});  // once, where it begins
+  EXPECT_EQ(seen, Errors{phantom::hd::kExceededMaxVelocity});  // once, at its start
   EXPECT_GT(dropped, 50);
   EXPECT_GT(slow_after, 50);
 }
@@ -189,7 +189,7 @@ TEST_F(Forces, MotorsWarmUpWithTheSquareOfTheForceAndDropIt) {
   EXPECT_GE(reported[1], 0.99);
   tick_force({0.0, 1.0, 0.0});
   EXPECT_EQ(applied(), Vec3(Vec3::Zero()));
-  EXPECT_EQ(errors(), Errors{});  // said once
+  EXPECT_EQ(errors(), Errors{});  // reported once
   for (int i = 0; i < 120; ++i)
     tick_force({0.0, 1.0, 0.0});
   EXPECT_NEAR(applied().y(), 1.0, 0.1);  // cooled

@@ -173,8 +173,8 @@ TEST_F(Frames, NonFiniteForceIsRefusedAndCounted) {
 TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
   set_motion({0.03, 0.05, -0.02});
   open();
-  // The reset pose is where the operator holds the links for the calibration; then the hand has the
-  // tip elsewhere.
+  // In the reset pose the operator holds the links for the calibration; afterwards the hand moves
+  // the tip elsewhere.
   double m[16];
   Vec3 p;
   frame([&] {
@@ -186,8 +186,9 @@ TEST_F(Frames, PositionIsInMillimetresAndTheTransformColumnMajor) {
   EXPECT_EQ(m[15], 1.0);
   EXPECT_EQ(m[3], 0.0);
   Mat3 r = Eigen::Map<Eigen::Matrix4d>(m).topLeftCorner<3, 3>();
-  EXPECT_LT((r - Mat3::Identity()).norm(), 0.01);  // the stylus is held level whatever the arm does
-  EXPECT_GT(std::abs(state().joints[0]), 0.05);    // so the gimbal has to make up for the arm
+  EXPECT_LT((r - Mat3::Identity()).norm(),
+            0.01);  // the stylus is held level for any motion of the arm
+  EXPECT_GT(std::abs(state().joints[0]), 0.05);  // so the gimbal has to make up for the arm
 }
 
 TEST_F(Frames, DescribesItself) {

@@ -1,4 +1,4 @@
-// The operator's hand by itself: what it pulls with, when it lets go, how fast it can follow.
+// The operator's hand alone: its force, its release, and its bandwidth.
 #include "devices/operator/hand.hpp"
 
 #include <gtest/gtest.h>
@@ -77,7 +77,7 @@ TEST(Hand, FirmerGripActsOnOtherSimulatedDevices) {
   EXPECT_NEAR(plant.energy(1.5) / plant.energy(0.5), 4.0, 1e-12);
 }
 
-/// Amplitude of the target on a circle of frequency `hz`, over the circle's own.
+/// Amplitude of the target on a circle of frequency `hz`, divided by the circle's.
 double response(double hz, double bandwidth_hz) {
   const double radius = 0.02;
   Motion circle = still({radius, 0.0, 0.0});

@@ -45,7 +45,7 @@ void find(F& f, const char* name) {
   ASSERT_NE(f, nullptr) << name;
 }
 
-/// One that does all it can: trembles, carries, grips harder after 0.5 s and lets go.
+/// A hand with all features: tremor, carried load, a firmer grip after 0.5 s, and a release.
 inline sim::OperatorConfig shaky_hand(
     double release_time_s = std::numeric_limits<double>::infinity()) {
   sim::OperatorConfig hand;
@@ -122,7 +122,7 @@ class SimulatedLibrary : public ::testing::Test {
     work_ = {};
     return result;
   }
-  /// One tick with a frame that asks for this force [N], as doubles.
+  /// One tick with a frame that commands this force [N], as doubles.
   int tick_force(const Vec3& force) {
     return tick([this, force] {
       frame([&] { api.hdSetDoublev(phantom::hd::kCurrentForce, force.data()); });

@@ -110,7 +110,7 @@ TEST(Plant, JointAtRestIsNotMovedByLessThanItsFriction) {
   EXPECT_EQ(plant.rates(), Vec3(Vec3::Zero()));
   for (int i = 0; i < 800; ++i)
     plant.step({0.0099, 0.012, 0.0099});
-  EXPECT_EQ(plant.joints()[0], 0.2);  // the turret knows nothing of the thigh
+  EXPECT_EQ(plant.joints()[0], 0.2);  // the turret is independent of the thigh
   EXPECT_GT(plant.joints()[1], 0.1 + 1e-3);
 
   // At zero even the smallest double would be seen; a hand pulls and the weight as well.

@@ -135,7 +135,7 @@ TEST_F(Scheduler, StepNeedsVirtualTimeAndAStart) {
   EXPECT_EQ(sim.step(), -1);
 }
 
-// --- with a thread of its own
+// --- with a separate thread
 
 class RealTime : public SimulatedLibrary {
  protected:
@@ -167,7 +167,7 @@ TEST_F(RealTime, TicksAtItsRateOnAThreadOfItsOwn) {
   api.hdStopScheduler();
   const hdsim_state s = state();
   EXPECT_TRUE(counter.on_other_thread);
-  EXPECT_GT(counter.calls, 20);  // a busy machine misses ticks, but time does not stand
+  EXPECT_GT(counter.calls, 20);  // a busy machine misses ticks, but time advances
   EXPECT_LT(counter.calls, 600);
   EXPECT_GT(s.time, 0.2);
   EXPECT_GE(s.ticks, static_cast<std::uint64_t>(counter.calls));

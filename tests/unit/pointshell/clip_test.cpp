@@ -11,11 +11,11 @@ namespace voxtouch::pointshell {
 namespace {
 
 struct Bound {
-  double s, t, limit;  ///< s * x + t * y <= limit in the triangle's own coordinates
+  double s, t, limit;  ///< s * x + t * y <= limit in the triangle's coordinates
 };
 
-/// The least distance from the origin to the points of triangle and cube, by trying every set of up
-/// to two active bounds of the quadratic programme in barycentric coordinates: no polygon, no
+/// The least distance from the origin to the points of triangle and cube. It tries every set of up
+/// to two active bounds of the quadratic programme in barycentric coordinates, without polygon or
 /// clipping.
 double least_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 f = b - a, g = c - a;
@@ -77,7 +77,7 @@ TEST(Clip, NearestPointIsTheConstrainedMinimum) {
     const double longest =
         std::max({(x[1] - x[0]).norm(), (x[2] - x[0]).norm(), (x[2] - x[1]).norm()});
     if (normal.norm() < 1e-2 * longest * longest)
-      continue;  // the oracle's own conditioning
+      continue;  // conditioning of the oracle
     const Vec3 shift = Vec3::Constant(0.5);
     if (voxmap::TriangleVoxels(x[0] + shift, x[1] + shift, x[2] + shift).meeting({0, 0, 0}) ==
         voxmap::Meeting::kNone)
@@ -139,7 +139,7 @@ TEST(Clip, TouchingIsNeverEmpty) {
       1e-12);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> pick(0.0, 3.0);
-  // thirds are not doubles: the cut must cope with rounding where they only touch
+  // thirds are not doubles: the cut must handle rounding for touching ones
   for (int n = 0; n < 2000; ++n) {
     const Vec3 far1(0.5 + pick(random), 0.5 - pick(random) / 3, 0.5),
         far2(0.5 + pick(random), 0.5, 0.5 - pick(random) / 3);

@@ -15,7 +15,7 @@ Vec3 vec(const Row& row, const std::string& name) {
   return {row.at(name + "x"), row.at(name + "y"), row.at(name + "z")};
 }
 
-/// Largest differences over all rows, printed so that a reader sees how close it is.
+/// Largest differences over all rows; printed.
 struct Largest {
   double point = 0.0, distance = 0.0, normal = 0.0, plain = 0.0, coherence = 0.0;
 };

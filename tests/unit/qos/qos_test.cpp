@@ -155,7 +155,7 @@ TEST(Profiles, KeepTheStreamDeadlineAtThreePeriods) {
   }
 }
 
-/// The prediction is compared with what Cyclone DDS does, for every pair.
+/// The prediction is compared with Cyclone DDS, for every pair.
 TEST(Profiles, MatchOverRealDdsExactlyAsTabulated) {
   const bus::Participant participant({71, "lo", "qos_test"});
   struct Pair {

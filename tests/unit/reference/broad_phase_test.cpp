@@ -1,4 +1,4 @@
-/// Many static objects: the gap is that of the nearest, and few of them are asked.
+/// Many static objects: the gap is that of the nearest, and few of them are evaluated.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -16,7 +16,7 @@ using test_scenes::mesh, test_scenes::scene;
 
 constexpr double kScale = 0.1;  ///< boxes of 0.15 x 0.1 x 0.1 m
 
-/// 300 boxes on a grid of 0.3 m, each turned about z, and what they are by their closed form.
+/// 300 boxes on a grid of 0.3 m, each rotated about z, and their closed form.
 struct Boxes {
   std::vector<scene::MeshSpec> specs;
   std::vector<scene::Primitive> truth;

@@ -257,7 +257,7 @@ TEST(ContactValidator, WidensItsLimitsForShellsOffTheSurface) {
   EXPECT_EQ(ContactValidator(naive).validate(gap_of(kFree + 0.8 * kE), hit).verdict,
             Verdict::kInBand);
   EXPECT_EQ(ContactValidator(naive).validate(gap_of(-kMust - 0.8 * kE), {}).decided, false);
-  // Voxel centres with own normals push askew where few are below the surface.
+  // Voxel centres with individual normals give oblique forces if few are below the surface.
   EXPECT_EQ(ContactValidator(naive).validate(gap_of(-1.1 * kE), contact(1.1 * kE, 0, 30)).verdict,
             Verdict::kInBand);
   EXPECT_EQ(ContactValidator(naive).validate(gap_of(-1.12 * kE), contact(1.12 * kE, 0, 30)).verdict,

@@ -1,4 +1,4 @@
-/// The reference's own triangles of a polygon.
+/// The reference's triangulation of a polygon.
 #include "core/reference/ear_clipping.hpp"
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST(EarClipping, RefusesAPolygonThatCrossesItself) {
 }
 
 TEST(EarClipping, GivesAMeshOfPolygonsItsSolid) {
-  // An L whose two end faces are one hexagon each, from each of their corners.
+  // An L with one hexagon as each of its end faces, from each of their corners.
   for (int first = 0; first < 6; ++first) {
     std::string text;
     for (const char* y : {" 0 ", " 30 "}) {

@@ -43,7 +43,7 @@ TEST(LeastDistance, IsTheBestOfAllActiveSets) {
   std::normal_distribution<double> normal;
   for (int round = 0; round < 50; ++round) {
     std::vector<Inequality> rows(8);
-    Vec6 inside;  // so that the inequalities do not contradict each other
+    Vec6 inside;  // so that the inequalities are consistent
     for (double& x : inside)
       x = normal(random);
     for (Inequality& row : rows) {
@@ -116,8 +116,8 @@ TEST(GodObject, ABallOnAPlaneIsInEquilibrium) {
   }
 }
 
-/// A hand turned about the x axis and pressed into the plane: the box is flat if the force is large
-/// enough; otherwise it stands on an edge, with tilt and height at the minimum of the energy.
+/// A hand rotated about the x axis and pressed into the plane: the box is flat if the force is
+/// large enough; otherwise it stands on an edge, with tilt and height at the minimum of the energy.
 TEST(GodObject, ATurnedBoxOnAPlaneHasTheLeastEnergy) {
   const double b = 4.0 * kMm, c = 6.0 * kMm;
   const mesh::TriangleMesh mesh = test::box({-5.0 * kMm, -b, -c}, {5.0 * kMm, b, c});
@@ -145,7 +145,7 @@ TEST(GodObject, ATurnedBoxOnAPlaneHasTheLeastEnergy) {
 }
 
 /// A facet of a prism is a plane, its ridge a line: pressed on the facet's middle and flat on the
-/// ridge, a box is held by the exact depth.
+/// ridge, a box has the exact depth.
 TEST(GodObject, FacetsAndRidgesOfACylinderHoldExactly) {
   constexpr int kSides = 16;
   constexpr double kRadius = 0.02, kHalf = 0.005, kDepth = 1e-3;
@@ -187,7 +187,7 @@ TEST(GodObject, ShiftedPegIsHeldAtTheClearance) {
   }
 }
 
-/// The arm's corner comes to the wall: length sin + width cos = width + clearance.
+/// The arm's corner meets the wall: length sin + width cos = width + clearance.
 TEST(GodObject, RotatedPegHasTheTorqueOfTheClosedForm) {
   for (const double clearance : {2e-4, 5e-5}) {
     for (const double turn : {0.1, -0.1}) {

@@ -1,4 +1,5 @@
-/// The reference's own reader, its inside test and FCL's distances, each against something simpler.
+/// The reference's reader, its inside test and FCL's distances, each compared with a simpler
+/// method.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,8 +17,8 @@ namespace {
 
 using namespace test_scenes;
 
-/// Distance to a triangle, the slow and plain way: to its plane if the foot is inside, else to the
-/// nearest edge.
+/// Distance to a triangle by the direct method: to its plane if the foot is inside, otherwise to
+/// the nearest edge.
 double plain_distance(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 n = (b - a).cross(c - a).normalized();
   const Vec3 projected = x - n.dot(x - a) * n;
@@ -65,7 +66,7 @@ TEST(ReferenceMesh, AppliesTheScale) {
 
 TEST(ReferenceMesh, AppliesTransformsAndKeepsMirrorsOutward) {
   for (const char* up :
-       {"X_UP", "Y_UP", "Z_UP"}) {  // axes stay as they are, as in the reader of the rendering
+       {"X_UP", "Y_UP", "Z_UP"}) {  // axes are unchanged, as in the reader of the rendering
     const TemporaryMesh file("voxtouch_reference_nodes.dae",
                              R"(<?xml version="1.0" encoding="utf-8"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
@@ -104,8 +105,8 @@ TEST(ReferenceMesh, DropsWhatHasNoAreaAndWhatIsRepeated) {
 }
 
 TEST(ReferenceMesh, JoinsSeamsThatDifferByTheRoundingOfAFile) {
-  // A tetrahedron whose triangles each bring their own corners, a few 1e-18 m apart, as exporters
-  // of round shapes write poles.
+  // A tetrahedron of triangles with separate corners, a few 1e-18 m apart, as exporters of round
+  // shapes write poles.
   const Vec3 corners[] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   const std::array<std::uint32_t, 3> faces[] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
   std::vector<Vec3> vertices;

@@ -1,4 +1,4 @@
-/// Declared primitives against the meshes that they stand for.
+/// Declared primitives compared with their meshes.
 #include <gtest/gtest.h>
 
 #include <cmath>

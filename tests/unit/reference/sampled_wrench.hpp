@@ -1,8 +1,8 @@
 #pragma once
-/// The wrench of ReferenceWrench in another way, to test it by: triangles are split until they are
-/// smaller than the resolution inside (edge midpoints: exact for depths linear in place, and for
-/// their torque) and than a quarter of it where they cross the surface; signed distances by FCL,
-/// signs by the winding number. Many times slower; it shares nothing but the reading of meshes.
+/// The wrench of ReferenceWrench by another method, to test it. Triangles are split until they are
+/// smaller than the resolution inside (edge midpoints: exact for linear depths and their torque),
+/// and than a quarter of it across the surface. Signed distances by FCL, signs by the winding
+/// number. Many times slower; it has only the reading of meshes in common.
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,4 +1,4 @@
-/// The gap of whole scenes against closed forms, and what is claimed next to it.
+/// The gap of whole scenes compared with closed forms, with its other results.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,8 +14,8 @@ namespace {
 using namespace test_scenes;
 using test_scenes::mesh, test_scenes::scene;  // before the namespaces of these names
 
-constexpr double kExact =
-    1e-9;  ///< [m], in scenes of about 1 m: what FCL's distance may differ from a closed form by
+constexpr double kExact = 1e-9;  ///< [m], permitted difference of FCL's distance from a closed form
+                                 ///< in scenes of about 1 m
 
 scene::MeshSpec declared(const char* name, const scene::Primitive& primitive) {
   scene::MeshSpec spec = mesh(name);
@@ -85,7 +85,7 @@ TEST(SphereGap, FollowsToolPoseScaleAndStaticPose) {
   fixed.pose = {Vec3(0.2, -0.4, 1.0), Quat(Eigen::AngleAxisd(0.7, Vec3(1, -1, 2).normalized()))};
   scene::MeshSpec moving = sphere();
   moving.pose.position +=
-      Vec3(0.3, 0.0, 0.0);  // the sphere's centre stands 0.3 m off the tool's origin
+      Vec3(0.3, 0.0, 0.0);  // the sphere's centre is 0.3 m off the tool's origin
   const ReferenceScene reference(scene(fixed, moving));
   const scene::BoxPrimitive truth{fixed.pose, Vec3(1.5, 1.0, 1.0)};
   const Quat turn(Eigen::AngleAxisd(1.1, Vec3::UnitZ()));

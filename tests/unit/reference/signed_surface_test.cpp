@@ -34,7 +34,7 @@ Part box(double size) {
                         size);
 }
 
-/// Points round the part, and points next to its corners and edges, where features change.
+/// Points around the part, and points next to its corners and edges, where features change.
 std::vector<Vec3> places(const ReferenceMesh& mesh, int count) {
   std::mt19937_64 random(3);
   const auto fraction = [&] { return static_cast<double>(random() >> 11) * 0x1p-53; };

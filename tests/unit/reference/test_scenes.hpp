@@ -43,8 +43,7 @@ inline scene::Scene scene(scene::MeshSpec fixed, scene::MeshSpec moving = sphere
 
 inline Pose at(const Vec3& position) { return {position, Quat::Identity()}; }
 
-/// A mesh file that goes when this does. Its name carries the test's, so that tests may run at
-/// once.
+/// A temporary mesh file. Its name includes the test's, so that tests may run in parallel.
 class TemporaryMesh {
  public:
   TemporaryMesh(const std::string& name, const std::string& text)

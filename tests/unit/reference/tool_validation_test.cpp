@@ -82,7 +82,7 @@ TEST(ToolValidation, DetectsAForceUnlikeTheSprings) {
   EXPECT_TRUE(finds(said(report, 0.0, -0.01), "direction error to the spring"));
 }
 
-/// It pushes from either side; which side is its inside is not asked.
+/// It has a force from either side; its inside does not matter.
 TEST(ToolValidation, FindsAnOpenMeshInTheTool) {
   const auto of_open = [](double at_tool, double at_hand, double path_m) {
     Validation out;

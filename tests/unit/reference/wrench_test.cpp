@@ -40,10 +40,9 @@ TEST(ReferenceWrench, MatchesASphereInAHalfSpace) {
   }
 }
 
-/// Archimedes: the push on a body that dips into a half space is straight up, k times what it
-/// displaces. Of a box that stands on an edge, tilted by 45 degrees, that is a wedge h deep, h h
-/// long for each length of the edge; its triangles are far larger than the resolution, and lie
-/// across the surface.
+/// Archimedes: the force on a body that dips into a half space is straight up, k times the
+/// displaced volume. For a box on an edge, tilted by 45 degrees, that is a wedge h deep, h h per
+/// length of the edge; its triangles are far larger than the resolution, and cross the surface.
 TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
   scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_box_reference.obj";
@@ -69,8 +68,7 @@ TEST(ReferenceWrench, IsTheWeightOfWhatABoxDisplaces) {
   std::remove(path.c_str());
 }
 
-/// Two boxes, one of them inside out, as a part that was mirrored by hand is: the push is that of
-/// two boxes.
+/// Two boxes, one of them inverted, as by manual mirroring: the force is that of two boxes.
 TEST(ReferenceWrench, PushesOutwardForEitherOrientation) {
   scene::Scene scene = shipped("plane");
   const std::string path = ::testing::TempDir() + "voxtouch_inverted_reference.obj";
@@ -127,8 +125,8 @@ TEST(ReferenceWrench, ConvergesAsItsResolutionIsHalved) {
   RecordProperty("relative_error_half_millimetre", std::to_string((b - c).norm() / c.norm()));
 }
 
-/// F = -grad E, torque likewise: the work round a closed way is nothing, over a curved wall and
-/// into its edge too.
+/// F = -grad E, and the same for torque: the work on a closed path is zero, also over a curved wall
+/// and into its edge.
 TEST(ReferenceWrench, IsConservative) {
   const ReferenceWrench reference(shipped("cylinder"), 0.5e-3);
   const Vec3 touch = shipped("cylinder").motions.at("hit").path.back();

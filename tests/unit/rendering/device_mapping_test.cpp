@@ -146,7 +146,7 @@ TEST(DeviceMapping, ClutchHoldsTheToolAndGoesOnWithoutAJump) {
       const ToolState released = mapping.update(tip, {}, 1);
       EXPECT_FALSE(released.clutched);
       EXPECT_LE(distance(released.pose, before.pose), 1e-13);
-      // From here on the tool follows the hand: the same turn about the same axis of W.
+      // From here on the tool follows the hand: the same rotation about the same axis of W.
       const Pose start = tip;
       tip = moved(tip, {r.vec(), r.vec()}, 0.2);
       before = mapping.update(tip, {}, 0);

@@ -1,4 +1,4 @@
-// What a scene with the contact model `field` builds, leaves out, warns of and refuses.
+// A scene with the contact model `field`: built parts, skipped parts, warnings and refusals.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -61,7 +61,7 @@ TEST_F(FieldScene, BuildsTheFieldOnlyForItsModel) {
   EXPECT_TRUE(any_has(without->plan().skipped, "distance field"));
   EXPECT_EQ(with->plan().bytes - without->plan().bytes, with->field()->bytes());
   EXPECT_GT(with->plan().expected_ns_per_frame, without->plan().expected_ns_per_frame);
-  // Asked for on the command line, of a scene that names another model.
+  // Requested on the command line, for a scene with another model.
   EXPECT_NE(built("{mesh: thick.obj}", kAdapted, contact::ContactModelKind::kField)->field(),
             nullptr);
   EXPECT_EQ(built("{mesh: thick.obj}", kField, contact::ContactModelKind::kAdapted)->field(),

@@ -49,7 +49,7 @@ TEST(Objects, EachPushesWithItsOwnStiffness) {
   EXPECT_NEAR(hard.z() / soft.z(), 3.0, 0.5);
 }
 
-/// Everything that the contact asks, as numbers that are the same only for the same grid.
+/// All results of the contact, as numbers that are equal only for equal grids.
 std::vector<double> sampled_forces(BuiltScene& built) {
   std::vector<double> all{static_cast<double>(built.plan().surface_voxels),
                           static_cast<double>(built.plan().interior_voxels)};

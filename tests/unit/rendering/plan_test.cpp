@@ -23,8 +23,8 @@ BuildCounts counts() {
   n.shell_points = 1500, n.voxmap_bytes = 2'500'000, n.shell_bytes = 96'000;
   return n;
 }
-/// Which sentence of `lines` holds all of `words`; empty where none does. Sentences may be put
-/// otherwise, what they tell may not.
+/// The sentence of `lines` with all of `words`; empty without one. Facts are checked, not the
+/// wording.
 std::string line_with(const std::vector<std::string>& lines,
                       std::initializer_list<const char*> words) {
   const auto found = std::find_if(lines.begin(), lines.end(), [&](const std::string& line) {

@@ -15,7 +15,7 @@ namespace series_spring_test {
 
 constexpr double kT = 1e-3, kCap = 1000.0;
 
-/// Walls that push along their normal n where n . x < at; F(d) of the depth.
+/// Walls with a force along their normal n for n . x < at; F(d) of the depth.
 struct Wall {
   Vec3 normal;
   double at_m = 0.0, stiffness = 0.0;
@@ -61,7 +61,7 @@ struct Hand {
   int lookups = 0, samples = 0;
 };
 
-/// Two springs in a row, from the first sample in contact on, and about one look-up a sample.
+/// Two springs in series, from the first sample in contact on, and about one query per sample.
 TEST(SeriesSpring, ActsAsTwoSpringsInSeries) {
   for (const double times : {0.1, 1.0, 10.0, 1000.0}) {
     Hand hand({{Vec3::UnitZ(), 0.0, times * kCap}});
@@ -81,7 +81,7 @@ TEST(SeriesSpring, IsTheCapAtTheStiffestContactAndNoSpringBelowIt) {
 }
 
 /// Walls that soften, harden and step, corners and slots: never steeper than the spring, and no
-/// energy on closed ways.
+/// energy on closed paths.
 TEST(SeriesSpring, IsNeverSteeperThanTheSpringAndGivesNoEnergy) {
   const Vec3 z = Vec3::UnitZ(), tilted = Vec3(std::sin(1.0), 0, std::cos(1.0));
   const std::vector<std::vector<Wall>> scenes{{{z, 0.0, 5e4, 5e-5, 0.02}},
@@ -105,8 +105,7 @@ TEST(SeriesSpring, IsNeverSteeperThanTheSpringAndGivesNoEnergy) {
           const Vec3 now = from + (to - from) * n / 400.0,
                      before = n == 1 ? from : Vec3(from + (to - from) * (n - 1) / 400.0);
           const Vec3 force = hand.at(now);
-          // The mean of both ends: what a held force gives next to it is the hold's, not the
-          // spring's.
+          // The mean of both ends: energy of the zero-order hold is not the spring's.
           energy_generated_j += 0.5 * (force + last).dot(now - before),
               path_nm += force.norm() * (now - before).norm();
           if (cycle > 0 && !now.isApprox(before))
@@ -125,8 +124,8 @@ TEST(SeriesSpring, IsNeverSteeperThanTheSpringAndGivesNoEnergy) {
   }
 }
 
-/// What is within the tolerance of the balance may not point the other way: a wall that is left
-/// does not pull.
+/// Within the tolerance of the equilibrium the force must not reverse: a wall does not pull when it
+/// is left.
 TEST(SeriesSpring, NeverPullsWhenLeavingAWall) {
   for (const double stiffness : {0.1, 1.0, 30.0}) {
     Hand hand({{Vec3::UnitZ(), 0.0, stiffness * kCap, 1e-5, 3.0}});

@@ -1,4 +1,4 @@
-// The shipped scenes of the effects that act where the tool touches, rendered without a ring.
+// The shipped scenes of the effects at the touched point, rendered without a ring.
 #include <gtest/gtest.h>
 
 #include "core/rendering/build.hpp"
@@ -16,8 +16,8 @@ struct Slide {
   int touched = 0;
 };
 
-/// The tool along the path of the scene's motion `slide`, in steps of 0.05 mm, with what the
-/// effects do.
+/// The tool along the path of the scene's motion `slide`, in steps of 0.05 mm, with the effects'
+/// forces.
 Slide slide(const scene::Scene& scene) {
   const auto built = build_scene(scene, serial_for());
   constexpr double kStep = 5e-5, kDt = 1e-3;

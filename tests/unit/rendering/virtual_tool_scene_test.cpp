@@ -1,4 +1,4 @@
-// A scene with a virtual tool: what the hand gets, and when there is none.
+// A scene with a virtual tool: the force on the hand, and when there is none.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -97,8 +97,8 @@ TEST(VirtualToolScene, GivesSpringTimesDisplacementAtEveryDepth) {
   }
 }
 
-/// While the coupling is still being designed: it is reported, so that no force where the hand is
-/// deep in is not taken for a wrong one.
+/// While the coupling is being designed: a flag reports it, so that zero force of a deep hand is
+/// not counted as an error.
 TEST(VirtualToolScene, ReportsNoForceUntilItsSpringIsKnown) {
   Rig rig(scene_of());
   rig.live.set_spring_target(0.0);
@@ -138,7 +138,7 @@ TEST(VirtualToolScene, StaysThroughAClutchALossAndAJumpIntoAWall) {
   clutched.clutched = true;
   EXPECT_GT(clutch.hold(clutched, 300).object.position.z(), 0.0095);
   EXPECT_GT(clutch(at(0.0)).wrench.force.z(), 2.8);
-  loss.live.lose_tool();
+  loss.live.reset_virtual_tool();
   EXPECT_LT(loss(at(0.0)).wrench.force.z(), 0.05) << "it fades in";
   const SceneFrame after = loss.hold(at(0.0), 250);
   EXPECT_FALSE(after.tool.not_initialised);
@@ -151,7 +151,7 @@ TEST(VirtualToolScene, RestartsInFreeSpaceAfterLossOrSession) {
   Rig loss(scene_of()), session(scene_of());
   for (Rig* rig : {&loss, &session})
     ASSERT_GT(rig->press(0.0).wrench.force.z(), 2.8);
-  loss.live.lose_tool();
+  loss.live.reset_virtual_tool();
   EXPECT_EQ(loss(at(-0.05)).object.position, at(-0.05).pose.position) << "below the block";
   session.live.reset();
   EXPECT_TRUE(session(at(0.0)).tool.not_initialised);
@@ -269,7 +269,7 @@ TEST(VirtualToolScene, FramesUseNoHeap) {
   EXPECT_EQ(test::heap_count_of([&] {
               for (int i = 0; i < 200; ++i)
                 rig(at(0.0, 0.003 + 5e-5 * i));
-              rig.live.lose_tool();
+              rig.live.reset_virtual_tool();
               rig.live.set_spring_target(100.0);
               rig(at(0.0));
               rig(at(0.03));
@@ -277,7 +277,7 @@ TEST(VirtualToolScene, FramesUseNoHeap) {
             0);
 }
 
-/// A plate of 60 mm whose top is z = 0, as a file.
+/// A plate of 60 mm with its top at z = 0, as a file.
 std::string plate(double thick) {
   const std::string file =
       std::filesystem::temp_directory_path() / ("voxtouch_plate_" + std::to_string(thick) + ".obj");
@@ -307,8 +307,8 @@ TEST(VirtualToolScene, HoldsPlatesOfAVoxelAndLess) {
     holds_plate(thick);
 }
 
-/// Square onto the rim of a thick plate, at rest and carried by an object: the spring's force for
-/// the exact ball's way.
+/// Straight onto the rim of a thick plate, at rest and carried by an object: the spring's force for
+/// the exact ball's displacement.
 TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
   const double depth = 0.005;
   for (const bool moves : {false, true}) {
@@ -330,14 +330,14 @@ TEST(VirtualToolScene, GivesTheExactBallsForceAtAConvexEdge) {
     for (int n = 0; n < 50; ++n)
       hand_at(-depth), frame = rig(hand);
     EXPECT_NEAR(frame.wrench.force.norm(), kSpring * depth, 0.02 * kSpring * depth) << moves;
-    // Of the mesh itself an edge meets a facet, whose normal is up to 4 degrees off the ball's.
+    // An edge of the mesh meets a facet, with a normal up to 4 degrees off the ball's.
     const double facets = std::cos(4.0 * kDegree);
     EXPECT_GT(frame.wrench.force.normalized().dot(slant), facets);
   }
 }
 
-/// Into the cup from above, over its rim and out again: never through, and the hand's own pose when
-/// nothing is touched any more.
+/// Into the cup from above, over its rim and out again: never through a wall, and at the hand's
+/// pose without contact.
 TEST(VirtualToolScene, GoesIntoACupAndOutOfIt) {
   Rig rig(scene_of("[]", "[{mesh: cup.obj}]"));
   ToolState hand;
@@ -367,7 +367,7 @@ TEST(VirtualToolScene, RestsInAGentleTouch) {
     ASSERT_LT((rig(at(0.0099)).wrench.force - force).norm(), 1e-9);
 }
 
-/// Two blocks that do not touch, each an object: the force is the sum of what each gives.
+/// Two separate blocks, each an object: the force is the sum of both.
 TEST(VirtualToolScene, RestsInTheCornerOfTwoObjects) {
   Rig rig(scene_of("[{friction: {coulomb: 0.0}}]",
                    "[{mesh: " + plate(0.02) + ", object: {name: floor}}, {mesh: " + plate(0.02) +
@@ -387,7 +387,7 @@ TEST(VirtualToolScene, RestsInTheCornerOfTwoObjects) {
   EXPECT_NEAR(frame.wrench.force.x(), -kSpring * (0.024 - 0.0205), 0.1);
 }
 
-/// The same frames give bit-identical results, in a scene of its own.
+/// Equal frames give bit-identical results, in another scene.
 TEST(VirtualToolScene, SameFramesAreBitIdentical) {
   const scene::Scene scene = scene_of("[{friction: {coulomb: 0.3}}]", "[{mesh: cup.obj}]");
   Rig one(scene), other(scene);
@@ -408,7 +408,7 @@ TEST(VirtualToolScene, SameFramesAreBitIdentical) {
 /// At voxels of 2 mm, 1 m/s: a foil of a hundredth of a voxel.
 TEST(VirtualToolScene, HoldsAFoilOfAHundredthOfAVoxel) { holds_plate(2e-5); }
 
-/// Triangles the wrong way round enclose the same block.
+/// Inverted triangles enclose the same block.
 TEST(VirtualToolScene, PushesOutOfAnInvertedBlock) {
   const std::string file = std::filesystem::temp_directory_path() / "voxtouch_inside_out.obj";
   std::ofstream out(file);

@@ -5,7 +5,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-/// Every number of the triangle stands for itself: row 1 column 2 is 12, row 6 column 6 is 66.
+/// Every number of the triangle names its place: row 1 column 2 is 12, row 6 column 6 is 66.
 Mat6 labelled() {
   Mat6 m;
   for (int row = 0; row < 6; ++row)

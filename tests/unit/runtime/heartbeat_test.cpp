@@ -1,4 +1,4 @@
-// Who hangs, and who was only not looked at; by clocks that the test turns.
+// Hanging nodes, and nodes that were only not polled, with clocks that the test sets.
 #include "nodes/runtime/heartbeat.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What ROS puts on a program's command line: taken, or refused by name.
+// ROS arguments on a program's command line: accepted, or refused by name.
 #include "nodes/runtime/ros_arguments.hpp"
 
 #include <gtest/gtest.h>

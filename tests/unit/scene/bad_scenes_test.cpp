@@ -320,7 +320,7 @@ TEST_F(BadScene, InvalidFiles) {
   EXPECT_NE(refusal(write("elf.yaml", elf)).find("byte 0x"), std::string::npos);
 }
 
-/// Small files that stand for huge or endless ones are refused early.
+/// Small files that expand to huge or endless ones are refused early.
 TEST_F(BadScene, YamlBombsAreRefused) {
   std::string bomb = "a: &a [x,x,x,x,x,x,x,x,x]\n";
   for (char c = 'b'; c < 'j'; ++c) {
@@ -370,8 +370,8 @@ TEST_F(BadScene, NamesOfEveryPlainKindAreTaken) {
   }
 }
 
-/// Its size is looked at before it is read: these two gigabytes are not on the disk, and reading
-/// them takes a minute.
+/// Its size is checked before it is read: these two gigabytes are not on the disk, and reading them
+/// takes a minute.
 TEST_F(BadScene, AMeshOfGigabytesIsRefusedBeforeItIsRead) {
   std::ofstream(folder_ / "huge.obj") << "v 0 0 0\n";
   std::filesystem::resize_file(folder_ / "huge.obj", std::uintmax_t{2} << 30);
@@ -387,11 +387,11 @@ TEST_F(BadScene, AMeshOfGigabytesIsRefusedBeforeItIsRead) {
       EXPECT_GT(error.place().line, 1);
     }
     EXPECT_LT(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC,
-              0.5);  // of this process's own time
+              0.5);  // CPU time of this process
   }
 }
 
-/// The bytes that are built from are those that the scene's hash reports of.
+/// The bytes used for the build are those of the scene's hash.
 TEST_F(BadScene, MeshChangedBeforeBuildingIsRejected) {
   const Scene scene = parse(kSmall);
   EXPECT_EQ(scene.mesh_hashes.size(), 2U);
@@ -404,7 +404,7 @@ TEST_F(BadScene, MeshChangedBeforeBuildingIsRejected) {
   }
 }
 
-/// Only its JSON stands in the .gltf.
+/// Only its JSON is in the .gltf.
 TEST_F(BadScene, MeshWithAChangedBufferFileIsRejected) {
   samples::Gltf gltf;
   gltf.buffer = R"({"byteLength":72,"uri":"b.bin"})";

@@ -1,5 +1,6 @@
 // The scene's section `coupling`: by hand and designed.
 #include <cmath>
+#include <map>
 
 #include "tests/unit/scene/scene_fixture.hpp"
 
@@ -14,13 +15,17 @@ class CouplingSection : public SceneFolder {
 };
 
 TEST_F(CouplingSection, RefusesAnEarlierKeyAndStatesItsName) {
-  try {
-    with("design: auto, damper_share: 0.35");
-    FAIL() << "an earlier key was read";
-  } catch (const SceneError& error) {
-    EXPECT_NE(std::string(error.what()).find("'damping_force_ratio'"), std::string::npos)
-        << error.what();
-  }
+  for (const auto& [key, name] :
+       std::map<std::string, std::string>{{"damper_share", "damping_force_ratio"},
+                                          {"damping_floor", "min_damping_ratio"},
+                                          {"rotation_damping_floor", "rotation_min_damping_ratio"}})
+    try {
+      with("design: auto, " + key + ": 0.35");
+      ADD_FAILURE() << key << " was read";
+    } catch (const SceneError& error) {
+      EXPECT_NE(std::string(error.what()).find("'" + name + "'"), std::string::npos)
+          << error.what();
+    }
 }
 
 TEST_F(CouplingSection, SetByHandMayCapAndDamp) {
@@ -59,8 +64,8 @@ TEST_F(CouplingSection, ADesignHasDefaultsForAllItsKeys) {
   EXPECT_EQ(s.design->hand, HandOption::kAsDeviceIsHeld);
   EXPECT_TRUE(s.design->released && s.design->inject_damping);
   EXPECT_TRUE(s.design->velocity_windows);
-  EXPECT_EQ(s.design->damping_floor, 0.3);
-  EXPECT_EQ(s.design->rotation_damping_floor, 0.0);
+  EXPECT_EQ(s.design->min_damping_ratio, 0.3);
+  EXPECT_EQ(s.design->rotation_min_damping_ratio, 0.0);
   EXPECT_FALSE(s.design->run_infeasible);
   EXPECT_TRUE(s.warnings.empty());
 }
@@ -70,7 +75,8 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
       "design: auto, kind: shaping_filter, cutoff_hz: 7, gain_margin: 1, stiffness_cap_n_per_m: "
       "700, "
       "stiffness_cap_nm_per_rad: 0.25, hand: arm, released: false, inject_damping: false, "
-      "velocity_windows: false, damping_floor: 0.2, rotation_damping_floor: 0.1, run_infeasible: "
+      "velocity_windows: false, min_damping_ratio: 0.2, rotation_min_damping_ratio: 0.1, "
+      "run_infeasible: "
       "true");
   ASSERT_TRUE(s.design);
   EXPECT_EQ(s.design->kind, "shaping_filter");
@@ -81,8 +87,8 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_EQ(s.design->hand, HandOption::kArm);
   EXPECT_FALSE(s.design->released || s.design->inject_damping);
   EXPECT_FALSE(s.design->velocity_windows);
-  EXPECT_EQ(s.design->damping_floor, 0.2);
-  EXPECT_EQ(s.design->rotation_damping_floor, 0.1);
+  EXPECT_EQ(s.design->min_damping_ratio, 0.2);
+  EXPECT_EQ(s.design->rotation_min_damping_ratio, 0.1);
   EXPECT_TRUE(s.design->run_infeasible);
   EXPECT_EQ(with("design: auto, kind: spring_damper").design->kind, "spring_damper");
   EXPECT_EQ(with("design: auto, cutoff_hz: 150").warnings.size(), 1U)

@@ -30,7 +30,7 @@ delay_s: 0.002
 force_bandwidth_hz: 53
 rotation: {inertia_kg_m2: [0.1, 0.2], damping_nms_per_rad: 0.3, coulomb_friction_nm: 0.25, orientation_resolution_rad: 1e-4, max_stiffness_nm_per_rad: 300}
 jitter: 0.4
-lost_in_a_row: 3
+consecutive_losses: 3
 grip: arm
 )";
 
@@ -50,7 +50,7 @@ TEST(DeviceFile, EveryKeyReachesItsField) {
   EXPECT_EQ(m.timing.period_s, 0.0005);
   EXPECT_EQ(m.timing.delay_s, 0.002);
   EXPECT_EQ(m.timing.jitter, 0.4);
-  EXPECT_EQ(m.timing.lost_in_a_row, 3);
+  EXPECT_EQ(m.timing.consecutive_losses, 3);
   EXPECT_EQ(m.translation.max_effort, 150);
   EXPECT_EQ(m.translation.max_stiffness, 5000);
   EXPECT_EQ(m.translation.inertia_min, 3);
@@ -131,9 +131,9 @@ const std::vector<Bad> kBad = {
     {"force_bandwidth_hz: 53", "force_bandwidth_hz: ^0", "'force_bandwidth_hz' is 0"},
     {"jitter: 0.4", "jitter: ^20", "'jitter'|0 to 10."},
     {"jitter: 0.4", "jitter: ^-0.1", "0 or above"},
-    {"lost_in_a_row: 3", "lost_in_a_row: ^-1", "whole number"},
-    {"lost_in_a_row: 3", "lost_in_a_row: ^1.5", "whole number"},
-    {"lost_in_a_row: 3", "lost_in_a_row: ^1001", "'lost_in_a_row'|0 to 1000."},
+    {"consecutive_losses: 3", "consecutive_losses: ^-1", "whole number"},
+    {"consecutive_losses: 3", "consecutive_losses: ^1.5", "whole number"},
+    {"consecutive_losses: 3", "consecutive_losses: ^1001", "'consecutive_losses'|0 to 1000."},
     {"grip: arm", "grip: ^fist", "'grip'|'fist'|pen, arm"},
     {"max_torque_nm: 15", "max_torque_nm: 0", "'rotation'|'max_torque_nm'"},
     {"rotation: {", "rotation: ^1 #", "'rotation'|inertia_kg_m2,"},
@@ -216,7 +216,7 @@ TEST(DeviceFile, FillsGapsFromTheClassAndReportsThem) {
   EXPECT_EQ(pen.description.damping_ns_per_m, 0.005);
   EXPECT_EQ(pen.description.delay_s, 0.001);
   EXPECT_EQ(pen.description.jitter, 0.2);
-  EXPECT_EQ(pen.description.lost_in_a_row, 1U);
+  EXPECT_EQ(pen.description.consecutive_losses, 1U);
   EXPECT_EQ(pen.description.max_stiffness_nm_per_rad, 0.3);
   EXPECT_EQ(pen.description.output_dof, 6U);
   EXPECT_EQ(pen.assumed.size(), 10U);

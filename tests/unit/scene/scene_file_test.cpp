@@ -287,7 +287,7 @@ TEST_F(SceneFile, CutOffAnywhereLoadsOrReportsWhy) {
   EXPECT_GT(loaded, 1);
 }
 
-/// Bytes changed, lines swapped, pieces doubled: nothing but SceneError ever comes out.
+/// Bytes changed, lines swapped, pieces doubled: SceneError is the only exception.
 TEST_F(SceneFile, MangledScenesAreAnErrorAtWorst) {
   std::mt19937_64 random(31);
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };

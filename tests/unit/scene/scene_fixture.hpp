@@ -1,5 +1,5 @@
 #pragma once
-/// A folder of its own with two mesh files, for tests that read scenes.
+/// A temporary folder with two mesh files, for tests that read scenes.
 #include <gtest/gtest.h>
 #include <stdlib.h>
 
@@ -31,7 +31,7 @@ class SceneFolder : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-/// The least that a scene must say.
+/// The smallest valid scene.
 inline const std::string kSmall =
     "scene: small\n"
     "voxel_size: 0.002\n"
@@ -39,7 +39,7 @@ inline const std::string kSmall =
     "dynamic: {mesh: b.obj}\n"
     "contact: {stiffness_n_per_m: 10}\n";
 
-/// Everything that a scene can say, each value unlike its default.
+/// All keys of a scene, each with a value other than its default.
 inline const std::string kFull = R"(# a scene with all keys
 scene: full
 voxel_size: 2.0e-3

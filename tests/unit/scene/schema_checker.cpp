@@ -18,7 +18,7 @@ Json scalar(const scene::YamlNode& node) {
     return node.text == "true";
   std::string_view digits = node.text;
   if (digits.size() > 1 && digits[0] == '+')
-    digits.remove_prefix(1);  // which YAML knows, and parse_number does not
+    digits.remove_prefix(1);  // valid in YAML, but not for parse_number
   if (const auto whole = parse_number<std::int64_t>(digits))
     return *whole;
   if (const auto real = parse_number<double>(digits))

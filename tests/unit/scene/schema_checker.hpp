@@ -9,12 +9,12 @@
 
 namespace voxtouch::test {
 
-/// As an editor reads it: plain words that are numbers or flags are such, what is quoted is a text.
+/// As an editor reads it: plain words that are numbers or flags become such, quoted ones are text.
 nlohmann::json to_json(const scene::YamlNode& node);
 
-/// What is wrong with each of the list `values`, each with its place ("$.contact.model: ...");
-/// empty where it conforms. By python3-jsonschema, in a process of its own. Throws
-/// std::runtime_error where that fails, as on a schema that is none.
+/// Violations of each of `values`, each with its place ("$.contact.model: ..."); empty if it
+/// conforms. By python3-jsonschema, in a child process. Throws std::runtime_error if that fails,
+/// for example for an invalid schema.
 std::vector<std::vector<std::string>> violations(const nlohmann::json& schema,
                                                  const nlohmann::json& values);
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Holds values against a JSON schema (draft 2020-12, by python3-jsonschema).
+"""Validates values by a JSON schema (draft 2020-12, by python3-jsonschema).
 
 usage: schema_checker.py SCHEMA VALUES
 
-Both files are JSON; VALUES is a list. Prints a list of as many lists: what is wrong with each
-value, its place first.
+Both files are JSON; VALUES is a list. Prints a list of as many lists: the violations of each value,
+each with its place first.
 """
 
 import json

@@ -1,5 +1,5 @@
-/// The schema for editors against the reader: the same keys, both ways, and nothing refused that
-/// the reader takes.
+/// The schema for editors compared with the reader: the same keys in both, and nothing refused that
+/// the reader accepts.
 #include "core/scene/schema.hpp"
 
 #include <algorithm>
@@ -46,8 +46,7 @@ const Json& resolved(const Json& node) {
              : node;
 }
 
-/// The keys of which an object has exactly one; a key that makes all of them superfluous is none of
-/// them.
+/// The keys of which an object has exactly one; a key that replaces all of them is excluded.
 std::vector<std::string> alternatives(const Json& object) {
   std::vector<std::string> keys;
   if (object.contains("oneOf"))
@@ -102,12 +101,12 @@ Json with(const Json& object, const std::string& key, const Json& value) {
     for (const std::string& other : one)
       out.erase(other);
   if (key == "hand")
-    out["design"] = "auto";  // a hand is read where a design is asked for
+    out["design"] = "auto";  // a hand is read only with a design
   out[key] = value;
   return out;
 }
 
-/// Each object of the schema that lists keys, at each place where it may stand.
+/// Each object of the schema that lists keys, at each of its places.
 void walk(const Json& place, const std::string& at, const Wrap& wrap, const Visit& visit) {
   const Json& node = resolved(place);
   if (node.contains("properties")) {
@@ -155,7 +154,7 @@ std::string yaml(const Json& value) {
 
 class Schema : public SceneFolder {
  protected:
-  /// What the reader says; empty where it takes the scene.
+  /// The reader's message; empty if it accepts the scene.
   std::string said(const Json& scene) const {
     try {
       parse(yaml(scene));

@@ -73,7 +73,7 @@ TEST(Motion, CircleStartsSmoothlyAndKeepsItsSpeed) {
     EXPECT_NEAR(p.position.head<2>().norm(), radius, 1e-12);
     EXPECT_NEAR(p.position.z(), 0.0, 1e-12);
   }
-  // A quarter turn during the rise, in half a turn's time; right-handed about the axis.
+  // 90 degrees during the rise, in the time of 180; right-handed about the axis.
   const MotionPoint quarter = motion_at(m, start + std::numbers::pi / full);
   EXPECT_LE((quarter.position - Vec3(0, radius, 0)).norm(), 1e-12);
   EXPECT_LE((quarter.velocity - Vec3(-m.speed_m_per_s, 0, 0)).norm(), 1e-12);
@@ -176,7 +176,7 @@ TEST(Motion, DeviceMotionMovesTheToolAsInTheWorld) {
     for (double t = 0; t < 20; t += 0.37) {
       const MotionPoint in_w = motion_at(w, t), in_d = motion_at(d, t);
       const Pose tool = base * Pose{scale * in_d.position, turn_at(d, t).orientation} * offset;
-      // The hand turns about the device's tip, and the tool's origin about it.
+      // The hand rotates about the device's tip, and the tool's origin with it.
       const Vec3 arm = base.orientation * (d.orientation * offset.position),
                  turned = base.orientation * (turn_at(d, t).orientation * offset.position);
       EXPECT_LE((tool.position - in_w.position - (turned - arm)).norm(), 1e-12);

@@ -1,5 +1,5 @@
-// A brick's distances, many nodes at once, are what each node would get from the tree alone,
-// bit-identically.
+// The distances of a brick, many nodes at once, are bit-identical to those of each node from the
+// tree.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ struct Soup {
   }
 };
 
-/// Bricks whose distances differ from the tree's anywhere.
+/// Number of bricks with any distance different from the tree's.
 int different(const Soup& soup, std::mt19937_64& random, int bricks) {
   const voxmap::GridMesh in_grid(soup.mesh, {Vec3::Zero(), 1.0});
   const DistanceTree tree(in_grid, soup.all);
@@ -104,8 +104,8 @@ TEST(BrickDistances, AreTheLimitsFarFromTriangles) {
   }
 }
 
-/// Inside, no gradient of the interpolation is longer than said, and some is nearly as long, but
-/// for the eighth of a voxel to which it is known.
+/// Inside, no gradient of the interpolation exceeds the bound, and some nearly reach it, except for
+/// its resolution of an eighth of a voxel.
 TEST(BrickDistances, RangeOfABrickBoundsNodesAndGradients) {
   std::mt19937_64 random(voxtouch::testing::seed(3));
   std::uniform_real_distribution<double> place(0.0, 1.0);

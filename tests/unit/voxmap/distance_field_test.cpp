@@ -79,8 +79,8 @@ TEST(DistanceField, IsTheDistanceToATiltedBox) {
       EXPECT_LE(s.distance_m, -11.5 * kEdge);
       continue;
     }
-    // Where the nearest faces change the interpolation rounds the ridge off; else it is exact for
-    // planes.
+    // Where the nearest face changes, the interpolation rounds the ridge off; otherwise it is exact
+    // for planes.
     const Vec3 q = local.cwiseAbs() - 0.5 * size;
     Vec3 sorted = q;
     std::sort(sorted.data(), sorted.data() + 3);
@@ -121,8 +121,7 @@ TEST(DistanceField, NodesHoldTheDistanceToACurvedMesh) {
   EXPECT_GE(compared, 400);
 }
 
-/// What makes contacts begin and end without a step: shell points in free voxels are never looked
-/// at.
+/// Contacts thus begin and end without a step: shell points in free voxels are never evaluated.
 TEST(DistanceField, IsPositiveInFreeAndNegativeInInteriorVoxels) {
   std::mt19937_64 random(3);
   const mesh::TriangleMesh groove = joined(
@@ -149,8 +148,8 @@ TEST(DistanceField, IsPositiveInFreeAndNegativeInInteriorVoxels) {
   }
 }
 
-/// In a wall hardly thicker than a voxel there is no interior voxel: the flood fill says nothing,
-/// the winding number does.
+/// A wall hardly thicker than a voxel has no interior voxel: the winding number decides instead of
+/// the flood fill.
 TEST(DistanceField, IsNegativeInAWallWithoutInteriorVoxels) {
   const Vec3 size(0.03, 0.03, 0.0014);
   const Pose pose{Vec3(0.1, 0.2, 0.3), turned(0.5)};

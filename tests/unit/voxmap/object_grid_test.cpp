@@ -101,7 +101,7 @@ TEST(ObjectGrid, LargerFacesWinAConflict) {
   EXPECT_EQ(clearance_of_faces(faces({{0.0, 1.0}, {0.25, std::sqrt(3.0)}}), kEdge).z(), 0.6875);
   EXPECT_EQ(clearance_of_faces(faces({{0.0, std::sqrt(3.0)}, {0.5, 1.0}}), kEdge).z(), 0.375)
       << "nor is the lesser one on a border";
-  // Across the voxel's border the short way round counts.
+  // Across the voxel's border the shorter distance counts.
   EXPECT_EQ(clearance_of_faces(faces({{0.9375, 1.0}, {7.0625, 1.0}}), kEdge).z(), 0.5);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-/// Readers for the reference vectors, and the shapes and loops that the tests of voxmap and
-/// pointshell share.
+/// Readers for the reference vectors, and common shapes and loops of the tests of voxmap and
+/// pointshell.
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -186,7 +186,7 @@ inline mesh::TriangleMesh littered(mesh::TriangleMesh mesh, unsigned seed) {
         mesh.triangles.push_back({static_cast<std::uint32_t>(mesh.vertices.size() - 1), b, a});
         break;
       }
-      default: {  // the whole triangle again with vertices of its own
+      default: {  // the whole triangle again with separate vertices
         const auto v = static_cast<std::uint32_t>(mesh.vertices.size());
         for (const std::uint32_t corner : {b, c, a})
           mesh.vertices.push_back(Vec3(mesh.vertices[corner]));

@@ -109,8 +109,7 @@ TEST(Voxelise, ACubeOnTheGridHasNoHoleAndIsSymmetric) {
     const Voxels got = voxels(box(Vec3::Constant(-0.4 + shift), Vec3::Constant(0.4 + shift)), grid);
     EXPECT_FALSE(has_hole(got)) << shift;
     EXPECT_GE(got.interior.size(), 6U * 6U * 6U) << shift;
-    // The cube's diagonal is an axis of symmetry of the whole set-up: (i,j,k) and (j,k,i) are
-    // alike.
+    // The cube's diagonal is an axis of symmetry: (i,j,k) and (j,k,i) are equivalent.
     const std::set<VoxelIndex> surface(got.surface.begin(), got.surface.end());
     for (const VoxelIndex& v : got.surface)
       ASSERT_TRUE(surface.contains({v.j, v.k, v.i})) << shift;
@@ -250,7 +249,7 @@ TEST(Voxelise, AZeroAreaTriangleMayCloseATJunction) {
   EXPECT_EQ(got.report.shells.open_parts, 0U);
 }
 
-/// A Klein bottle as a figure of eight swept round with half a turn: closed, but no side is the
+/// A Klein bottle as a figure of eight swept around with half a turn: closed, but without an
 /// outside.
 mesh::TriangleMesh klein_bottle(int n) {
   mesh::TriangleMesh mesh;
@@ -387,7 +386,7 @@ TEST(VoxelBudget, TheEstimateIsCloseToTheTruth) {
     const double said = estimate_voxels(mesh, grid).bytes;
     const auto used = static_cast<double>(voxelise(mesh, grid, serial_for()).bytes());
     EXPECT_GE(said, 0.9 * used) << edge;
-    EXPECT_LE(said, 2.2 * used) << edge;  // it says up to twice as many bricks as there are
+    EXPECT_LE(said, 2.2 * used) << edge;  // it reports up to twice as many bricks as exist
   }
 }
 

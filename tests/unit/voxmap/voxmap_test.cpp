@@ -93,8 +93,8 @@ VoxelIndex first_of_cell(const Voxmap& map, std::int64_t x, std::int64_t y, std:
           static_cast<std::int32_t>(map.base().k + 8 * z)};
 }
 
-/// What kernels look up: the table of a small map and the pages of any name the brick that holds
-/// each voxel, in whatever order cells got theirs.
+/// Data of the kernels: the table of a small map and the pages of any name the brick of each voxel,
+/// in any order of the cells.
 TEST(Voxmap, PagesAndTableNameTheSameBricks) {
   std::mt19937 random(9);
   for (const bool in_order : {true, false}) {
@@ -190,8 +190,8 @@ TEST(Voxmap, FreeDistanceIsALowerBoundEverywhere) {
   }
 }
 
-/// Of a table much larger than its surface: cells are longer, so that bytes stay few, and bounds
-/// are as much coarser.
+/// For a table much larger than its surface: cells are longer, so that bytes stay few, and bounds
+/// are coarser by the same factor.
 TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
   std::mt19937 random(7);
   Voxmap map({}, {0, 0, 0}, {1100, 1100, 1100});
@@ -215,8 +215,8 @@ TEST(Voxmap, FreeDistanceTakesLongerCellsInALargeTable) {
       nearest = std::min(nearest, distance_to(v, u));
     const double bound = map.free_distance_voxels(u);
     ASSERT_LE(bound, nearest) << u.transpose();
-    // Within the exact reach: the way to a cell's centre and back, what lies next to a voxel in its
-    // half of a cell, the byte's own steps.
+    // Within the exact reach: the path to a cell's centre and back, the rest of a voxel's half of a
+    // cell, the steps of the byte.
     if (nearest < 50.0 * step && (u.array() > 0.0).all() && (u.array() < 1100.0).all()) {
       ASSERT_GE(bound, nearest - step * (4.0 * std::sqrt(3.0) + 2.0 * std::sqrt(3.0) + 0.5))
           << u.transpose();
@@ -229,8 +229,7 @@ TEST(Voxmap, FreeDistanceFallsShortOfTheTruthByLittle) {
   map.set({32, 0, 0}, VoxelKind::kSurface);
   map.finish();
   const double bound = map.free_distance_voxels(Vec3(8.1, 0, 0));
-  // By the way to the cell's centre and back, at most, and by what lies next to a voxel in its
-  // 2x2x2-cell.
+  // By the path to the cell's centre and back, at most, and by the neighbours in its 2x2x2-cell.
   EXPECT_LE(bound, 32.0 - 8.1);
   EXPECT_GE(bound, 32.0 - 8.1 - 2.0 * 2.0 * std::sqrt(3.0) - 0.25);
 }
