@@ -17,8 +17,8 @@ struct Row {
   Vec3 arm = Vec3::Zero();        ///< from the tool's origin to its point, W [m]
   Vec3 on_object = Vec3::Zero();  ///< the object's point, in its frame [m]
   double gap_m = 0.0;
-  double closes_m = 0.0;  ///< by so much the object's own motion in this step closes the gap
-  double missed_m = 0.0;  ///< that the straight row missed of the gap in a step that was void
+  double closes_m = 0.0;  ///< gap that the object's motion closes in this step
+  double missed_m = 0.0;  ///< gap that the straight row missed in a rejected step
   std::uint32_t object = 0;
   std::uint32_t owner = 0;  ///< numbered over all objects
 };

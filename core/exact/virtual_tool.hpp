@@ -42,18 +42,18 @@ struct VirtualToolFrame {
   Vec3 shift = Vec3::Zero();     ///< from the virtual tool to the hand [m]
   Vec3 rotation = Vec3::Zero();  ///< likewise, rotation vector [rad]
   double lever_m = 0.0;
-  double ratio = 0.0;             ///< of the spring's force that is given, 0 to 1: it fades in
-  Mat6 displayed = Mat6::Zero();  ///< stiffness over k that the hand feels, in d's metres: 0 to 1
-  double residual_m = 0.0;        ///< displacement that the last step still asked for
+  double ratio = 0.0;                  ///< of the spring's force that is given, 0 to 1: it fades in
+  Mat6 displayed = Mat6::Zero();       ///< displayed stiffness over k, in the units of d: 0 to 1
+  double residual_m = 0.0;             ///< remaining path of the last step
   Vec3 contact_point = Vec3::Zero();   ///< on the object, of the row that pushes most
   Vec3 contact_normal = Vec3::Zero();  ///< its direction, out of the object; zero without contact
   std::uint32_t contact_owner = 0;     ///< whose row that is, numbered as `contact_forces`
-  std::uint32_t rows = 0;              ///< that push
-  std::uint32_t rows_seen = 0;         ///< of the query with the most
-  std::uint32_t pairs_seen = 0;        ///< likewise
+  std::uint32_t rows = 0;              ///< with a contact force
+  std::uint32_t rows_seen = 0;         ///< largest number in a query
+  std::uint32_t pairs_seen = 0;        ///< largest number in a query
   int queries = 0;
   int iterations = 0;           ///< of all projections
-  int void_steps = 0;           ///< that would have passed something
+  int void_steps = 0;           ///< rejected: a feature would pass through another
   std::uint64_t work = 0;       ///< in units of Work
   double object_delay_m = 0.0;  ///< how far the objects are beyond where the tool meets them
   PoseStatus pose_status = PoseStatus::kUsable;
@@ -65,7 +65,7 @@ struct VirtualToolFrame {
   bool passed_through =
       false;  ///< an object moved through the tool: the tool could not be kept outside
 
-  /// What the hand feels with a spring of `k` [N/m]: k d, faded.
+  /// Wrench of a spring `k` [N/m] on the hand, faded.
   Wrench wrench(double k) const noexcept {
     const double weighted = ratio * k;
     return {-weighted * shift, -(weighted * lever_m * lever_m) * rotation};
@@ -85,9 +85,9 @@ class VirtualTool {
 
   /// One frame; `objects` are the objects' poses in W, in the order of construction.
   ///
-  /// A pose that is none, or out of range, gives no force and leaves the tool where it is. Without
-  /// a tool (at first, after `reset`) there is no force until the hand is in the open, and all
-  /// lists are whole, which may take several frames; then the force comes in over `fade_s`.
+  /// An invalid pose gives no force and leaves the tool unchanged. Without a tool (at first, after
+  /// `reset`) there is no force until the hand is in the open, and all lists are whole, which may
+  /// take several frames; then the force comes in over `fade_s`.
   VirtualToolFrame frame(const HandSample& hand, std::span<const Pose> objects) noexcept;
 
   /// What each owner pushes the tool with in the last `frame`, over k: force [m], torque [m^2];
@@ -118,7 +118,7 @@ class VirtualTool {
   struct Query {
     Pose hand;
     double friction = 0.0;
-    double lists_m = 0.0;      ///< so far a step may go
+    double lists_m = 0.0;      ///< largest step that the lists cover
     double rows_m = 0.0;       ///< no pair within it is left out of the rows
     double reach_m = 0.0;      ///< of `lists_m`, what the objects' displacement leaves for the tool
     double remaining_m = 0.0;  ///< of the frame, where something is touched
