@@ -153,14 +153,16 @@ class WebSocket:
     in.
     """
 
-    def __init__(self, address, token=None, host=None, origin=None):
+    def __init__(self, address, token=None, host=None, origin=None, path=None):
         parts = urllib.parse.urlsplit(address)
-        token = token if token is not None else urllib.parse.parse_qs(parts.query)["token"][0]
+        if path is None:
+            token = token if token is not None else urllib.parse.parse_qs(parts.query)["token"][0]
+            path = f"/ring?token={token}"
         self.socket = socket.create_connection((parts.hostname, parts.port), 10)
         self.buffer, self.closed = b"", None
         key = base64.b64encode(os.urandom(16)).decode()
         lines = [
-            f"GET /ring?token={token} HTTP/1.1",
+            f"GET {path} HTTP/1.1",
             f"Host: {host or parts.netloc}",
             "Upgrade: websocket",
             "Connection: Upgrade",
