@@ -10,18 +10,17 @@ import os
 import pathlib
 import random
 import signal
-import socket
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 import unittest
 
 import numpy
 from browser_test import Browser
 from hand_test import led_ring
-from page_client import BIN, DEPLOY, WebSocket, scene, until, until_it_runs
+from page_client import BIN, DEPLOY, scene, until, until_it_runs
+from pointer_events import Protocol
 from recorded_tool import ConvexTool, deepest, read_obj, rotated_back
 
 sys.path.insert(0, str(DEPLOY / "tools"))
@@ -42,46 +41,6 @@ VIEW = """(() => {
     axes: [right, up, away].map(v => v.toArray()),
     middle: [box.x + box.width / 2, box.y + box.height / 2]};
 })()"""
-
-
-class Protocol(threading.Thread):
-    """The browser's debugging protocol on a socket of its own. Its events are not waited for, so
-    they come as fast as they are sent, as those of a mouse.
-    """
-
-    def __init__(self, driver):
-        super().__init__(daemon=True)
-        host = driver.capabilities["goog:chromeOptions"]["debuggerAddress"]
-        path = f"/devtools/page/{driver.current_window_handle}"
-        self.socket, self.number, self.done = WebSocket(f"http://{host}", path=path), 0, {}
-        self.socket.socket.settimeout(None)
-        self.start()
-
-    def run(self):
-        while (message := self.socket.receive()) is not None:
-            if "id" in message:
-                self.done[message["id"]] = message
-
-    def end(self):
-        self.socket.socket.shutdown(socket.SHUT_RDWR)
-        self.join()
-        self.socket.close()
-
-    def send(self, method, **parameters):
-        self.number += 1
-        self.socket.order(id=self.number, method=method, params=parameters)
-        return self.number
-
-    def mouse(self, kind, x, y, **more):
-        return self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
-
-    def wait_for(self, number):
-        """The result of a message; for an event, once the page has had it."""
-        return until(lambda: self.done.get(number), 30, f"an answer to message {number}")
-
-    def value(self, text):
-        number = self.send("Runtime.evaluate", expression=text, returnByValue=True)
-        return self.wait_for(number)["result"]["result"]["value"]
 
 
 def walls_and_tool():
