@@ -135,10 +135,10 @@
     const plan = facts.plan, device = facts.device, about = [];
     const scene = plan ? plan.scene : state.scene && state.scene.name;
     if (scene) about.push(`scene ${scene}`);
-    if (plan) about.push(`contact model ${plan.model}`, `voxel ${+(1000 * plan.voxel_size_m).toPrecision(3)} mm`);
+    if (plan) about.push(plan.virtual_tool ? 'virtual tool' : `contact model ${plan.model}`, `voxel ${+(1000 * plan.voxel_size_m).toPrecision(3)} mm`);
     if (device) about.push(`device ${device.model}, ${device.max_force_n} N at most${device.lockstep ? ', lockstep' : ''}`);
     if (facts.rig !== 'haptic') about.push(`rig ${facts.rig}`);
-    $('what').textContent = about.join(' · ') || 'waiting for a scene';
+    $('what').textContent = $('what').title = about.join(' · ') || 'waiting for a scene';
     document.title = scene ? `${scene} – voxtouch` : 'voxtouch';
     Panels.showNodes(facts.nodes);
     Panels.showCounts(facts.counts, facts.nodes);
