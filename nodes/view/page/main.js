@@ -256,7 +256,7 @@
                 0: () => look('home'), 1: () => look('front'), 2: () => look('side'), 3: () => look('top'), 4: () => look('near')};
   document.addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
-    if (event.target.closest('input, select, button, summary, textarea') && (event.key === ' ' || event.key.startsWith('Arrow') || event.target.matches('input[type="text"]'))) return;
+    if (event.target.closest('input, select, button, summary, textarea') && (event.key === ' ' || event.key.startsWith('Arrow') || event.target.matches('input[type="text"], select'))) return;
     if (hand && hand.key(event)) return void event.preventDefault();
     const act = KEYS[event.key];
     if (!act) return;
