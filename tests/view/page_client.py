@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import re
+import select
 import socket
 import struct
 import subprocess
@@ -244,6 +245,11 @@ class WebSocket:
             if holds(message):
                 return message
         raise AssertionError(f"not within {patience_s} s: {what}")
+
+    def catch_up(self):
+        """Reads what waits to be read, however long ago it was sent."""
+        while self.buffer or select.select([self.socket], [], [], 0)[0]:
+            assert self.receive() is not None, f"the server closed ({self.closed})"
 
     def facts(self, holds, patience_s, what):
         return self.wait_for(lambda m: m["type"] == "facts" and holds(m), patience_s, what)
