@@ -165,8 +165,8 @@ class Robust(unittest.TestCase):
                 until_it_runs(up)
                 self.browser.open(up.address())
                 self.ready()
+                self.press()
                 with WebSocket(up.address()) as watching:
-                    self.press()
                     rest = self.resting(watching)
                     windows = [[newest_frame(watching)["t"]]]
 

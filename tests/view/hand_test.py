@@ -2,6 +2,7 @@
 the keys, a finger, a pen and a gamepad of headless Chromium.
 """
 
+import os
 import pathlib
 import re
 import signal
@@ -9,6 +10,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import unittest.mock
 
 from browser_test import Browser
 from page_client import (
@@ -171,6 +173,48 @@ class Led(unittest.TestCase):
                 [BIN / "voxtouch", "replay", bag], capture_output=True, text=True, check=False
             )
             self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
+
+
+class Tried(unittest.TestCase):
+    """`voxtouch try`: in one word a ring whose hand the page moves, in the browser."""
+
+    def tried(self, *words):
+        return Process("try", *words, "--domain", DOMAIN)
+
+    def test_opens_the_page_in_the_browser(self):
+        with tempfile.TemporaryDirectory() as folder:
+            opened, program = pathlib.Path(folder) / "opened", pathlib.Path(folder) / "xdg-open"
+            program.write_text(
+                f'#!/bin/sh\ncat "$1" > {opened}.part && mv {opened}.part {opened}\n'
+            )
+            program.chmod(0o755)
+            there = {
+                "PATH": f"{folder}:{os.environ['PATH']}",
+                "DISPLAY": ":1",
+                "XDG_RUNTIME_DIR": folder,
+            }
+            with unittest.mock.patch.dict(os.environ, there), self.tried() as up:
+                until(opened.exists, 30, "a browser")
+                self.assertIn(up.address(), opened.read_text())
+                (file,) = pathlib.Path(folder).glob("voxtouch-*.html")
+                self.assertEqual(file.stat().st_mode & 0o777, 0o600, "it holds the token")
+                until_it_runs(up)
+                with WebSocket(up.address()) as socket:
+                    facts = socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
+                    self.assertEqual(facts["plan"]["scene"], "cup_virtual_tool")
+
+    def test_makes_a_scene_of_a_mesh(self):
+        with tempfile.TemporaryDirectory() as folder:
+            mesh = pathlib.Path(folder) / "part.stl"
+            mesh.write_bytes((DEPLOY / "meshes" / "cup_mm.stl").read_bytes())
+            with self.tried(str(mesh), "--no-browser") as up:
+                until_it_runs(up)
+                with WebSocket(up.address()) as socket:
+                    facts = socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
+                    self.assertIn("part", facts["plan"]["scene"])
+                    start = newest_frame(socket)["tool"]
+                    aim(socket, (start[0] + 0.01, *start[1:3]), 1.5)
+                    self.assertGreater(newest_frame(socket)["tool"][0], start[0] + 0.005)
 
 
 class Refused(unittest.TestCase):
