@@ -176,8 +176,8 @@ class ByPointer(unittest.TestCase):
             f"{len(contact)} samples, {contacts} contacts,"
             f" {100 * touches.mean():.0f} % of the time, {int((touches & handle).sum())} samples at"
             f" the handle; hand up to {1e3 * pulled.max():.1f} mm in, {force:.2f} N;"
-            f" {int((depths >= 0).sum())} samples in a wall, longest step {1e3 * step:.2f} mm; judged in"
-            f" {time.monotonic() - begin:.0f} s",
+            f" {int((depths >= 0).sum())} samples in a wall, longest step {1e3 * step:.2f} mm;"
+            f" judged in {time.monotonic() - begin:.0f} s",
             flush=True,
         )
         worst = int(depths.argmax())
