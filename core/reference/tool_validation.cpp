@@ -24,9 +24,10 @@ double turn_between(const Pose& a, const Pose& b) {
   return a.orientation.angularDistance(b.orientation);
 }
 
-bool same_pose(const Pose& a, const Pose& b) {
-  return (a.position - b.position).norm() <= kSamePose &&
-         1.0 - std::abs(a.orientation.normalized().dot(b.orientation.normalized())) <= kSamePose;
+bool same_pose(const ReportedTool& r) {
+  const Quat tool = r.tool.orientation.normalized(), hand = r.hand.orientation.normalized();
+  return (r.tool.position - r.hand.position).norm() <= kSamePose &&
+         (!r.returns_torque || 1.0 - std::abs(tool.dot(hand)) <= kSamePose);
 }
 
 std::string state_breach(const ReportedTool& r) {
@@ -37,9 +38,11 @@ std::string state_breach(const ReportedTool& r) {
   if (force && !r.constrained)
     return fmt::format("a force of {:.3g} N, but the virtual tool is unconstrained",
                        r.wrench.force.norm());
-  if (!r.not_initialised && !r.not_converged && !r.constrained && !same_pose(r.tool, r.hand))
-    return fmt::format("the virtual tool is unconstrained, but {:.3g} mm away from the hand",
-                       in_mm((r.tool.position - r.hand.position).norm()));
+  if (!r.not_initialised && !r.not_converged && !r.constrained && !same_pose(r))
+    return fmt::format(
+        "the virtual tool is unconstrained, but {:.3g} mm and {:.3g} deg away from the hand",
+        in_mm((r.tool.position - r.hand.position).norm()),
+        in_degrees(turn_between(r.tool, r.hand)));
   if (!force || r.wrench.force.isZero(0.0))
     return "";
   const double off = angle_between(r.wrench.force, r.tool.position - r.hand.position);
@@ -62,9 +65,9 @@ std::string tool_breach(const ValidatorSettings& s, const ToolSettings& tool,
   const double near = kSameSurface + s.chord_error_m;
   const bool force = !r.wrench.zero(), settled = r.residual_m <= kSettled;
   if (!force) {
-    if (-at_hand.gap_m > near)
-      return fmt::format("no force, but the hand's tool is {:.3g} mm inside",
-                         in_mm(-at_hand.gap_m));
+    const double gap = r.returns_torque ? at_hand.gap_m : at_tool.gap_m;
+    if (-gap > near)
+      return fmt::format("no force, but the hand's tool is {:.3g} mm inside", in_mm(-gap));
     return "";
   }
   const Vec3 shift = r.hand.position - r.tool.position;

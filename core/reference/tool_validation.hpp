@@ -11,6 +11,8 @@ struct ReportedTool {
   Wrench wrench;
   double residual_m = 0.0;
   bool constrained = false, not_converged = false, not_initialised = false;  ///< the flags
+  /// Without torque the tool's rotation may trail the hand's (core/rendering/latched_rotation.hpp).
+  bool returns_torque = true;
 };
 
 /// Inputs of the rules in addition to ValidatorSettings.

@@ -51,7 +51,8 @@ reference::ReportedTool to_tool(const msg::ContactState& c) {
           .residual_m = c.residual_m,
           .constrained = (c.flags & msg::contact_state::kFlagConstrained) != 0,
           .not_converged = (c.flags & msg::contact_state::kFlagNotConverged) != 0,
-          .not_initialised = (c.flags & msg::contact_state::kFlagNotInitialised) != 0};
+          .not_initialised = (c.flags & msg::contact_state::kFlagNotInitialised) != 0,
+          .returns_torque = std::isfinite(c.series_rad_per_nm)};
 }
 
 enum class ValidatorCounter : std::uint8_t { kFirstChecked, kExcused, kSkipped };

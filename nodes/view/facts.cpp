@@ -57,7 +57,7 @@ std::string design_sentence(const msg::CouplingDesign& d) {
   if (d.injected_damping_ns_per_m > 0.0)
     what += fmt::format(", {:.3g} Ns/m injected", d.injected_damping_ns_per_m);
   if (d.displayed_stiffness_n_per_m > 0.0)
-    what += fmt::format(": certified {:.3g} N/m, stability limit {:.3g} N/m",
+    what += fmt::format(": certified {:.4g} N/m, stability limit {:.4g} N/m",
                         d.displayed_stiffness_n_per_m, d.critical_stiffness_n_per_m);
   return what;
 }
@@ -125,6 +125,7 @@ void Facts::apply(const runtime::ChangeRequest& change) {
 }
 
 void Facts::set_scene(const scene::Scene& scene) {
+  has_virtual_tool_ = scene.virtual_tool();
   effects_ = json::array();
   for (const effects::EffectSpec& effect : scene.effects)
     effects_.push_back(effect_json(effect));
@@ -132,7 +133,10 @@ void Facts::set_scene(const scene::Scene& scene) {
 }
 
 json Facts::to_json() const {
-  return {{"plan", plan_},
+  json plan = plan_;
+  if (!plan.is_null())
+    plan["virtual_tool"] = has_virtual_tool_;
+  return {{"plan", plan},
           {"design", design_},
           {"device", device_},
           {"effects", effects_},

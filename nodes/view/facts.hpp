@@ -38,6 +38,7 @@ class Facts {
 
   nlohmann::json plan_, design_, device_, effects_ = nlohmann::json::array(),
                                           first_effects_ = effects_;
+  bool has_virtual_tool_ = false;
   std::string scene_hash_;
   std::map<std::uint64_t, runtime::ChangeRequest> unanswered_;
   std::deque<nlohmann::json> answers_;  ///< the last ones

@@ -56,6 +56,13 @@ json names_of(std::uint32_t bits, std::span<const FlagName> known) {
   return words;
 }
 
+/// A virtual tool stays outside: the depth is the hand's.
+double depth_of(const msg::ContactState& c) {
+  if (!(c.flags & msg::contact_state::kFlagConstrained))
+    return c.deepest_depth_m;
+  return (from_msg(c.tool_pose).position - from_msg(c.object_pose).position).norm();
+}
+
 double force_norm(const msg::geometry_msgs_Wrench& wrench) { return from_msg(wrench.force).norm(); }
 
 }  // namespace
@@ -121,7 +128,7 @@ void Picture::take(const msg::ContactState& contact) {
   if (!at)
     return;
   const auto peak_of = [](const msg::ContactState& c) {
-    return std::pair{c.deepest_depth_m, force_norm(c.contact_wrench)};
+    return std::pair{depth_of(c), force_norm(c.contact_wrench)};
   };
   if (!at->contact || peak_of(contact) > peak_of(*at->contact))
     at->contact = contact;
@@ -178,7 +185,7 @@ json Picture::row_json(std::int64_t index, const Row& row, const scene::Scene* s
   }
   if (row.contact) {
     r.push_back(rounded(force_norm(row.contact->contact_wrench)));
-    r.push_back(rounded(row.contact->deepest_depth_m * 1e3));
+    r.push_back(rounded(depth_of(*row.contact) * 1e3));
   } else {
     r.insert(r.end(), 2, nullptr);
   }
@@ -202,7 +209,7 @@ json Picture::frame(const scene::Scene* scene) {
     f["object"] = to_json(from_msg(c.object_pose));
     f["contact_force"] = to_json(from_msg(c.contact_wrench.force));
     f["effects_force"] = to_json(from_msg(c.effects_wrench.force));
-    f["depth"] = rounded(c.deepest_depth_m);
+    f["depth"] = rounded(depth_of(c));
     f["hits"] = c.surface_hits + c.interior_hits;
     f["flags"] = names_of(c.flags, kContactFlagNames);
     if (scene)

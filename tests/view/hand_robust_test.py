@@ -1,15 +1,15 @@
-"""A led hand with failing pages, in headless Chromium: fifty tabs, a reloaded page, a suspended
-one, one with a lost socket, one without the token. The hand rests, and the force of the
-recorded run has no step above the ramp."""
+"""A led hand whose pages fail, in headless Chromium: fifty tabs, a page that is loaded anew, one
+that sleeps, one whose socket is lost, one without the token. The hand rests, and the force of the
+recorded run has no step above the ramp.
+"""
 
 import json
 import pathlib
 import random
-import select
+import re
 import signal
 import sys
 import tempfile
-import threading
 import time
 import unittest
 
@@ -17,7 +17,7 @@ import hand_test
 from browser_test import Browser
 from hand_test import Pointer, aim, distance, led_ring, newest_frame, rigid_plane
 from page_client import DEPLOY, WebSocket, size, until, until_it_runs
-from selenium.webdriver.common.keys import Keys
+from pointer_events import Protocol
 
 sys.path.insert(0, str(DEPLOY / "tools"))
 from bag_data import Bag, norm, vector  # noqa: E402
@@ -25,7 +25,7 @@ from bag_data import Bag, norm, vector  # noqa: E402
 MAX_FORCE_N, RAMP_S, RATE_HZ = 8.5, 0.1, 1000.0  # of the simulated Phantom and its guard
 RAMP_N = MAX_FORCE_N / RAMP_S / RATE_HZ  # of one sample
 
-# Stores each WebSocket of a page, so that a test can close it.
+# Keeps each WebSocket of a page, so that a test can close it under the page.
 KEEP_SOCKETS = """
   window.sockets = [];
   const Real = window.WebSocket;
@@ -107,58 +107,6 @@ class OfManyPages(unittest.TestCase):
                 )
 
 
-class Pages:
-    """Sockets that behave like pages: all are read. The first sends targets, the others one."""
-
-    def __init__(self, address):
-        self.address, self.place, self.ends, self.lost = address, None, False, 0
-        self.sockets = [WebSocket(address)]
-        self.threads = [threading.Thread(target=self.read), threading.Thread(target=self.send)]
-
-    def first_number(self):
-        return self.sockets[0].wait_for(lambda m: m["type"] == "page", 5, "its number")["page"]
-
-    def open(self, count):
-        for _ in range(count):
-            page = WebSocket(self.address)
-            page.order(aim={"p": [0.0, 0.0, 0.06], "q": list(hand_test.UP)})
-            self.sockets.append(page)
-
-    def aim(self, place):
-        self.place = list(place)
-        for thread in self.threads:
-            thread.start()
-
-    def read(self):
-        while not self.ends:
-            by_socket = {page.socket: page for page in self.sockets}
-            ready, _, _ = select.select(list(by_socket), [], [], 0.1)
-            for one in ready:
-                page = by_socket[one]
-                alive = page.receive() is not None
-                while alive and page.buffer:
-                    alive = page.receive() is not None
-                if not alive:
-                    self.lost += 1
-                    return
-
-    def send(self):
-        while not self.ends:
-            self.sockets[0].order(aim={"p": self.place, "q": list(hand_test.UP)})
-            time.sleep(1 / 60)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.ends = True
-        for thread in self.threads:
-            if thread.is_alive():
-                thread.join()
-        for page in self.sockets:
-            page.close()
-
-
 class Robust(unittest.TestCase):
     def setUp(self):
         self.browser = Browser()
@@ -217,12 +165,12 @@ class Robust(unittest.TestCase):
                 until_it_runs(up)
                 self.browser.open(up.address())
                 self.ready()
+                self.press()
                 with WebSocket(up.address()) as watching:
-                    self.press()
                     rest = self.resting(watching)
                     windows = [[newest_frame(watching)["t"]]]
 
-                    # Lost socket: the page reconnects as another one, and the hand is free.
+                    # Lost under the page: it comes back as another one, and the hand is free.
                     before = self.browser.js("voxtouch.page")
                     self.browser.js("sockets[sockets.length - 1].close()")
                     until(lambda: self.browser.js("voxtouch.page") > before, 20, "a new socket")
@@ -273,42 +221,58 @@ class Robust(unittest.TestCase):
                     self.assertLess(distance(newest_frame(watching)["tool"], first), 3e-4)
                     self.assertLess(first[0] - start[0], 0.5 * (0.1 + 0.3 + 0.1) + 0.1)
 
+    def open_tab(self, address, number):
+        """In a window of their own, so that the first tab stays in view as well."""
+        return self.cdp(
+            "Target.createTarget",
+            url=address,
+            newWindow=number == 0,
+            background=number > 0,
+        )["targetId"]
+
     def test_of_fifty_tabs_the_first_controls_the_hand(self):
-        """One page that sends targets, 44 that are read and try once, and five tabs of the
-        browser."""
+        """It holds the hand in contact, with the button down, while 49 others open and read."""
         with tempfile.TemporaryDirectory() as folder:
             bag = str(pathlib.Path(folder) / "bag")
             with led_ring(rigid_plane(folder), "--record", bag, "--no-report") as up:
                 until_it_runs(up)
-                address, driver = up.address(), self.browser.driver
-                with WebSocket(address) as watching, Pages(address) as pages:
-                    number = pages.first_number()
-                    start = newest_frame(watching)["tool"]
-                    pages.aim((start[0], start[1], 0.004))
+                address = up.address()
+                self.browser.open(address)
+                self.ready()
+                self.press()
+                with WebSocket(address) as watching:
                     rest = self.resting(watching)
                     begin = newest_frame(watching)["t"]
-                    pages.open(44)
-                    for n in range(5):
-                        if n > 0:
-                            driver.switch_to.new_window("tab")
-                        self.browser.open(address)
-                        self.ready()
-                        until(
-                            lambda: f"Page {number} controls the hand" in self.hand_text(),
-                            20,
-                            "which page controls the hand",
-                        )
-                        Pointer(self.browser).drag(30, -60, 5)
-                        self.browser.press(Keys.ARROW_UP)
+                number = self.browser.js("voxtouch.page")
+                tabs = [self.open_tab(address, n) for n in range(49)]
+                pages = {self.is_told(tab, number) for tab in tabs}
+                self.assertEqual(len(pages), 49, "each is a page of its own")
+                with WebSocket(address) as watching:
+                    self.assert_rests(watching, rest, "fifty pages are open")
+                    for tab in tabs[::10]:
+                        self.cdp("Target.activateTarget", targetId=tab)
+                        with Protocol(self.browser.driver, tab) as page:
+                            page.drag(*page.middle(), 30, -60)
+                            page.wait_for(page.key("ArrowUp", 38))
                         self.assert_rests(watching, rest, "it is not this page's hand")
-                    self.assertEqual(pages.lost, 0, "the server has closed a page")
                     end = newest_frame(watching)["t"]
+                self.assertEqual(self.browser.js("voxtouch.page"), number, "it was never lost")
                 up.process.send_signal(signal.SIGINT)
                 up.process.wait(60)
             self.assertLess(largest_step(bag, begin, end), RAMP_N)
 
-    def hand_text(self):
-        return self.browser.find("#hand-text").get_attribute("textContent")
+    def is_told(self, tab, leading):
+        """Waits until this tab says which page leads the hand; its own number."""
+        told = "(document.getElementById('hand-text') || {}).textContent || ''"
+        with Protocol(self.browser.driver, tab) as page:
+            words = until(
+                lambda: re.fullmatch(
+                    rf"Page {leading} controls the hand; this is page (\d+)\.", page.value(told)
+                ),
+                60,
+                "which page controls the hand",
+            )
+        return int(words.group(1))
 
     def test_without_the_token_no_page_opens_and_nothing_moves(self):
         with led_ring("plane") as up:
@@ -318,7 +282,7 @@ class Robust(unittest.TestCase):
                 start = newest_frame(watching)["tool"]
                 self.browser.open(address[:-4] + "0000")
                 self.assertIn("token", self.browser.find("body").text)
-                # The page's scripts, from the refused page.
+                # The page's own scripts, from the page that is refused.
                 said = self.browser.driver.execute_async_script(
                     """const done = arguments[0], url = `ws://${location.host}/ring`;
                     const ends = ['', '?token=', `?token=${'0'.repeat(32)}`];
@@ -338,12 +302,10 @@ class Robust(unittest.TestCase):
 
 
 def newest_hand(socket):
-    """The page that leads the hand, at least a second after this call."""
-    end = time.monotonic() + 1.0
-    hand = hand_test.hand_of(socket)
-    while time.monotonic() < end:
-        hand = hand_test.hand_of(socket)
-    return hand
+    """Who has the hand, as of a second after this call."""
+    time.sleep(1.0)
+    socket.catch_up()
+    return hand_test.hand_of(socket)
 
 
 if __name__ == "__main__":

@@ -232,6 +232,13 @@ class InABrowser(unittest.TestCase):
             if time.sleep(0.05) is None
         )
 
+    def feel_of(self, model):
+        """What the page says of the contact model, once it is chosen by keys."""
+        select = self.browser.find("#model")
+        if select.get_attribute("value") != model:
+            select.send_keys(model)
+        return self.browser.find("#feel").text
+
     def shows(self, scene):
         return self.browser.js("(voxtouch.facts.plan || {}).scene") == scene and self.browser.js(
             "voxtouch.connected"
@@ -247,6 +254,14 @@ class InABrowser(unittest.TestCase):
             browser.press("l")
             until(lambda: browser.find("#learn").is_displayed(), 5, "the panel")
             self.judge("learn.png")
+            until(lambda: "A virtual tool" in browser.find("#feel").text, 20, "what to feel for")
+            self.assertFalse(browser.find("#model").is_enabled(), "it has no contact model")
+            # Voxels and models are of a scene with penalty forces.
+            browser.find("#tour-do").send_keys(Keys.ENTER)
+            until(lambda: self.shows("cup"), 90, "the scene of the first step")
+            until(lambda: "chatters" in self.feel_of("original"), 40, "what to feel for")
+            until(lambda: "smooth" in self.feel_of("field"), 40, "what to feel for")
+            until(lambda: browser.js("voxtouch.slice && voxtouch.slice.axis"), 20, "the voxels")
             reached = set()
             for _ in range(60):
                 reached.add(browser.js("document.activeElement.id"))
@@ -258,8 +273,6 @@ class InABrowser(unittest.TestCase):
             ).split():
                 self.assertIn(name, reached)
 
-            browser.find("#tour-do").send_keys(Keys.ENTER)
-            until(lambda: browser.js("voxtouch.slice && voxtouch.slice.axis"), 20, "the voxels")
             browser.find("#tour-next").send_keys(Keys.ENTER)
             browser.find("#tour-do").send_keys(Keys.ENTER)
             until(

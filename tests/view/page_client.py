@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import re
+import select
 import socket
 import struct
 import subprocess
@@ -151,14 +152,16 @@ class WebSocket:
     """RFC 6455 as far as a page needs it. `status` is that of the handshake: 101 if it was
     accepted."""
 
-    def __init__(self, address, token=None, host=None, origin=None):
+    def __init__(self, address, token=None, host=None, origin=None, path=None):
         parts = urllib.parse.urlsplit(address)
-        token = token if token is not None else urllib.parse.parse_qs(parts.query)["token"][0]
+        if path is None:
+            token = token if token is not None else urllib.parse.parse_qs(parts.query)["token"][0]
+            path = f"/ring?token={token}"
         self.socket = socket.create_connection((parts.hostname, parts.port), 10)
         self.buffer, self.closed = b"", None
         key = base64.b64encode(os.urandom(16)).decode()
         lines = [
-            f"GET /ring?token={token} HTTP/1.1",
+            f"GET {path} HTTP/1.1",
             f"Host: {host or parts.netloc}",
             "Upgrade: websocket",
             "Connection: Upgrade",
@@ -238,6 +241,11 @@ class WebSocket:
             if holds(message):
                 return message
         raise AssertionError(f"not within {patience_s} s: {what}")
+
+    def catch_up(self):
+        """Reads what waits to be read, however long ago it was sent."""
+        while self.buffer or select.select([self.socket], [], [], 0)[0]:
+            assert self.receive() is not None, f"the server closed ({self.closed})"
 
     def facts(self, holds, patience_s, what):
         return self.wait_for(lambda m: m["type"] == "facts" and holds(m), patience_s, what)

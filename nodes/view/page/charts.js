@@ -8,7 +8,7 @@
   const CHARTS = [
     {name: 'Force returned', unit: 'N', digits: 2, series: [['x', 1, '--x', null], ['y', 2, '--y', [7, 3]], ['z', 3, '--z', [2, 2]]]},
     {name: 'Force magnitude', unit: 'N', digits: 2, series: [['returned', 4, '--returned', null], ['contact', 5, '--contact', [7, 3]]]},
-    {name: 'Depth', unit: 'mm', digits: 2, series: [['deepest point', 6, '--depth', null]]},
+    {name: 'Depth', unit: 'mm', digits: 2, series: [['deepest point or hand', 6, '--depth', null]]},
     {name: 'Energy', unit: 'mJ', digits: 1, series: [['from hand', 7, '--energy', null]],
      second: ['injected damping', 8, '--y', [2, 2], 'N (right)', 2]},
   ];

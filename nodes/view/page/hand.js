@@ -149,8 +149,9 @@
 
     // --- gamepad: left stick in the plane of the screen, triggers in depth, right stick rotates
     readPad(seconds) {
-      const pads = navigator.getGamepads ? [...navigator.getGamepads()].filter(Boolean) : [];
-      const pad = pads[0], bend = x => Math.abs(x) < DEAD ? 0 : (x - Math.sign(x) * DEAD) / (1 - DEAD);
+      // Of another layout a trigger at rest may be an axis at -1.
+      const pad = navigator.getGamepads && [...navigator.getGamepads()].find(p => p && p.mapping === 'standard');
+      const bend = x => Math.abs(x) < DEAD ? 0 : (x - Math.sign(x) * DEAD) / (1 - DEAD);
       if (!pad) return void (this.pad = false);
       const [x, y, u, v] = [0, 1, 2, 3].map(n => bend(pad.axes[n] || 0));
       const depth = (pad.buttons[7] ? pad.buttons[7].value : 0) - (pad.buttons[6] ? pad.buttons[6].value : 0);

@@ -10,6 +10,7 @@
     adapted: 'Planes with mean normals: softer steps than original. Slide slowly over the same place.',
     field: 'An interpolated distance: smooth, and soft at sharp edges.',
   };
+  const VIRTUAL_TOOL = 'A virtual tool stays on the surface of the mesh, and a spring pulls the hand to it: press, and slide round an edge.';
   const EFFECTS = {
     friction: 'Press and slide: the force leans back, and the tool sticks before it slips.',
     texture: 'Slide at an even speed: the ripple gets faster with the speed.',
@@ -19,10 +20,10 @@
   };
   // Title, what to do and to feel for, and what "Show it" does.
   const TOUR = [
-    ['Voxels', 'The scene is a grid of voxels. Move the tool through the plane: the force begins where the tool meets the surface voxels.',
-     page => page.slice('y')],
+    ['Voxels', 'In the scene "cup" the force comes from a grid of voxels. Move the tool through the plane: it begins at the surface voxels.',
+     page => { page.leaveVirtualTool(), page.slice('y'); }],
     ['Pointshell', 'The tool is a shell of points. Press lightly, then harder: the force grows with the number of points in contact.',
-     page => { page.look('near'), page.shell(); }],
+     page => { page.leaveVirtualTool(), page.look('near'), page.shell(); }],
     ['Models', 'Three models compute the same contact. Slide slowly over one place, and choose each of them under "Contact model".',
      page => page.choose({scene: 'cup'})],
     ['Coupling', '"Show it" switches the coupling\'s filter off and on, each with the stiffness that is certified for it. '
@@ -36,7 +37,8 @@
   class Learn {
     // `page`: {send(order), slice(axis), shell(), look(where)}
     constructor(page) {
-      this.page = page, this.step = 0, this.offered = false, this.scene = '';
+      this.page = page, this.step = 0, this.offered = false, this.scene = '', this.virtual = false;
+      page.leaveVirtualTool = () => this.virtual && this.choose({scene: 'cup'});
       page.choose = choice => this.choose(choice), page.pickMesh = () => $('mesh').click();
       page.switchCoupling = () => this.choose({scene: this.scene === 'cup_direct' ? 'cup' : 'cup_direct'});
       $('save').addEventListener('click', () => this.save());
@@ -80,11 +82,12 @@
       if (plan && snapshot !== this.snapshot) {
         this.snapshot = snapshot;
         this.scene = $('choose-scene').value = plan.scene, $('model').value = plan.model;
+        this.virtual = $('model').disabled = Boolean(plan.virtual_tool);
         if (device && offered && offered.devices.includes(device.model)) $('choose-device').value = device.model;
         this.say('');
       }
       const on = effects.filter(e => e.on).map(e => EFFECTS[e.name]).filter(Boolean);
-      $('feel').textContent = [MODELS[plan && plan.model], ...on].filter(Boolean).join(' ');
+      $('feel').textContent = [this.virtual ? VIRTUAL_TOOL : MODELS[plan && plan.model], ...on].filter(Boolean).join(' ');
     }
 
     choose(choice) {

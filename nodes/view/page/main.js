@@ -135,10 +135,10 @@
     const plan = facts.plan, device = facts.device, about = [];
     const scene = plan ? plan.scene : state.scene && state.scene.name;
     if (scene) about.push(`scene ${scene}`);
-    if (plan) about.push(`contact model ${plan.model}`, `voxel ${+(1000 * plan.voxel_size_m).toPrecision(3)} mm`);
+    if (plan) about.push(plan.virtual_tool ? 'virtual tool' : `contact model ${plan.model}`, `voxel ${+(1000 * plan.voxel_size_m).toPrecision(3)} mm`);
     if (device) about.push(`device ${device.model}, ${device.max_force_n} N at most${device.lockstep ? ', lockstep' : ''}`);
     if (facts.rig !== 'haptic') about.push(`rig ${facts.rig}`);
-    $('what').textContent = about.join(' · ') || 'waiting for a scene';
+    $('what').textContent = $('what').title = about.join(' · ') || 'waiting for a scene';
     document.title = scene ? `${scene} – voxtouch` : 'voxtouch';
     Panels.showNodes(facts.nodes);
     Panels.showCounts(facts.counts, facts.nodes);
@@ -256,7 +256,7 @@
                 0: () => look('home'), 1: () => look('front'), 2: () => look('side'), 3: () => look('top'), 4: () => look('near')};
   document.addEventListener('keydown', event => {
     if (event.ctrlKey || event.metaKey || event.altKey || $('keys').open) return;
-    if (event.target.closest('input, select, button, summary, textarea') && (event.key === ' ' || event.key.startsWith('Arrow') || event.target.matches('input[type="text"]'))) return;
+    if (event.target.closest('input, select, button, summary, textarea') && (event.key === ' ' || event.key.startsWith('Arrow') || event.target.matches('input[type="text"], select'))) return;
     if (hand && hand.key(event)) return void event.preventDefault();
     const act = KEYS[event.key];
     if (!act) return;

@@ -18,7 +18,7 @@
     }
     body.replaceChildren(...nodes.map(n => {
       const row = element('tr', undefined, {'data-node': n.node, 'data-state': n.state});
-      const rate = n.rate_hz === null ? '–' : `${n.rate_hz.toFixed(0)} ${n.counted}/s`.replace('samples/s', 'Hz').replace('messages', 'msg').replace('verdicts', 'verd.');
+      const rate = n.rate_hz === null ? '–' : `${n.rate_hz.toFixed(0)} ${n.counted}/s`.replace('samples/s', 'Hz').replace('messages', 'msg').replace('verdicts', 'checks');
       row.append(element('th', n.node, {scope: 'row', title: `process ${n.pid} on ${n.host}`}), element('td', n.state, {class: 'state'}),
                  element('td', rate, {class: 'number'}), element('td', n.sentence, {title: n.sentence}));
       return row;

@@ -154,6 +154,7 @@
       this.toolRadius = toolBox.isEmpty() ? 0 : toolBox.getBoundingSphere(new THREE.Sphere()).radius;
       this.camera.near = this.radius / 200, this.camera.far = this.radius * 60;
       this.trail = [];
+      this.tool.visible = this.ghost.visible = false;  // until its pose comes
       this.makeArrows(), this.makeGrid(), this.recolor(), this.look('home');
     }
 
@@ -250,8 +251,13 @@
     look(where) {
       const from = {home: [-0.75, -1.0, 0.62], front: [0, -1, 0.02], side: [1, 0, 0.02], top: [0, -0.001, 1], near: [-0.75, -1.0, 0.62]}[where];
       this.follow = where === 'near';
-      const target = this.follow && this.tool.visible ? this.tool.position : this.middle;
-      const distance = (this.follow ? Math.max(3.5 * this.toolRadius, 0.3 * this.radius) : 1.02 * this.radius) / Math.sin(this.camera.fov * Math.PI / 360);
+      const target = this.follow && this.tool.visible ? this.tool.position : this.middle.clone();
+      let reach = this.follow ? Math.max(3.5 * this.toolRadius, 0.3 * this.radius) : 1.02 * this.radius;
+      if (where === 'home' && this.tool.visible) {  // scene and tool, below the numbers
+        const off = this.tool.position.clone().sub(this.middle), more = 0.6 * Math.min(this.radius, Math.max(0, off.length() + 2 * this.toolRadius - reach));
+        target.addScaledVector(off.normalize(), more), reach += more;
+      }
+      const distance = reach / Math.sin(this.camera.fov * Math.PI / 360);
       this.controls.target.copy(target);
       this.camera.position.copy(target).addScaledVector(new THREE.Vector3(...from).normalize(), distance);
       this.controls.update();
@@ -266,7 +272,8 @@
         return before;
       };
       pose(this.ghost, f.tool);
-      const before = pose(this.tool, f.object);
+      const isFirst = f.object && !this.tool.visible, before = pose(this.tool, f.object);
+      if (isFirst) this.look('home');
       if (f.tool && f.object) this.ghost.visible = f.tool.some((x, n) => Math.abs(x - f.object[n]) > (n < 3 ? 1e-5 : 1e-4));
       if (this.follow && before) {
         const moved = this.tool.position.clone().sub(before);

@@ -70,7 +70,19 @@ TEST(ToolValidation, FindsForcesWithoutATool) {
 TEST(ToolValidation, DetectsAFreeToolAwayFromTheHand) {
   ReportedTool report = tool(0.0);
   report.hand.position.x() += 1e-9;
-  EXPECT_TRUE(finds(said(report, 0.02, 0.02), "mm away"));
+  EXPECT_TRUE(finds(said(report, 0.02, 0.02), "mm and 0 deg away"));
+}
+
+TEST(ToolValidation, RotationMayTrailTheHandOfADeviceWithoutTorque) {
+  ReportedTool report = tool(0.0);
+  report.hand.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
+  EXPECT_TRUE(finds(said(report, 0.02, 0.02), "17.2 deg away"));
+  report.returns_torque = false;
+  EXPECT_EQ(said(report, 0.02, 0.02), "");
+  EXPECT_EQ(said(report, 0.02, -0.01), "") << "where the tool has not rotated to";
+  EXPECT_TRUE(finds(said(report, -0.01, 0.02), "no force, but"));
+  report.hand.position.x() += 1e-9;
+  EXPECT_TRUE(finds(said(report, 0.02, 0.02), "mm and"));
 }
 
 TEST(ToolValidation, DetectsAForceUnlikeTheSprings) {
