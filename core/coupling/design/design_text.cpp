@@ -15,7 +15,8 @@ std::string shortfall(const DesignProblem& request, const AxisProblem& p, const 
   if (d.critical_stiffness <= 0.0)
     return fmt::format("{}: no stiffness is stable ({}).", p.units->name, d.worst_case_text);
   const double quiet = quiet_stiffness(p, controller_of(design.spec, p, arm_squared(request)));
-  if (d.displayed_stiffness > 0.95 * quiet)
+  // A step limits the damping too, hence less than its whole limit may be used.
+  if ((quiet - d.displayed_stiffness) * p.model.resolution < 0.3 * p.step_limit)
     return fmt::format(
         "{}: an encoder step of {:.2g} {} may make {:.2g} {}, since a released device with {:.2g} "
         "{} of dry friction bounces on it; displayed {:.3g}, requested {:.4g} {}.",

@@ -421,9 +421,9 @@ TEST(Design, EncoderStepIsQuietOnAReleasedDeviceWithoutFriction) {
         const std::string said = ::testing::PrintToString(d.reasons);
         if (released && friction < 0.1) {
           EXPECT_LE(step_n, 0.1 + 10.0 * friction + 1e-9) << kind << friction;
-          EXPECT_NE(said.find("dry friction bounces"), std::string::npos) << said;
+          EXPECT_NE(said.find("dry friction bounces"), std::string::npos) << step_n << said;
         } else {
-          EXPECT_GT(step_n, 0.15) << kind << friction << released;
+          EXPECT_GT(step_n, 0.13) << kind << friction << released;
           EXPECT_EQ(said.find("dry friction bounces"), std::string::npos) << said;
         }
       }
