@@ -33,11 +33,9 @@ struct CouplingInput {
   double supplied_energy_j = 0.0;
 };
 
-/// Coherence of touching points. It is 1 without contact, and for a virtual tool, which has a
-/// single spring. Real-time safe.
-constexpr double coherence_of(std::uint32_t surface_hits, std::uint32_t tool_queries,
-                              double coherence) noexcept {
-  return surface_hits > 0 && tool_queries == 0 ? coherence : 1.0;
+/// Coherence of touching points; 1 without contact. Real-time safe.
+constexpr double coherence_of(std::uint32_t surface_hits, double coherence) noexcept {
+  return surface_hits > 0 ? coherence : 1.0;
 }
 
 /// Duration of the fade-in of the input after a start in contact, a reset to a force or a gap [s].

@@ -37,13 +37,10 @@ void never_pull(Vec3& sum, const Vec3& push, double part) noexcept {
     sum -= part * pull * along;
 }
 
-bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept {
+bool bound_addition(Vec3& damping, const Vec3& push, double most, double free) noexcept {
   const double size = push.stableNorm();
-  if (!(size > kNoStiffness)) {
-    const bool cut = !damping.isZero(0.0);
-    damping.setZero();
-    return cut;
-  }
+  if (!(size > kNoStiffness))
+    return clamp_length(damping, free);
   const Vec3 along = push / size, taken = std::min(0.0, along.dot(damping)) * along;
   damping -= taken;
   const bool cut = clamp_length(damping, most);
@@ -69,7 +66,8 @@ InjectedWrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law
                            velocity.angular);
   if (const double parts = parts_.now(); parts > 0.0)
     out.bounded =
-        bound_addition(out.wrench.force, law_force, law_force.stableNorm() / parts + free_.now());
+        bound_addition(out.wrench.force, law_force, law_force.stableNorm() / parts + free_.now(),
+                       (1.0 - one_sided(contact.coherence)) * free_.now());
   return out;
 }
 

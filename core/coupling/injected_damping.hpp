@@ -24,9 +24,9 @@ void never_pull(Vec3& sum, const Vec3& push, double part = 1.0) noexcept;
 double one_sided(double coherence) noexcept;
 
 /// Limits the part of `damping` that is along or across `push` to the length `most`; the part
-/// against `push` is kept. A zero `push` removes all of it. Returns true if it was limited.
-/// Real-time safe.
-bool bound_addition(Vec3& damping, const Vec3& push, double most) noexcept;
+/// against `push` is kept. With a zero `push`, all of it is limited to `free`. Returns true if it
+/// was limited. Real-time safe.
+bool bound_addition(Vec3& damping, const Vec3& push, double most, double free) noexcept;
 
 /// Wrench that injected damping adds to the law's wrench, W axes.
 struct InjectedWrench {

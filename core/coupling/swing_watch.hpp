@@ -59,7 +59,7 @@ class SwingWatch {
   static constexpr int kFastestSamples = 8;  ///< of a cycle; shorter ones are encoder noise
   static constexpr double kHandWorks = 0.01, kGrowth = 1.15, kAlike = 0.25, kNoSmaller = 0.8,
                           kLeastN = 0.05, kSlowestS = 1.0;
-  static constexpr double kHidden = 0.1, kClosed = 2.0, kSteps = 3.5, kSlowSteps = 10.5;
+  static constexpr double kHidden = 0.1, kClosed = 1.0, kSteps = 3.5, kSlowSteps = 10.5;
   static constexpr double kSmallerACycle = 0.03, kSwingS = 2.0;
   /// Voluntary motions have up to 4 Hz. In a slower cycle the operator must receive at least
   /// kHandTakes of the exchangeable energy, so that voluntary strokes do not count.

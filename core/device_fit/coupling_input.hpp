@@ -13,7 +13,7 @@ inline coupling::CouplingInput coupling_input(const rendering::SceneFrame& frame
           .contact_stiffness_n_per_m = frame.stiffness_bound_n_per_m,
           .contact_stiffness = frame.stiffness,
           .tool = tool,
-          .coherence = coupling::coherence_of(frame.touch.contact.surface_hits, frame.tool.queries,
+          .coherence = coupling::coherence_of(frame.touch.contact.surface_hits,
                                               frame.touch.contact.coherence),
           .supplied_energy_j = frame.supplied_energy_j};
 }

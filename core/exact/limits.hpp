@@ -120,6 +120,9 @@ inline constexpr std::size_t kMaxRows = 8192;
 inline constexpr std::size_t kMaxNearPairs = 65536;
 inline constexpr std::size_t kMaxListed = 8192;
 
+/// Rows nearer than this count for the coherence of a contact [m].
+inline constexpr double kCoherentGapM = 1e-5;
+
 /// A pose is no start where a pair of features is nearer than this [m].
 inline constexpr double kStartGapM = 1e-7;
 

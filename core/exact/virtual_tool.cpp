@@ -453,6 +453,16 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
   longest_step_m_ = longest;
 }
 
+/// Of the rows that touch, whether or not they push: a tool that fills a slot touches both walls.
+double VirtualTool::coherence_of_rows() const noexcept {
+  Vec3 normals = Vec3::Zero();
+  int touching = 0;
+  for (const Row& row : rows_)
+    if (row.gap_m <= limits::kCoherentGapM)
+      normals += row.normal, ++touching;
+  return touching > 0 ? normals.norm() / touching : 1.0;
+}
+
 void VirtualTool::report(VirtualToolFrame& out) noexcept {
   out.tool = contacts_.tool();
   const Vec6 spring = spring_to(hand_);
@@ -465,6 +475,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
   if (last_.count == 0)
     loose_.setIdentity();
   double most = 0.0;
+  out.coherence = last_.count > 0 ? coherence_of_rows() : 1.0;
   for (std::size_t k = 0; k < last_.count; ++k) {
     const Row& row = contacts_.rows()[last_.active[k]];
     const double force = last_.forces_m[k];

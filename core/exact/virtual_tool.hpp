@@ -48,6 +48,7 @@ struct VirtualToolFrame {
   Vec3 contact_point = Vec3::Zero();   ///< on the object, of the row that pushes most
   Vec3 contact_normal = Vec3::Zero();  ///< its direction, out of the object; zero without contact
   std::uint32_t contact_owner = 0;     ///< whose row that is, numbered as `contact_forces`
+  double coherence = 1.0;              ///< |sum of normals| over their number, of rows that touch
   std::uint32_t rows = 0;              ///< with a contact force
   std::uint32_t rows_seen = 0;         ///< largest number in a query
   std::uint32_t pairs_seen = 0;        ///< largest number in a query
@@ -163,6 +164,7 @@ class VirtualTool {
   void follow(const HandSample& hand, double hand_path_m, VirtualToolFrame& out,
               Work& work) noexcept;
   void report(VirtualToolFrame& out) noexcept;
+  double coherence_of_rows() const noexcept;
 
   VirtualToolOptions options_;
   double reach_m_;  ///< of the tool

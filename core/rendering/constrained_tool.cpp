@@ -31,7 +31,7 @@ contact::ContactResult contact_of(const exact::VirtualToolFrame& frame, double k
   if (frame.constrained) {
     contact.deepest_point = frame.contact_point;
     contact.mean_normal = frame.contact_normal;
-    contact.coherence = frame.contact_normal.isZero(0.0) ? 0.0 : 1.0;
+    contact.coherence = frame.contact_normal.isZero(0.0) ? 0.0 : frame.coherence;
   }
   if (displayed) {
     contact.wrench = frame.wrench(k);

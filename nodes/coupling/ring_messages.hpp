@@ -17,8 +17,7 @@ inline coupling::CouplingInput coupling_input(const msg::ContactState& contact) 
   input.contact_stiffness_n_per_m = contact.stiffness_bound_n_per_m;
   input.contact_stiffness = runtime::from_msg(contact.stiffness);
   input.tool = runtime::from_msg(contact.tool_pose);
-  input.coherence =
-      coupling::coherence_of(contact.surface_hits, contact.queries, contact.coherence);
+  input.coherence = coupling::coherence_of(contact.surface_hits, contact.coherence);
   input.supplied_energy_j = contact.supplied_energy_j;
   return input;
 }

@@ -49,7 +49,7 @@ double best_ratio(const AxisProblem& problem, const DesignCase& one, bool may_da
   LoopController law;
   law.law = LoopController::Law::kDirect;
   double best = ratio(one.plant, law, contact);
-  for (const VelocityEstimate& velocity : velocity_estimates(windows))
+  for (const VelocityEstimate& velocity : velocity_estimates(may_bounce(problem), windows))
     for (const double fraction : kDampingFractions) {
       if (!may_damp || best >= one.least_damping_ratio)
         return best;

@@ -18,6 +18,9 @@ using Law = LoopController::Law;
 constexpr double kQuietRatio = 0.005;
 /// Ratio of torque to force [m] if the limits of the device do not define it.
 constexpr double kHandsArm = 0.05;
+/// A released device without friction bounces by twice the effort of an encoder step. Twice this
+/// force is at the limit of perception; friction ends larger bounces.
+constexpr double kReleasedStepN = 0.1, kStepsOfFriction = 10.0;
 
 double noise_limit(const DesignProblem& request, bool rotation) {
   const double force = request.device.translation.max_effort,
@@ -45,6 +48,8 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   out.useful =
       rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
   out.noise_limit = noise_limit(request, rotation);
+  if (!rotation && (out.hand.may_release || out.hand.any_passive))
+    out.step_limit = kReleasedStepN + kStepsOfFriction * out.model.coulomb_friction;
   out.large_swing = std::max(kLargeSwing, 1.0 / out.margin);
   out.damping_force_ratio =
       rotation ? 0.0 : request.goals.damping_force_ratio.value_or(kDefaultDampingForceRatio);
@@ -167,7 +172,22 @@ double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity) 
 double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocity) {
   const double stable = 0.5 * critical_damping(problem, velocity),
                speed = step_speed(problem, velocity);
-  return speed > 0.0 ? std::min(stable, problem.noise_limit / speed) : stable;
+  return speed > 0.0 ? std::min({stable, problem.noise_limit / speed, problem.step_limit / speed})
+                     : stable;
+}
+
+bool may_bounce(const AxisProblem& problem) {
+  return problem.requested * problem.model.resolution + problem.noise_limit > problem.step_limit;
+}
+
+double quiet_stiffness(const AxisProblem& problem, const LoopController& law) {
+  if (!(problem.model.resolution > 0.0) || std::isinf(problem.step_limit))
+    return kInfinity;
+  const double speed =
+      problem.model.resolution / problem.timing.period_s *
+      step_ratio(law.velocity_filter_rad_per_s, law.velocity_window, problem.timing.period_s);
+  return std::max(0.0, problem.step_limit - law.injected_damping * speed) /
+         problem.model.resolution;
 }
 
 WorstCase critical_case(const AxisProblem& problem, const LoopController& law, double enough) {
@@ -245,14 +265,14 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
 
 double certified_stiffness(const AxisProblem& problem, const LoopController& law, double enough) {
   if (problem.hand.any_passive)
-    return passive_limit(problem, law) / problem.margin;
+    return certified_stiffness(problem, law, WorstCase{});
   return certified_stiffness(problem, law, critical_case(problem, law, problem.margin * enough));
 }
 
 double certified_stiffness(const AxisProblem& problem, const LoopController& law,
                            const WorstCase& worst) {
-  return (problem.hand.any_passive ? passive_limit(problem, law) : worst.stiffness) /
-         problem.margin;
+  const double limit = problem.hand.any_passive ? passive_limit(problem, law) : worst.stiffness;
+  return std::min(limit / problem.margin, quiet_stiffness(problem, law));
 }
 
 double worst_radius(const AxisProblem& problem, const LoopController& law,

@@ -45,6 +45,8 @@ struct AxisProblem {
       0.0;  ///< Ratio of the law's force that injected damping may add. The loop must also be
             ///< stable with the remaining damping (`residual_damping`); 0: no bound.
   double noise_limit = 0.0;  ///< largest noise of the injected damping, as an effort
+  /// Largest effort that one encoder step may make, contact and damping together; infinity: any.
+  double step_limit = std::numeric_limits<double>::infinity();
 };
 
 /// Returns the problem of translation and, if the device gives torque, of rotation.
@@ -90,6 +92,16 @@ double damping_limit(const AxisProblem& problem, const VelocityEstimate& velocit
 /// The least critical damping over the cases.
 double critical_damping(const AxisProblem& problem, const VelocityEstimate& velocity);
 
+/// K k up to which one encoder step makes at most the `step_limit`:
+///
+///     K k q + B (velocity error of a step) <= kReleasedStepN + kStepsOfFriction F_c
+///
+/// A released device that has little friction bounces between the walls of a slot for ever, by up
+/// to twice that effort. Infinity for a gripped device and for rotation.
+double quiet_stiffness(const AxisProblem& problem, const LoopController& law);
+/// Whether the `step_limit` may limit the design.
+bool may_bounce(const AxisProblem& problem);
+
 /// The exact stability limit of the worst case.
 struct WorstCase {
   double stiffness = 0.0;  ///< K k
@@ -108,8 +120,9 @@ WorstCase critical_scale(const AxisProblem& problem, const LoopController& law,
 /// subtracted from the device's damping.
 double passive_limit(const AxisProblem& problem, const LoopController& law);
 
-/// The stiffness that the design may certify: the limit over the margin. The limit is that of rule
-/// P for a hand only known to be passive, otherwise that of rule H.
+/// The stiffness that the design may certify: the limit over the margin, and at most the
+/// `quiet_stiffness`. The limit is that of rule P for a hand only known to be passive, otherwise
+/// that of rule H.
 double certified_stiffness(const AxisProblem& problem, const LoopController& law,
                            double enough = 0.0);
 /// The same for an already computed `critical_case`.

@@ -10,9 +10,19 @@ namespace voxtouch::coupling::design {
 
 namespace {
 
-std::string shortfall(const AxisProblem& p, const AxisDesign& d) {
+std::string shortfall(const DesignProblem& request, const AxisProblem& p, const Design& design,
+                      const AxisDesign& d) {
   if (d.critical_stiffness <= 0.0)
     return fmt::format("{}: no stiffness is stable ({}).", p.units->name, d.worst_case_text);
+  const double quiet = quiet_stiffness(p, controller_of(design.spec, p, arm_squared(request)));
+  // A step limits the damping too, hence less than its whole limit may be used.
+  if ((quiet - d.displayed_stiffness) * p.model.resolution < 0.3 * p.step_limit)
+    return fmt::format(
+        "{}: an encoder step of {:.2g} {} may make {:.2g} {}, since a released device with {:.2g} "
+        "{} of dry friction bounces on it; displayed {:.3g}, requested {:.4g} {}.",
+        p.units->name, p.model.resolution, p.units->position, p.step_limit, p.units->effort,
+        p.model.coulomb_friction, p.units->effort, d.displayed_stiffness, p.requested,
+        p.units->stiffness);
   if (p.hand.any_passive)
     return fmt::format(
         "{}: stability limit {:.3g} {} with any passive hand; at gain margin {:.3g}, displayed "
@@ -119,7 +129,7 @@ std::vector<std::string> reasons_of(const DesignProblem& request,
     const AxisProblem& p = problems[a];
     const AxisDesign& d = axis_of(design, a);
     if (d.displayed_stiffness < 0.999 * p.target)
-      out.push_back(shortfall(p, d));
+      out.push_back(shortfall(request, p, design, d));
     if (p.contact.all_points > p.model.max_stiffness)
       out.push_back(fmt::format("{}: device limit {:.4g} {}, all points together {:.4g}.",
                                 p.units->name, p.model.max_stiffness, p.units->stiffness,

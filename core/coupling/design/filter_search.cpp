@@ -16,8 +16,8 @@ namespace {
 
 using Law = LoopController::Law;
 constexpr std::array kFactors{1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 40.0};
-/// Of these, without injected damping: the default of the specification.
-constexpr std::size_t kUnused = 1;
+/// Without injected damping: the default of the specification.
+constexpr VelocityEstimate kUnused{100.0};
 constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of the allowed damping
 /// The table is accurate to about one percent, so a value slightly below the target is verified
 /// exactly.
@@ -48,7 +48,7 @@ struct Axis {
 
 /// A point of the search and its cost.
 struct Candidate {
-  std::size_t shape = 0, velocity = 1;
+  std::size_t shape = 0, velocity = 0;
   std::vector<std::size_t> levels;
   double cost = 0.0, second_cost = 0.0;  ///< larger and summed fraction of injected damping
 
@@ -65,7 +65,7 @@ class Search {
          bool allow_damping, bool windows, CandidateCache& cache)
       : shapes_(shapes),
         allow_damping_(allow_damping),
-        velocities_(velocity_estimates(windows)) {
+        velocities_(velocity_estimates(may_bounce(problems[0]), windows)) {
     cache.tables.resize(problems.size());
     for (std::size_t a = 0; a < problems.size(); ++a) {
       const AxisProblem& problem = problems[a];
@@ -108,7 +108,11 @@ class Search {
             ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level),
                                    enough * whole, problem.damping_force_ratio, problem.large_swing)
             : passive_limit(problem, law_of(shapes_[shape]));
-    const double stable = critical / whole;
+    LoopController law;
+    law.injected_damping = axis.damping(velocity, level);
+    law.use(velocities_[velocity]);
+    const double stable =
+        std::min(critical / whole, quiet_stiffness(problem, law) / problem.target);
     if (!axis.swings || stable < enough)
       return stable;
     return std::min(stable,
@@ -135,8 +139,10 @@ class Search {
     return out;
   }
   FilterChoice chosen(const Candidate& candidate, DesignStatus status) const {
-    const std::size_t v = candidate.cost > 0.0 ? candidate.velocity : kUnused;
-    FilterChoice out{shapes_[candidate.shape], velocities_[v], {}, status};
+    FilterChoice out{shapes_[candidate.shape],
+                     candidate.cost > 0.0 ? velocities_[candidate.velocity] : kUnused,
+                     {},
+                     status};
     for (std::size_t a = 0; a < axes_.size(); ++a)
       out.damping.push_back(axes_[a].damping(candidate.velocity, candidate.levels[a]));
     return out;
@@ -145,7 +151,7 @@ class Search {
   /// Steps 1 and 2.
   std::optional<FilterChoice> without_damping() {
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
-      const Candidate candidate{s, kUnused, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
+      const Candidate candidate{s, 0, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
       for (Axis& axis : axes_)
         likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;

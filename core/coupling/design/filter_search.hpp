@@ -15,13 +15,15 @@
 
 namespace voxtouch::coupling::design {
 
-/// Velocity estimates that are tried for injected damping, filters first.
-inline constexpr std::array<VelocityEstimate, 6> kVelocityEstimates{
-    {{50.0}, {100.0}, {200.0}, {100.0, 3}, {100.0, 4}, {100.0, 5}}};
+/// Velocity estimates that are tried for injected damping: slow filters, filters, windows.
+inline constexpr std::array<VelocityEstimate, 8> kVelocityEstimates{
+    {{12.5}, {25.0}, {50.0}, {100.0}, {200.0}, {100.0, 3}, {100.0, 4}, {100.0, 5}}};
 
-/// All of them, or only the filters.
-constexpr std::span<const VelocityEstimate> velocity_estimates(bool windows) {
-  return std::span(kVelocityEstimates).first(windows ? kVelocityEstimates.size() : 3);
+/// All of them, or without the slow filters, where an encoder step is small anyway, or without the
+/// windows.
+constexpr std::span<const VelocityEstimate> velocity_estimates(bool slow, bool windows) {
+  const std::size_t first = slow ? 0 : 2, last = windows ? kVelocityEstimates.size() : 5;
+  return std::span(kVelocityEstimates).subspan(first, last - first);
 }
 
 /// w0 / (2 pi) and d; an infinite cut-off means no filter.

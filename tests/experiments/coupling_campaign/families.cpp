@@ -18,6 +18,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/coupling/design/design_axis.hpp"
 #include "core/scene/device_file.hpp"
 #include "devices/operator/hand.hpp"
 #include "tests/support/coupling_models/random.hpp"
@@ -85,6 +86,7 @@ struct Result {
   double energy_ratio = -1.0;  ///< energy given in a closed cycle over 2 F A
   std::uint64_t slewed = 0;
   DeviceDescription device;
+  coupling::CouplingSpec spec;
   double mass_kg = 0.0;
   bool direct = false, virtual_tool = false, released = false;
 };
@@ -119,21 +121,32 @@ class Extremes {
   std::vector<Part> parts_;
 };
 
-/// Energy that the device's force gives over two cycles of 2 s, over 2 F A each.
+/// Energy that the hand receives over two cycles of 2 s, over 2 F A each: the work of the force
+/// less what the device itself takes.
 class ClosedCycles {
  public:
   static constexpr double kFromS = 6.0, kUntilS = 10.0;
+  explicit ClosedCycles(const DeviceDescription& device) : device_(device) {}
   void add(double time_s, const Vec3& at_m, const Vec3& applied_n) {
     if (time_s >= kFromS && time_s < kUntilS) {
-      given_j_ += 0.5 * (applied_n + last_n_).dot(at_m - last_m_);
+      const Vec3 moved = at_m - last_m_;
+      given_j_ += 0.5 * (applied_n + last_n_).dot(moved) -
+                  device_.damping_ns_per_m * moved.squaredNorm() * device_.rate_hz -
+                  device_.coulomb_friction_n * moved.norm();
       largest_n_ = std::max(largest_n_, applied_n.norm());
       low_m_ = low_m_.cwiseMin(at_m), high_m_ = high_m_.cwiseMax(at_m);
     }
     last_m_ = at_m, last_n_ = applied_n;
   }
-  double fraction() const { return given_j_ / (2.0 * largest_n_ * (high_m_ - low_m_).norm()); }
+  /// Of a motion of at least 25 encoder steps; -1 below it, where the encoder decides.
+  double fraction() const {
+    const double path_m = (high_m_ - low_m_).norm();
+    return path_m >= 25.0 * device_.position_resolution_m ? given_j_ / (2.0 * largest_n_ * path_m)
+                                                          : -1.0;
+  }
 
  private:
+  DeviceDescription device_;
   double given_j_ = 0.0, largest_n_ = 1e-9;
   Vec3 last_m_ = Vec3::Zero(), last_n_ = Vec3::Zero(), low_m_ = Vec3::Constant(1e9),
        high_m_ = -low_m_;
@@ -230,7 +243,7 @@ void simulate(WallLoop& loop, const WallLoopOptions& o, const std::string& famil
                still_m = 3.0 * o.designed_for.position_resolution_m;
   const bool goes_on = hand_goes_on(family), cycle = family.starts_with("cycle");
   Extremes extremes;
-  ClosedCycles cycles;
+  ClosedCycles cycles(o.device.description);
   std::size_t n = 0;
   for (double until_s = cycle ? ClosedCycles::kUntilS : kShortestS; until_s <= kLongestS;
        until_s *= 2.0) {
@@ -281,6 +294,7 @@ Result run(const Choice& choice) {
   if (design.status == coupling::design::DesignStatus::kInfeasible)
     return r;
   r.feasible = true, r.promise_n_per_m = design.translation.displayed_stiffness;
+  r.spec = design.spec;
   o.device = sim::simulated(o.designed_for);
   o.device.mass_kg =
       Vec3::Constant(random.uniform(o.designed_for.mass_min_kg, o.designed_for.mass_max_kg));
@@ -366,11 +380,25 @@ void print_run(const Choice& c, const Result& r) {
   const DeviceDescription& d = r.device;
   fmt::print(stderr,
              "  {:.3g} kg, {:.3g} Ns/m, {:.3g} N dry, encoder {:.3g} mm, {:.0f} Hz, delay {:.2g} "
-             "ms, lag {:.2g} ms; {}{}{}; a step of the encoder is {:.2g} N\n",
+             "ms, lag {:.2g} ms; {}{}{}\n",
              r.mass_kg, d.damping_ns_per_m, d.coulomb_friction_n, 1e3 * d.position_resolution_m,
              d.rate_hz, 1e3 * d.delay_s, 1e3 / (2.0 * std::numbers::pi * d.force_bandwidth_hz),
-             r.direct ? "direct" : "filter", r.virtual_tool ? ", rigid" : "",
-             r.released ? ", released" : ", held", r.promise_n_per_m * d.position_resolution_m);
+             r.direct ? "direct" : fmt::format("filter of {:.3g} Hz", r.spec.cutoff_hz),
+             r.virtual_tool ? ", rigid" : "", r.released ? ", released" : ", held");
+  const int window = static_cast<int>(r.spec.velocity_window);
+  const double speed =
+      d.position_resolution_m * d.rate_hz *
+      coupling::design::step_ratio(2.0 * std::numbers::pi * r.spec.velocity_filter_hz, window,
+                                   1.0 / d.rate_hz);
+  fmt::print(
+      stderr,
+      "  damping {:.3g} Ns/m on the velocity of {} (slow {:.3g} Hz), ratio {:.2g}; a step of "
+      "the encoder is {:.2g} N of contact and {:.2g} N of damping\n",
+      r.spec.injected_damping_ns_per_m,
+      window > 0 ? fmt::format("a window of {}", window)
+                 : fmt::format("{:.3g} Hz", r.spec.velocity_filter_hz),
+      r.spec.slow_velocity_hz, r.spec.damping_force_ratio,
+      r.promise_n_per_m * d.position_resolution_m, r.spec.injected_damping_ns_per_m * speed);
 }
 
 struct Request {
@@ -379,6 +407,7 @@ struct Request {
   std::string family, device;
   std::vector<std::string> files;
   std::optional<std::uint64_t> only;
+  bool every = false;
 };
 
 int all(const Request& ask) {
@@ -398,7 +427,7 @@ int all(const Request& ask) {
       const Result r = run(choice);
       sum.take(r, choice);
       const bool odd = r.swings || r.grew || r.slewed || r.flagged || r.energy_ratio > 0.01;
-      if (odd || ask.only)
+      if (odd || ask.only || ask.every)
         print_run(choice, r);
     };
     for (std::uint64_t n = ask.only.value_or(0); n < (ask.only ? *ask.only + 1 : ask.devices); ++n)
@@ -427,6 +456,7 @@ int main(int argc, char** argv) {
   app.add_option("--times", ask.times, "stiffness over the promise")->check(CLI::PositiveNumber);
   app.add_option("--family", ask.family, "one alone");
   app.add_option("--only", ask.only, "one run of each");
+  app.add_flag("--every", ask.every, "print every run, not only the flagged ones");
   app.add_option("--device", ask.device,
                  "with --only: this device file instead of a random device");
   CLI11_PARSE(app, argc, argv);

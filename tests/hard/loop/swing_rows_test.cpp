@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <numbers>
 #include <string>
 #include <vector>
 
 #include "core/scene/device_file.hpp"
 #include "devices/operator/hand.hpp"
 #include "tests/support/loop_rig/loop_rig.hpp"
+#include "tests/support/loop_rig/wall_loop.hpp"
 
 namespace voxtouch::long_runs {
 namespace {
@@ -114,6 +117,67 @@ TEST(Swings, PegInASlotRestsWithinTwoSeconds) {
   print("slot", swing(rows, 2000.0, 0.0), late);
   expect_rest(late, rig);
 }
+
+/// Device, walls and where the hand lets go, of runs of `stability_families`.
+struct Slot {
+  const char* name;
+  double mass_kg, damping, resolution_m, rate_hz, delay_s, lag_s, max_force_n;
+  const char* grip;
+  const char* kind;
+  double gap_m;
+};
+
+class ReleasedInASlot : public ::testing::TestWithParam<Slot> {};
+
+/// Without dry friction nothing but the coupling ends a bounce from wall to wall.
+TEST_P(ReleasedInASlot, BouncesByLessThanPerceptible) {
+  const Slot& slot = GetParam();
+  WallLoopOptions o;
+  DeviceDescription& d = o.designed_for;
+  d.model = slot.name, d.grip = slot.grip, d.rate_hz = slot.rate_hz, d.simulated = true;
+  d.mass_min_kg = slot.mass_kg, d.mass_max_kg = 1.2 * slot.mass_kg;
+  d.damping_ns_per_m = slot.damping, d.coulomb_friction_n = 0.0;
+  d.position_resolution_m = slot.resolution_m, d.delay_s = slot.delay_s;
+  d.force_bandwidth_hz = slot.lag_s > 0.0 ? 1.0 / (2.0 * std::numbers::pi * slot.lag_s)
+                                          : std::numeric_limits<double>::infinity();
+  d.max_force_n = slot.max_force_n, d.max_stiffness_n_per_m = 8000.0, d.jitter = 0.2;
+  derive_slew_limits(d);
+  o.kind = slot.kind;
+  const coupling::design::Design design = design_for(d, o.kind);
+  ASSERT_NE(design.status, coupling::design::DesignStatus::kInfeasible);
+  const double promise = design.translation.displayed_stiffness;
+  o.device = sim::simulated(d);
+  o.device.mass_kg = Vec3::Constant(1.1 * slot.mass_kg);
+  o.hand = *hand::grip(slot.grip);
+  o.hand.release_time_s = 1.7;
+  const double depth_m = std::min(1e-3, 0.4 * d.max_force_n / promise);
+  o.motion.hold_s = 0.3, o.motion.speed_m_per_s = 0.05;
+  o.motion.path = {Vec3::Zero(), Vec3(0, 0, depth_m + std::max(0.0, slot.gap_m))};
+  o.walls = {{.normal = Vec3::UnitZ(), .at_m = -0.5 * slot.gap_m, .n_per_m = 10.0 * promise},
+             {.normal = -Vec3::UnitZ(), .at_m = -0.5 * slot.gap_m, .n_per_m = 10.0 * promise}};
+  WallLoop loop(o, design);
+  double low_n = 1e9, high_n = -1e9;
+  for (int n = 0; n < static_cast<int>(30.0 * slot.rate_hz); ++n) {
+    const double force = loop.step().force.z();
+    if (n > static_cast<int>(20.0 * slot.rate_hz))
+      low_n = std::min(low_n, force), high_n = std::max(high_n, force);
+  }
+  std::printf("%s: %.0f N/m, %.3f N from peak to peak\n", slot.name, promise, high_n - low_n);
+  EXPECT_LT(high_n - low_n, 0.2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Devices, ReleasedInASlot,
+                         ::testing::Values(Slot{"tight_direct", 1.44, 0.129, 5.35e-6, 1835, 3.7e-3,
+                                                2.4e-3, 80, "arm", "direct", -4e-4},
+                                           Slot{"tight_filter", 0.069, 0.008, 7.3e-5, 1165, 5e-4,
+                                                2.3e-3, 20, "pen", "shaping_filter", -4e-4},
+                                           Slot{"clear_direct", 0.85, 0.077, 6.2e-5, 550, 4.9e-3,
+                                                1.9e-3, 80, "arm", "direct", 1e-3},
+                                           Slot{"clear_filter", 0.375, 0.06, 6.9e-5, 951, 1.7e-4, 0,
+                                                25, "pen", "shaping_filter", 1.5e-3},
+                                           Slot{"clear_fine", 0.878, 1.75, 9.9e-6, 1205, 8.5e-4, 0,
+                                                90, "arm", "shaping_filter", 5e-5}),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 /// No step of the command that the contact's wrench does not make.
 TEST(Swings, InjectedDampingDoesNotFlipInASlideWithFriction) {

@@ -94,8 +94,7 @@ rendering::ContactAt WallLoop::contact_at(const Pose& tool) noexcept {
     out.wrench.force += force * j.head<3>(), out.wrench.torque += force * j.tail<3>();
     out.stiffness += slope * j * j.transpose();
   }
-  coherence_ = coupling::coherence_of(hits, options_.virtual_tool ? 1 : 0,
-                                      normals.norm() / std::max(1U, hits));
+  coherence_ = coupling::coherence_of(hits, normals.norm() / std::max(1U, hits));
   return out;
 }
 

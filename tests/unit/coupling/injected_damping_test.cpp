@@ -326,6 +326,20 @@ TEST(InjectedDamping, NeverPullsAtAnySpeed) {
   EXPECT_LE(m.move(corner({1, 0, 0}, 1000, 0), {0.5, 0, 0}).force.norm(), 1e-12);
 }
 
+/// In the middle of a tight slot the forces cancel. A step of the encoder back to it must be damped
+/// like the step away from it, or a released device goes to and fro for ever.
+TEST(InjectedDamping, ActsWithinItsFreeForceWhereOppositeWallsCancel) {
+  CouplingInput middle = corner({0, 0, 0}, 1000, 0);
+  middle.coherence = 0.0;
+  Moving bounded(5, 0.0, 0.35, 0.05);
+  EXPECT_LE((bounded.move(middle, {0.1, 0, 0}).force - Vec3(-0.05, 0, 0)).norm(), 1e-12);
+  EXPECT_TRUE(bounded.out.bounded);
+  EXPECT_LE((bounded.move(middle, {-0.008, 0, 0}).force - Vec3(0.04, 0, 0)).norm(), 1e-9);
+  Moving one_wall(5, 0.0, 0.35, 0.05);
+  middle.coherence = 1.0;
+  EXPECT_EQ(one_wall.move(middle, {0.1, 0, 0}).force, Vec3(0, 0, 0)) << "one wall never pulls";
+}
+
 TEST(InjectedDamping, IsZeroInFreeSpaceAndFallsBackToTheForce) {
   Moving m(5);
   EXPECT_TRUE(m.move({}, {0.3, 0.1, 0}).zero());

@@ -400,6 +400,34 @@ TEST(Design, RefusesInvalidNumbers) {
           [](DesignProblem& r) { r.goals.force_layer_depth_m = std::nan(""); });
 }
 
+/// A released device without friction bounces by twice the force of an encoder step.
+TEST(Design, EncoderStepIsQuietOnAReleasedDeviceWithoutFriction) {
+  for (const char* kind : {"shaping_filter", "direct"})
+    for (const double friction : {0.0, 0.002, 0.2})
+      for (const bool released : {true, false}) {
+        DesignProblem r = sim_stylus();
+        r.goals = {}, r.goals.kind = kind, r.goals.free_cap = true;
+        r.contact = {1.0, 1e8};
+        AxisModel& t = r.device.translation;
+        t.coulomb_friction = friction, t.resolution = 1e-4, t.max_effort = 40.0;
+        t.max_stiffness = 8000.0;
+        r.hand.translation.may_release = released;
+        const Design d = design_coupling(r);
+        ASSERT_NE(d.status, DesignStatus::kInfeasible) << kind << friction << released;
+        const AxisProblem p = axis_problems(r)[0];
+        const double step_n = d.translation.displayed_stiffness * t.resolution +
+                              d.spec.injected_damping_ns_per_m * step_speed(p, velocity_of(d.spec));
+        const std::string said = ::testing::PrintToString(d.reasons);
+        if (released && friction < 0.1) {
+          EXPECT_LE(step_n, 0.1 + 10.0 * friction + 1e-9) << kind << friction;
+          EXPECT_NE(said.find("dry friction bounces"), std::string::npos) << step_n << said;
+        } else {
+          EXPECT_GT(step_n, 0.13) << kind << friction << released;
+          EXPECT_EQ(said.find("dry friction bounces"), std::string::npos) << said;
+        }
+      }
+}
+
 TEST(Design, ReleasedUndampedDeviceIsInfeasible) {
   for (const char* kind : {"shaping_filter", "spring_damper", "direct", "auto"})
     for (const bool cap : {false, true}) {

@@ -46,6 +46,28 @@ TEST(Objects, InACornerOfTwoEachPushesWithItsOwnForce) {
   EXPECT_NEAR((forces[1].force - Vec3(-frame.shift.x(), 0, 0)).norm(), 0.0, 1e-7);
 }
 
+/// A block that fills a slot touches both walls, whichever pushes; on one plate it touches one
+/// side.
+TEST(Objects, OppositeWallsOfASlotHaveNoCoherence) {
+  for (const double clearance : {4e-6, 2e-3}) {
+    TwoObjects rig(test::box({-0.02, -0.02, 0.0}, {0.02, 0.02, 0.03}), kPlate, kPlate);
+    rig.poses[1] = {{0.0, 0.0, 0.03 + clearance}, turned(std::numbers::pi, Vec3::UnitX())};
+    Pose hand{{0.0, 0.0, 0.5 * clearance}, Quat::Identity()};
+    ASSERT_TRUE(rig.virtual_tool.place(hand, rig.poses));
+    for (const double z : {-1e-3, 1e-3 + clearance}) {
+      hand.position.z() = z;
+      VirtualToolFrame frame;
+      for (int k = 0; k < 50; ++k)
+        frame = rig.frame(hand);
+      ASSERT_TRUE(frame.constrained);
+      if (clearance < 1e-5)
+        EXPECT_LT(frame.coherence, 0.2) << z;
+      else
+        EXPECT_NEAR(frame.coherence, 1.0, 1e-9) << z;
+    }
+  }
+}
+
 /// Two flush blocks as one body: nothing is displayed of their seam, and each reports its own
 /// force.
 TEST(Objects, OfOneBodyReportTheirOwnForces) {
