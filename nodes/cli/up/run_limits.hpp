@@ -43,9 +43,9 @@ struct RunFigures {
          swing_n = 0.0;  ///< time for which the device swung by itself, and the largest of it
   double validate_every = 1.0;
   std::optional<double> first_judged;  ///< likewise, of the validator
-  double judged = 0.0, decided = 0.0,
-         excused = 0.0;  ///< samples; decided: compared with the reference; excused: due, but of a
-                         ///< kind that is not judged
+  double judged = 0.0, compared = 0.0,
+         excused = 0.0;  ///< samples; compared: with the reference; excused: due, but of a kind
+                         ///< that is not judged
   struct Stream {
     std::string name;
     std::optional<double> first;  ///< number of the first sample in the bag
