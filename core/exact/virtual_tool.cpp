@@ -457,7 +457,7 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
 double VirtualTool::coherence_of_rows() const noexcept {
   Vec3 normals = Vec3::Zero();
   int touching = 0;
-  for (const Row& row : rows_)
+  for (const Row& row : contacts_.rows())
     if (row.gap_m <= limits::kCoherentGapM)
       normals += row.normal, ++touching;
   return touching > 0 ? normals.norm() / touching : 1.0;

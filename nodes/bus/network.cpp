@@ -14,6 +14,7 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -123,6 +124,44 @@ bool any_part(std::string_view configuration, Holds holds) {
   return false;
 }
 
+/// Position behind the tag, comment or section that begins at `at`; npos if the text ends within
+/// it.
+std::size_t tag_end(std::string_view xml, std::size_t at) {
+  constexpr std::pair<std::string_view, std::string_view> kSections[] = {
+      {"<!--", "-->"}, {"<![CDATA[", "]]>"}, {"<?", "?>"}};
+  for (const auto& [begin, end] : kSections)
+    if (xml.substr(at).starts_with(begin)) {
+      at = xml.find(end, at + begin.size());
+      return at == std::string_view::npos ? at : at + end.size();
+    }
+  for (char quote = '\0'; at < xml.size(); ++at) {
+    const char c = xml[at];
+    if (quote != '\0' ? c == quote : c == '"' || c == '\'')
+      quote = quote == '\0' ? c : '\0';
+    else if (quote == '\0' && c == '>')
+      return at + 1;
+  }
+  return std::string_view::npos;
+}
+
+/// Whether this XML ends within an element, a tag or a comment. Cyclone DDS 0.10.2 accepts most of
+/// such texts silently and ignores what is missing. It reports all other syntax errors.
+bool is_cut(std::string_view xml) {
+  int depth = 0;
+  for (std::size_t at = xml.find('<'); at != std::string_view::npos; at = xml.find('<', at)) {
+    const std::size_t end = tag_end(xml, at);
+    if (end == std::string_view::npos)
+      return true;
+    const std::string_view tag = xml.substr(at, end - at);
+    if (tag.starts_with("</"))
+      --depth;
+    else if (!tag.starts_with("<!") && !tag.starts_with("<?") && !tag.ends_with("/>"))
+      ++depth;
+    at = end;
+  }
+  return depth > 0;
+}
+
 /// Whether an element SharedMemory of this XML is enabled.
 bool enables_shared_memory(std::string_view xml) {
   for (std::size_t at = xml.find("<SharedMemory"); at != std::string_view::npos;
@@ -151,6 +190,10 @@ Network network_of(std::string_view interface_name, const std::vector<std::strin
         fmt::format("--discovery-peer {} is another host, unreachable from --interface {}. Choose "
                     "the network card of that network",
                     peers.front(), kThisHost));
+  if (any_part(added, is_cut))
+    throw Error(
+        "CYCLONEDDS_URI is incomplete: its XML, or that of a file that it names, ends within an "
+        "element. Correct CYCLONEDDS_URI, or unset it");
   if (any_part(added, enables_shared_memory))
     throw Error(
         "CYCLONEDDS_URI enables SharedMemory, which voxtouch does not support. Set its Enable to "

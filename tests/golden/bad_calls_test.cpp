@@ -161,7 +161,9 @@ TEST(Environment, OfDdsThatDoesNotStartNamesTheCause) {
              "none7"},
         Case{"<CycloneDDS><Domain><SharedMemory><Enable>true</Enable></SharedMemory></Domain></"
              "CycloneDDS>",
-             "SharedMemory"}}) {
+             "SharedMemory"},
+        Case{"<CycloneDDS><Domain>", "CYCLONEDDS_URI is incomplete"},
+        Case{"<CycloneDDS><Domain></Domain></CycloneDDS", "CYCLONEDDS_URI is incomplete"}}) {
     const Finished run = shell(std::string("CYCLONEDDS_URI='") + configuration +
                                "' timeout 20 $VOXTOUCH status --domain 59");
     EXPECT_EQ(run.status, 1) << run.err;

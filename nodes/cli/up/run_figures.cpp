@@ -61,7 +61,7 @@ RunFigures figures_of(const RunRecord& s) {
   f.validate_every = s.validate_every;
   f.first_judged = find(r, "validator", "first_checked");
   f.judged = number(r, "validator", "checked"), f.excused = number(r, "validator", "excused");
-  f.decided = number(r, "validator", "compared");
+  f.compared = number(r, "validator", "compared");
   f.recording = !s.bag.empty();
   f.streams = {stream(r, qos::kDeviceState), stream(r, qos::kContactState),
                stream(r, qos::kForceCommand)};

@@ -46,9 +46,11 @@ constexpr Limit kLimits[] = {
      "earlier samples are not checked"},
     {"validated_ratio", "1", true, 0.9, true, "fraction of due samples validated since the first",
      "the validator did not keep up; increase --validate-every"},
-    {"decided_ratio", "1", true, 0.5, true, "ratio of validated samples with a verdict",
-     "most samples are undecided; declare the shapes of tool and meshes (parts), or accept it with "
-     "--limit decided_ratio=0"},
+    {"compared_ratio", "1", true, 0.5, true,
+     "fraction of validated samples compared with the reference",
+     "the reference has no depth or direction for the others; declare the shapes of tool and "
+     "meshes "
+     "(parts), or accept it with --limit compared_ratio=0"},
     {"first_recorded_s", "s", false, 3.0, true, "time to the first recorded sample",
      "earlier samples are missing in the recording"},
     {"recorded_ratio", "1", true, 0.99, true, "fraction of sent samples recorded since the first",
@@ -142,8 +144,8 @@ Measured measure(std::string_view name, const RunFigures& run) {
     return {fraction(run.judged, due(run) - run.excused), ""};
   if (name == "not_initialised_ratio")
     return {run.not_initialised / run.samples, ""};
-  if (name == "decided_ratio")
-    return {fraction(run.decided, run.judged), ""};
+  if (name == "compared_ratio")
+    return {fraction(run.compared, run.judged), ""};
   if (name == "silence_s")
     return {run.silence_s, run.silent};
   if (name == "force_losses")
@@ -179,6 +181,8 @@ std::string choose_limit(const std::string& text, ChosenLimits& chosen) {
   std::string known;
   for (const Limit& limit : kLimits)
     known += (known.empty() ? "" : ", ") + std::string(limit.name);
+  if (name == "decided_ratio")
+    return "Unknown limit 'decided_ratio'; its name is compared_ratio";
   if (sign == std::string::npos || !find(name))
     return fmt::format("Unknown limit '{}' (expected NAME=VALUE). Valid limits: {}", name, known);
   const auto value = parse_number<double>(std::string_view(text).substr(sign + 1));

@@ -42,9 +42,9 @@ struct RunFigures {
          swing_n = 0.0;  ///< duration of self-excited oscillations, and the largest amplitude
   double validate_every = 1.0;
   std::optional<double> first_judged;  ///< the same of the validator
-  double judged = 0.0, decided = 0.0,
-         excused = 0.0;  ///< samples; decided: compared with the reference; excused: due, but of a
-                         ///< kind that is not evaluated
+  double judged = 0.0, compared = 0.0,
+         excused = 0.0;  ///< samples; compared: with the reference; excused: due, but of a kind
+                         ///< that is not evaluated
   struct Stream {
     std::string name;
     std::optional<double> first;  ///< number of the first sample in the bag

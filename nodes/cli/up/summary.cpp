@@ -118,7 +118,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   j["coupling"] = coupling_json(r);
   add_counts(j["guard"], r, "device", {"refused", "refused_late", "clamped", "slewed"});
   add_counts(j["validator"], r, "validator",
-             {"checked", "skipped", "decided", "agree", "in_band", "disagree"});
+             {"checked", "skipped", "compared", "decided", "agree", "in_band", "disagree"});
   add_recording(j["recording"], r);
   for (const CheckedLimit& judged : s.verdict.limits)
     j["limits"][std::string(judged.limit->name)] = {
@@ -156,7 +156,7 @@ std::string figures(const RunSummary& s) {
       "  contact     {} samples with force, {} latched, {} faster than half a voxel per sample\n"
       "  coupling    {}, {}: certified {:.4g} N/m, gain margin {:.3g}; oscillated {:.3g} s\n"
       "  guard       {} commands refused ({} too late), {} clamped\n"
-      "  validator   {} checked, {} skipped: {} decided, {} agree, {} in band, {} disagree\n",
+      "  validator   {} checked, {} skipped: {} compared, {} agree, {} in band, {} disagree\n",
       count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
       number(r, "device", "max_force_n"), count(r, "device", "answered"), latency_text(s),
       count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
@@ -166,7 +166,7 @@ std::string figures(const RunSummary& s) {
       number(r, "coupling", "design_gain_margin"), number(r, "coupling", "swing_s"),
       count(r, "device", "refused"), count(r, "device", "refused_late"),
       count(r, "device", "clamped"), count(r, "validator", "checked"),
-      count(r, "validator", "skipped"), count(r, "validator", "decided"),
+      count(r, "validator", "skipped"), count(r, "validator", "compared"),
       count(r, "validator", "agree"), count(r, "validator", "in_band"),
       count(r, "validator", "disagree"));
   if (const std::string_view means =

@@ -85,6 +85,25 @@ TEST(Network, RefusesSharedMemoryInTheEnvironment) {
   EXPECT_NO_THROW(network_of(kThisHost, {}, with("false")));
 }
 
+TEST(Network, RefusesATruncatedEnvironment) {
+  const std::string whole =
+      R"(<CycloneDDS><!-- > --><Domain id='any'><Tracing><Category>a,b</Category></Tracing>)"
+      R"(<Internal/></Domain></CycloneDDS>)";
+  const test::TemporaryFolder folder;
+  const std::string file = (folder / "cut.xml").string();
+  for (std::size_t length = 1; length < whole.size(); ++length) {
+    const std::string cut = whole.substr(0, length);
+    std::ofstream(file) << cut;
+    for (const std::string& added : {cut, "<CycloneDDS/>," + cut, "file://" + file})
+      EXPECT_THROW(network_of(kThisHost, {}, added), Error) << added << " of " << cut;
+  }
+  std::ofstream(file) << "<?xml version=\"1.0\"?>\n" << whole << "\n<!-- < -->\n";
+  for (const std::string& added :
+       {whole, whole + whole, "<?xml version='1.0'?>" + whole + ",", "file://" + file,
+        file + "," + whole, std::string("<CycloneDDS a='>\"'><![CDATA[<]]></CycloneDDS>")})
+    EXPECT_NO_THROW(network_of(kThisHost, {}, added)) << added;
+}
+
 TEST(Network, PollsPeersOverACardAndRefusesThemWithout) {
   const Network network = network_of("eth7", {"10.0.0.2", "lab"}, "");
   EXPECT_TRUE(network.configuration.contains(

@@ -22,7 +22,7 @@ RunFigures good_run() {
   run.samples = 10'000, run.nominal_rate_hz = 1000, run.rate_hz = 999.2;
   run.first_answered = 240, run.answered = 9'752, run.overruns = 6, run.deadline_misses = 2,
   run.clamped = 0;
-  run.validate_every = 20, run.first_judged = 300, run.judged = run.decided = 483, run.excused = 1;
+  run.validate_every = 20, run.first_judged = 300, run.judged = run.compared = 483, run.excused = 1;
   run.recording = true;
   run.streams = {{"device/state", 2, 0, 9'997, 10'000},
                  {"rendering/contact", 25, 25, 9'970, 9'975},
@@ -98,7 +98,9 @@ INSTANTIATE_TEST_SUITE_P(
             [](RunFigures& r) { r.restarts = 1, r.restarted = "rendering"; },
             {"restarts"}},
         Bad{"validations_4_of_500", [](RunFigures& r) { r.judged = 4; }, {"validated_ratio"}},
-        Bad{"decided_a_third", [](RunFigures& r) { r.decided = r.judged / 3; }, {"decided_ratio"}},
+        Bad{"compared_a_third",
+            [](RunFigures& r) { r.compared = r.judged / 3; },
+            {"compared_ratio"}},
         Bad{"no_tool_for_two_percent",
             [](RunFigures& r) { r.not_initialised = 0.02 * r.samples; },
             {"not_initialised_ratio"}},
@@ -185,7 +187,8 @@ TEST(RunLimits, RefuseInvalidLimitsWithAMessage) {
                                      {"rate_ratio=", "''"},
                                      {"rate_ratio=-1", "'-1'"},
                                      {"rate_ratio=nan", "'nan'"},
-                                     {"rate_ratio=0.5x", "'0.5x'"}}) {
+                                     {"rate_ratio=0.5x", "'0.5x'"},
+                                     {"decided_ratio=0", "its name is compared_ratio"}}) {
     ChosenLimits chosen;
     const std::string wrong = choose_limit(text, chosen);
     EXPECT_NE(wrong.find(reason), std::string::npos) << wrong;

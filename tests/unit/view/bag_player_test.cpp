@@ -80,6 +80,19 @@ TEST(BagPlayer, SkipsNothingInARunOfFiveMinutes) {
   EXPECT_EQ(player.note(), "");
 }
 
+TEST(BagPlayer, ReportsACutFileAsFailed) {
+  Player all;
+  const auto path = bag_of(all.folder, stepped_times(0));
+  std::ofstream(path / "voxtouch_run.json") << R"({"ok": true, "problems": []})";
+  EXPECT_TRUE(BagPlayer(all.participant, path).to_json()["verdict"]["good"].get<bool>());
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (entry.path().extension() == ".mcap")
+      std::filesystem::resize_file(entry.path(), entry.file_size() / 2);
+  const auto verdict = BagPlayer(all.participant, path).to_json()["verdict"];
+  EXPECT_FALSE(verdict["good"].get<bool>());
+  EXPECT_TRUE(verdict["problems"].dump().contains("200 recorded messages")) << verdict;
+}
+
 TEST(BagPlayer, ReportsADamagedFileAsFailed) {
   Player all;
   std::vector<std::int64_t> times_ns;

@@ -1,0 +1,85 @@
+#include "nodes/bus/ros_discovery.hpp"
+
+#include <gtest/gtest.h>
+
+#include <list>
+#include <memory>
+#include <ostream>
+#include <thread>
+
+#include "tests/support/process/process.hpp"
+#include "voxtouch_msgs/messages.hpp"
+
+namespace voxtouch::bus {
+namespace {
+
+/// A ROS 2 node of another program: a participant that reads the graph.
+class RosNode {
+ public:
+  RosNode(std::uint32_t domain, const std::string& hash)
+      : participant_(participant(domain)),
+        topic_(topic()),
+        reader_(reader(hash)) {}
+
+ private:
+  using Qos = std::unique_ptr<dds_qos_t, decltype(&dds_delete_qos)>;
+  static Qos qos_with(const std::string& user_data) {
+    Qos qos(dds_create_qos(), dds_delete_qos);
+    dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+    return qos;
+  }
+  static Entity participant(std::uint32_t domain) {
+    return {dds_create_participant(domain, qos_with("enclave=/;").get(), nullptr), "participant"};
+  }
+  Entity topic() const {
+    const auto* const type =
+        msg::Type<msg::rmw_dds_common_humble_ParticipantEntitiesInfo>::descriptor;
+    return {dds_create_topic(participant_.get(), type, "ros_discovery_info", nullptr, nullptr),
+            "topic"};
+  }
+  Entity reader(const std::string& hash) const {
+    return {dds_create_reader(participant_.get(), topic_.get(), qos_with(hash).get(), nullptr),
+            "reader"};
+  }
+
+  Entity participant_, topic_, reader_;
+};
+
+struct Beside {
+  const char* name;
+  std::vector<std::string> hashes;  ///< user data of the readers of other programs
+  std::string to_iron, to_humble;   ///< part of the sentence for a ring of this layout
+};
+
+void PrintTo(const Beside& one, std::ostream* out) { *out << one.name; }
+
+class RosBeside : public testing::TestWithParam<Beside> {};
+
+TEST_P(RosBeside, IsReportedIfItDoesNotListTheRing) {
+  const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
+  const Participant own({domain, "lo", "up", {}, {"/haptic", "up", RosGraph::kHumble}, {}});
+  std::list<RosNode> others;
+  for (const std::string& hash : GetParam().hashes)
+    others.emplace_back(domain, hash);
+  RosDiscovery found(own);
+  for (int n = 0; n < 20; ++n, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+    found.poll();
+  EXPECT_EQ(found.ros_participants(), others.size());
+  for (const auto& [graph, part] : {std::pair{RosGraph::kIron, GetParam().to_iron},
+                                    {RosGraph::kHumble, GetParam().to_humble}}) {
+    const std::string sentence = found.mismatch(graph);
+    EXPECT_EQ(sentence.empty(), part.empty()) << sentence;
+    EXPECT_TRUE(sentence.contains(part)) << sentence;
+  }
+}
+
+const std::string kHash = "typehash=RIHS01_0;";
+INSTANTIATE_TEST_SUITE_P(Releases, RosBeside,
+                         testing::Values(Beside{"none", {}, "", ""},
+                                         Beside{"humble", {""}, "use --ros humble", ""},
+                                         Beside{"jazzy", {kHash}, "", "remove --ros humble"},
+                                         Beside{"both", {"", kHash}, "one of them", "one of them"}),
+                         [](const auto& row) { return std::string(row.param.name); });
+
+}  // namespace
+}  // namespace voxtouch::bus
