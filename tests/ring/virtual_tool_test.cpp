@@ -204,20 +204,18 @@ TEST(VirtualToolRing, IsHeldByAnOpenSheet) {
   holds(0.0, 0.5, "sim-phantom", Quat(Eigen::AngleAxisd(0.3, Vec3(1, 2, 0.5).normalized())));
 }
 
-/// Ten minutes, by --gtest_also_run_disabled_tests. Plates of any thickness and place, half of them
-/// askew by up to 20 degrees. For walls of about a voxel that are askew, the direction error may
-/// exceed the validator's limit by some degrees, which is reported and not checked here.
-TEST(VirtualToolRing, DISABLED_IsHeldByTwoHundredPlates) {
+/// Of any thickness and place, half of them askew by up to 20 degrees.
+TEST(VirtualToolRing, IsHeldByTwentyPlates) {
   std::mt19937_64 random(11);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
-  for (int n = 0; n < 200; ++n) {
+  for (int n = 0; n < 20; ++n) {
     const double edges = 0.25 * std::pow(20.0, 0.5 + 0.5 * u(random)),
                  speed = 0.02 * std::pow(150.0, 0.5 + 0.5 * u(random));
     const Vec3 axis = Vec3(u(random), u(random), u(random)).normalized(),
                place(0.02 * u(random), 0.02 * u(random), 0.0);
     const double askew = 0.35 * u(random);
     holds(edges, speed, n % 2 == 0 ? "sim-phantom" : "sim-lwr",
-          n % 4 < 2 ? Quat::Identity() : Quat(Eigen::AngleAxisd(askew, axis)), place, n % 4 < 2);
+          n % 4 < 2 ? Quat::Identity() : Quat(Eigen::AngleAxisd(askew, axis)), place);
   }
 }
 
