@@ -674,6 +674,17 @@ class Replay(unittest.TestCase):
         _, said, _ = replay(bag)
         self.assertTrue(any("1 contacts" in s for s in said["missing"]), said["missing"])
 
+    def test_a_cut_recording_fails(self):
+        """What is there is bit-identical, but half of the messages are gone."""
+        bag = self.copy("cut")
+        with sqlite3.connect(database(bag)) as connection:
+            connection.execute("DELETE FROM messages WHERE id > (SELECT max(id) / 2 FROM messages)")
+        connection.close()
+        status, said, _ = replay(bag)
+        self.assertEqual((status, said["ok"], said["contact"]["differ"]), (1, False, 0))
+        self.assertEqual(len(said["losses"]), 1, said)
+        self.assertIn("FAILED", voxtouch("replay", bag).stdout)
+
     def test_duplicate_command_is_replayed_once(self):
         bag = self.copy()
         edit(

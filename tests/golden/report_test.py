@@ -596,6 +596,11 @@ class Reports(unittest.TestCase):
             self.copy("short", "UPDATE messages SET data = substr(data, 1, 40)"), "this version"
         )
 
+    def test_a_cut_recording_fails(self):
+        half = "DELETE FROM messages WHERE id > (SELECT max(id) / 2 FROM messages)"
+        page = self.report_of(self.copy("cut", half))
+        self.says(page, "FAILED", "recorded messages; the others are lost")
+
     def test_missing_contact_latency_or_messages_are_reported(self):
         still = self.at / "still"
         self.assertEqual(

@@ -4,6 +4,7 @@
 
 #include <list>
 #include <memory>
+#include <ostream>
 #include <thread>
 
 #include "tests/support/process/process.hpp"
@@ -49,6 +50,8 @@ struct Beside {
   std::vector<std::string> hashes;  ///< user data of the readers of other programs
   std::string to_iron, to_humble;   ///< part of the sentence for a ring of this layout
 };
+
+void PrintTo(const Beside& one, std::ostream* out) { *out << one.name; }
 
 class RosBeside : public testing::TestWithParam<Beside> {};
 
