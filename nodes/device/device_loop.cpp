@@ -201,7 +201,7 @@ void DeviceLoop::note_loss() noexcept {
   auto& counters = progress_.counters;
   const std::int64_t now_ns = settings_.lockstep ? static_cast<std::int64_t>(sequence_) * period_ns_
                                                  : runtime::monotonic_ns();
-  loss_.note(now_ns, guard_.fraction() >= 1.0, counters[DeviceCounter::kForce]);
+  loss_.note(now_ns, guard_.fraction(), counters[DeviceCounter::kForce]);
   counters.note(DeviceCounter::kForceLosses, static_cast<double>(loss_.count()));
   counters.note(DeviceCounter::kForceLost, static_cast<double>(loss_.total_ns()) * 1e-9);
   counters.note(DeviceCounter::kLongestLoss, static_cast<double>(loss_.longest_ns()) * 1e-9);
