@@ -9,7 +9,7 @@
 namespace voxtouch::reference {
 namespace {
 
-/// The virtual tool's meshes are simplified by up to 5e-6 m each (exact/limits.hpp); the rest is for
+/// The virtual tool's meshes are simplified by up to 5e-6 m each (exact/limits.hpp). The rest is
 /// the margin at which the tool rests, and rounding [m].
 constexpr double kSameSurface = 1.2e-5;
 constexpr double kSettled = 2e-5, kShortSpring = 5e-4;  ///< [m]

@@ -5,8 +5,8 @@ time. `deploy/build` calls it.
 usage: build_progress.py BUILD TARGET...
 
 The remaining time follows from the time of the units compiled so far, by weight. A unit weighs the
-bytes of its sources, and 9,000 for the headers of every unit: a fit to the log of a build. Links and
-copies are excluded, since they take a fiftieth of the time. Exit status: that of the build.
+bytes of its sources, and 9,000 for the headers of every unit: a fit to the log of a build. Links
+and copies are excluded, since they take a fiftieth of the time. Exit status: that of the build.
 """
 
 import os
@@ -102,7 +102,10 @@ def main(build, *targets):
         if rest and elapsed - last >= PERIOD:
             last = elapsed
             print(
-                f"  {len(done)} of {len(units)} units, {duration(elapsed)}; about {duration(rest)} left",
+                (
+                    f"  {len(done)} of {len(units)} units, {duration(elapsed)};"
+                    f" about {duration(rest)} left"
+                ),
                 file=sys.stderr,
                 flush=True,
             )

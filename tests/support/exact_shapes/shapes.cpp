@@ -285,13 +285,13 @@ mesh::TriangleMesh nut(double length, double gap, int sides) {
       out.vertices.emplace_back(p.x(), p.y(), z);
   for (std::uint32_t k = 0; k < round; ++k) {
     const std::uint32_t next = (k + 1) % round, top = n - round, low = n, high = n + round;
-    for (const auto& triangle : std::initializer_list<std::array<std::uint32_t, 3>>{
-             {low + k, low + next, high + next},
-             {low + k, high + next, high + k},
-             {k, next, low + next},
-             {k, low + next, low + k},
-             {top + next, top + k, high + k},
-             {top + next, high + k, high + next}})
+    for (const auto& triangle :
+         std::initializer_list<std::array<std::uint32_t, 3>>{{low + k, low + next, high + next},
+                                                             {low + k, high + next, high + k},
+                                                             {k, next, low + next},
+                                                             {k, low + next, low + k},
+                                                             {top + next, top + k, high + k},
+                                                             {top + next, high + k, high + next}})
       out.triangles.push_back(triangle);
   }
   return out;
