@@ -212,7 +212,7 @@ class Live(unittest.TestCase):
                     "all that is known",
                 )
                 self.assertGreater(facts["latency"]["samples"], 100)
-                self.assertRegex(facts["design"]["sentence"], r"certified \d+ N/m")
+                self.assertRegex(facts["design"]["sentence"], r"certified [\d.]+ N/m")
                 tasks = [
                     t.read_text().rsplit(")", 1)[1].split()
                     for t in pathlib.Path(f"/proc/{shown.process.pid}/task").glob("*/stat")
