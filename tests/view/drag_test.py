@@ -196,7 +196,7 @@ class ByPointer(unittest.TestCase):
         validator = run["validator"]
         print(f"validator: {validator}", flush=True)
         self.assertGreater(validator["checked"], 1000)
-        self.assertEqual(validator["disagree"], 0)
+        self.assertEqual(validator["disagree"], 0, run["problems"])
 
     def judge_replay(self, bag):
         replay = subprocess.run(
