@@ -130,8 +130,8 @@ TEST(ToolValidation, FindsAForceOverNothingAndNoForceInTheWall) {
 }
 
 TEST(ToolValidation, DetectsAnOffNormalForceOnOneFace) {
-  EXPECT_EQ(said(tool(0.01, 5.9), 0.0, -0.01), "");
-  EXPECT_TRUE(finds(said(tool(0.01, 6.1), 0.0, -0.01), "contact normal"));
+  EXPECT_EQ(said(tool(0.01, 7.9), 0.0, -0.01), "");
+  EXPECT_TRUE(finds(said(tool(0.01, 8.1), 0.0, -0.01), "contact normal"));
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, {.reach_m = kR, .rubs = true}), "")
       << "friction may";
   EXPECT_EQ(said(tool(0.01, 30.0), 0.0, -0.01, kTool, false), "") << "at an edge there are two";
