@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "core/exact/closest.hpp"
+#include "core/exact/feature_mesh.hpp"
 
 namespace voxtouch::exact {
 namespace {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-constexpr std::uint32_t kNone = ~std::uint32_t{0};
 /// Least height over longest side of a new face, unless a face around was thinner before.
 constexpr double kLeastHeightRatio = 0.01;
 constexpr int kMaxPasses = 40;
