@@ -30,8 +30,13 @@ void SwingWatch::begin_cycle(double force_n) noexcept {
   now_.low_n = now_.high_n = force_n;
 }
 
+bool SwingWatch::tremor_like(const Cycle& cycle) noexcept {
+  return cycle.period_s > kFastTremorS && cycle.period_s < kTremorS &&
+         cycle.amplitude_m() < kTremorM;
+}
+
 bool SwingWatch::large_enough(const Cycle& cycle) const noexcept {
-  const double steps = cycle.period_s > kVoluntaryS ? kSlowSteps : kSteps;
+  const double steps = cycle.period_s > kVoluntaryS || tremor_like(cycle) ? kSlowSteps : kSteps;
   return cycle.amplitude_m() > steps * device_.resolution_m &&
          cycle.force_n() > least_force_n(device_, 0.005) &&
          cycle.shift.norm() <= kClosed * cycle.amplitude_m();
@@ -42,7 +47,11 @@ bool SwingWatch::without_hand(const Cycle& cycle) const noexcept {
   const double exchanged = 0.25 * std::numbers::pi * cycle.amplitude_m() * cycle.force_n();
   if (cycle.period_s > kVoluntaryS)
     return cycle.hand_j() < -kHandTakes * exchanged;
-  return cycle.hand_j() < kHandWorks * exchanged - kHidden * device_.resolution_m * cycle.force_n();
+  const double hidden = kHidden * device_.resolution_m * cycle.force_n();
+  if (tremor_like(cycle) && cycle.hand_j() > -kGripTakes * exchanged &&
+      cycle.hand_j() < -kHandWorks * exchanged - hidden)
+    return false;
+  return cycle.hand_j() < kHandWorks * exchanged - hidden;
 }
 
 /// Mean force of the device over the last period.
@@ -57,8 +66,10 @@ Vec3 SwingWatch::force_at_device(const Vec3& command, double dt_s) noexcept {
   const Vec3 delayed = after + part * (commands_[(newest_ + size - whole - 1) % size] - after);
   if (!(device_.force_lag_s > 0.0))
     return delayed;
-  lagged_ += -std::expm1(-dt_s / device_.force_lag_s) * (delayed - lagged_);
-  return lagged_;
+  const double part_reached = -std::expm1(-dt_s / device_.force_lag_s);
+  const Vec3 missing = delayed - lagged_;
+  lagged_ += part_reached * missing;
+  return delayed - part_reached * device_.force_lag_s / dt_s * missing;
 }
 
 void SwingWatch::observe(const ToolStep& step, const Vec3& command, const Vec3& normal, double dt_s,

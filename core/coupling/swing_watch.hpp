@@ -64,6 +64,11 @@ class SwingWatch {
   /// Voluntary motions have up to 4 Hz. In a slower cycle the operator must receive at least
   /// kHandTakes of the exchangeable energy, so that voluntary strokes do not count.
   static constexpr double kVoluntaryS = 0.25, kHandTakes = 0.1;
+  /// Tremor has 7.5 to 13 Hz and less than kTremorM from peak to peak. A loop that amplifies it
+  /// gives the hand a little energy. So such a cycle counts only if the hand receives kGripTakes,
+  /// as from a swing that it damps, or nothing, as if released.
+  static constexpr double kTremorS = 1.0 / 7.5, kFastTremorS = 1.0 / 13.0, kTremorM = 2e-3,
+                          kGripTakes = 0.15;
   /// A growing swing with a smaller peak-to-peak force, as a fraction of the device's largest, is
   /// not ended.
   static constexpr double kGrowingForce = 0.02;
@@ -103,6 +108,7 @@ class SwingWatch {
   void watch_growth(bool by_itself, bool like) noexcept;
   bool large_enough(const Cycle& cycle) const noexcept;
   bool without_hand(const Cycle& cycle) const noexcept;
+  static bool tremor_like(const Cycle& cycle) noexcept;
 
   SwingDevice device_;
   Swing largest_;

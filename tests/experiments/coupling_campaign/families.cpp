@@ -351,7 +351,8 @@ struct Sum {
     if (!r.swings && !r.bounces)
       return;
     most_n = std::max(most_n, r.force_n);
-    damping = std::max(damping, damping_that_ends(choice));
+    if (choice.times == 1.0)
+      damping = std::max(damping, damping_that_ends(choice));
   }
   void print(const std::string& family) const {
     fmt::print(

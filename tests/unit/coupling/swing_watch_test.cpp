@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <tuple>
 
 #include "core/coupling/running_coupling.hpp"
 #include "tests/unit/coupling/haptic_loop.hpp"
@@ -95,6 +96,18 @@ TEST(SwingWatch, IsSilentIfTheHandMovesTheTool) {
   }
 }
 
+/// A loop that amplifies a tremor gives the hand a little energy. A swing gives a hand more, or
+/// exceeds what tremor moves.
+TEST(SwingWatch, TellsAnAmplifiedTremorFromASwing) {
+  for (const double hz : {8.0, 10.0, 12.0}) {
+    EXPECT_EQ(cycles(hz, 5e-4, 0.5, 0.1, 1.0, 4.0).largest().swings, 0U) << hz;
+    EXPECT_GE(cycles(hz, 5e-4, 0.5, 0.3, 1.0, 4.0).largest().swings, 1U) << hz << ": gripped";
+    EXPECT_GE(cycles(hz, 5e-4, 0.5, 3.8e-3 * hz, 1.0, 4.0).largest().swings, 1U)
+        << hz << ": released";
+    EXPECT_GE(cycles(hz, 2e-3, 0.5, 0.1, 1.0, 4.0).largest().swings, 1U) << hz << ": large";
+  }
+}
+
 /// A swing while the hand slides slowly still counts. Where a cycle ends farther away than it is
 /// large, the tool may pass the waves of a texture, whose energy is not conclusive.
 TEST(SwingWatch, FindsASwingOnASlowSlideOnly) {
@@ -107,22 +120,24 @@ TEST(SwingWatch, CountsNoBounceOfTheEncoderAndNoDecay) {
   EXPECT_EQ(cycles(7.0, 1e-3, 0.5, 0.1, 0.9, 3.0).largest().swings, 0U);
 }
 
-/// A released device of 0.2 kg between two walls of 1000 N/m, 0.5 mm apart, with a force delay of 5
-/// ms.
-TEST(SwingWatch, FindsAToolThatBouncesBetweenTwoWalls) {
-  constexpr double kMassKg = 0.2, kWall = 1000.0, kGapM = 5e-4, kLateS = 5e-3;
+/// A released device of 0.2 kg between two walls of 1000 N/m, 0.5 mm apart, with a late force.
+SwingWatch between_walls(double damping_ns_per_m, double delay_s, double lag_s) {
+  constexpr double kMassKg = 0.2, kWall = 1000.0, kGapM = 5e-4;
   SwingWatch watch({.resolution_m = 1e-6,
                     .max_force_n = 10.0,
-                    .damping_ns_per_m = 1.0,
+                    .damping_ns_per_m = damping_ns_per_m,
                     .coulomb_friction_n = 0.0,
-                    .delay_s = kLateS});
+                    .delay_s = delay_s,
+                    .force_lag_s = lag_s});
   const auto wall = [](double x) {
     return x > 0.5 * kGapM    ? -kWall * (x - 0.5 * kGapM)
            : x < -0.5 * kGapM ? -kWall * (x + 0.5 * kGapM)
                               : 0.0;
   };
-  std::array<double, 6> commands{};
-  double x = 0.0, v = 0.05, normal = 0.0, read_m = 0.0;
+  const double reached = lag_s > 0.0 ? -std::expm1(-kT / lag_s) : 1.0;
+  const auto late = static_cast<std::size_t>(std::round(delay_s / kT));
+  std::array<double, 8> commands{};
+  double x = 0.0, v = 0.2, normal = 0.0, read_m = 0.0, force = 0.0;
   for (int n = 0; n < 4000; ++n) {
     const double command = std::clamp(wall(x), -4.0, 4.0), before_m = read_m;
     if (command != 0.0)
@@ -130,8 +145,14 @@ TEST(SwingWatch, FindsAToolThatBouncesBetweenTwoWalls) {
     for (std::size_t i = commands.size() - 1; i > 0; --i)
       commands[i] = commands[i - 1];
     commands[0] = command;
-    v += kT * (commands[5] - 1.0 * v) / kMassKg;
-    x += kT * v;
+    // Mean force of the period, and the force at its end.
+    const double missing = commands[late] - force;
+    const double mean =
+        lag_s > 0.0 ? commands[late] - reached * lag_s / kT * missing : commands[late];
+    force += reached * missing;
+    const double gained = kT * (mean - damping_ns_per_m * v) / kMassKg;
+    x += kT * (v + 0.5 * gained);
+    v += gained;
     read_m = 1e-6 * std::round(1e6 * x);
     watch.observe(
         {.known = true, .translation = Vec3(read_m - before_m, 0, 0), .rotation = Vec3::Zero()},
@@ -140,8 +161,16 @@ TEST(SwingWatch, FindsAToolThatBouncesBetweenTwoWalls) {
   const Swing& swing = watch.largest();
   std::printf("%.1f Hz, %.2f mm, %.2f N, growing %d\n", swing.frequency_hz, 1e3 * swing.amplitude_m,
               swing.force_n, watch.growing());
-  EXPECT_GE(swing.swings, 1U);
-  EXPECT_NEAR(swing.force_n, 8.0, 0.1) << "from one wall's push to the other's";
+  return watch;
+}
+
+TEST(SwingWatch, FindsAToolThatBouncesBetweenTwoWalls) {
+  for (const auto& [damping_ns_per_m, delay_s, lag_s] :
+       {std::tuple{1.0, 5e-3, 0.0}, {2.5, 2e-3, 3e-3}}) {
+    const Swing swing = between_walls(damping_ns_per_m, delay_s, lag_s).largest();
+    EXPECT_GE(swing.swings, 1U) << lag_s;
+    EXPECT_NEAR(swing.force_n, 8.0, 0.1) << "from one wall's push to the other's";
+  }
 }
 
 /// Over waves the contact returns along the wall what it took across it.
