@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace voxtouch::bus {
 namespace {
@@ -46,6 +48,14 @@ RosDiscovery::RosDiscovery(const Participant& own)
                "cannot list readers") {}
 
 void RosDiscovery::poll() {
+  // Readers before participants: DDS announces a participant before its readers, so the owner of
+  // each reader is then known.
+  std::vector<std::pair<Guid, bool>> found;  // owner, has the hash
+  each_announced<dds_builtintopic_endpoint_t>(
+      readers_.get(), [&](const auto& one, std::string_view user_data) {
+        if (std::string_view(one.topic_name) == "ros_discovery_info")
+          found.emplace_back(guid_of(one.participant_key), user_data.contains("typehash="));
+      });
   each_announced<dds_builtintopic_participant_t>(
       participants_.get(), [&](const auto& one, std::string_view user_data) {
         if (user_data.contains("voxtouch="))
@@ -54,12 +64,9 @@ void RosDiscovery::poll() {
           return;
         ++(user_data.starts_with("enclave=") || user_data.contains(";enclave=") ? ros_ : others_);
       });
-  each_announced<dds_builtintopic_endpoint_t>(
-      readers_.get(), [&](const auto& one, std::string_view user_data) {
-        if (std::string_view(one.topic_name) == "ros_discovery_info" &&
-            !own_nodes_.contains(guid_of(one.participant_key)))
-          (user_data.contains("typehash=") ? has_later_ : has_humble_) = true;
-      });
+  for (const auto& [owner, has_hash] : found)
+    if (!own_nodes_.contains(owner))
+      (has_hash ? has_later_ : has_humble_) = true;
 }
 
 std::string RosDiscovery::mismatch(RosGraph graph) const {

@@ -9,6 +9,8 @@
 #include <sstream>
 #include <thread>
 
+#include "nodes/runtime/node_registry.hpp"
+#include "qos/topics.hpp"
 #include "tests/attack/kills/contact_ring.hpp"
 #include "tests/attack/kills/leftovers.hpp"
 #include "tests/attack/kills/round.hpp"
@@ -62,6 +64,21 @@ class PressedRing {
   bool force_comes_back() {
     const std::uint64_t now = ring_.seen().empty() ? 0 : ring_.seen().back().sequence;
     return wait_until([&] { return ring_.seen().back().sequence > now && ring_.has_force(); }, 20s);
+  }
+  /// Waits until a restarted logger reports more than that number of recorded device samples.
+  bool records_again(double samples) {
+    const bus::Participant listener(ring_.joined("listener"));
+    runtime::NodeRegistry registry(listener, "haptic");
+    const std::string bag = ring_.bag().string() + "_again",
+                      figure = qos::figure_name(qos::kDeviceState) + "_recorded";
+    return wait_until(
+        [&] {
+          registry.update();
+          const auto logger = registry.find("logger");
+          return logger && logger->values.contains("bag") && logger->values.at("bag") == bag &&
+                 runtime::value_of(logger->figures, figure) > samples;
+        },
+        60s);
   }
   test::Finished interrupt() {
     ring_.up().signal(SIGINT);
@@ -198,7 +215,7 @@ TEST(RestartOfUp, LeavesTheForceIfAListenerRestarts) {
     pressed.kill(role);
     ASSERT_NE(pressed.started_again_ns(role), 0) << role;
   }
-  std::this_thread::sleep_for(2s);
+  ASSERT_TRUE(pressed.records_again(500)) << pressed.ring().refusal();
   const test::Finished end = pressed.interrupt();
   EXPECT_EQ(end.status, 0) << end.err << end.out;
   EXPECT_EQ(pressed.summary["restarts"].size(), 2U) << end.out;

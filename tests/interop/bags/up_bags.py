@@ -21,7 +21,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.rosbag2 import Reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-DOMAIN = 84
+DOMAIN = 98
 STATE = "/haptic/device/state"
 SCENES = (
     ("cup", "slide"),

@@ -45,7 +45,7 @@ def main():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--build", type=pathlib.Path, default=HERE / "build", help="build folder")
-    parser.add_argument("--domain", type=int, default=68)
+    parser.add_argument("--domain", type=int, default=99)
     parser.add_argument("--readers", type=int, default=6)
     parser.add_argument("--turns", type=int, default=8)
     parser.add_argument("--seconds", type=float, default=6.0, help="of each kind in a turn")

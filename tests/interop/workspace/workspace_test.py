@@ -17,7 +17,7 @@ import unittest
 import xml.etree.ElementTree
 
 IDL, BIN = (pathlib.Path(argument).resolve() for argument in sys.argv[1:3])
-DOMAIN = "85"
+DOMAIN = "97"
 
 
 class Package(unittest.TestCase):

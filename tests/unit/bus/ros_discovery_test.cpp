@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <functional>
 #include <list>
 #include <memory>
 #include <ostream>
@@ -53,18 +55,34 @@ struct Beside {
 
 void PrintTo(const Beside& one, std::ostream* out) { *out << one.name; }
 
+bool wait_for(const std::function<bool()>& holds) {
+  for (int n = 0; n < 1000 && !holds(); ++n)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  return holds();
+}
+
+constexpr char kHash[] = "typehash=RIHS01_0;";
+
 class RosBeside : public testing::TestWithParam<Beside> {};
 
 TEST_P(RosBeside, IsReportedIfItDoesNotListTheRing) {
   const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   const Participant own({domain, "lo", "up", {}, {"/haptic", "up", RosGraph::kHumble}, {}});
+  RosDiscovery found(own);
+  found.poll();
+  const std::size_t before = found.ros_participants();
   std::list<RosNode> others;
   for (const std::string& hash : GetParam().hashes)
     others.emplace_back(domain, hash);
-  RosDiscovery found(own);
-  for (int n = 0; n < 20; ++n, std::this_thread::sleep_for(std::chrono::milliseconds(10)))
+  const auto are_found = [&] {
+    const auto lists = [&](const char* hash) {
+      return std::ranges::find(GetParam().hashes, hash) != GetParam().hashes.end();
+    };
     found.poll();
-  EXPECT_EQ(found.ros_participants(), others.size());
+    return found.ros_participants() >= before + others.size() &&
+           (found.has_humble() || !lists("")) && (found.has_later() || !lists(kHash));
+  };
+  EXPECT_TRUE(wait_for(are_found));
   for (const auto& [graph, part] : {std::pair{RosGraph::kIron, GetParam().to_iron},
                                     {RosGraph::kHumble, GetParam().to_humble}}) {
     const std::string sentence = found.mismatch(graph);
@@ -73,13 +91,34 @@ TEST_P(RosBeside, IsReportedIfItDoesNotListTheRing) {
   }
 }
 
-const std::string kHash = "typehash=RIHS01_0;";
 INSTANTIATE_TEST_SUITE_P(Releases, RosBeside,
                          testing::Values(Beside{"none", {}, "", ""},
                                          Beside{"humble", {""}, "use --ros humble", ""},
                                          Beside{"jazzy", {kHash}, "", "remove --ros humble"},
                                          Beside{"both", {"", kHash}, "one of them", "one of them"}),
                          [](const auto& row) { return std::string(row.param.name); });
+
+/// The nodes of a ring join while `up` polls.
+TEST(RosDiscovery, IgnoresNodesOfVoxtouchThatJoin) {
+  const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
+  const Participant own({domain, "lo", "up", {}, {"/haptic", "up", RosGraph::kIron}, {}});
+  RosDiscovery found(own);
+  found.poll();
+  const std::size_t before = found.ros_participants();
+  constexpr std::size_t kNodes = 10;
+  std::list<Participant> nodes;
+  std::jthread joining([&] {
+    for (std::size_t n = 0; n < kNodes; ++n)
+      nodes.emplace_back(
+          ParticipantOptions{domain, "lo", "node", {}, {"/haptic", "node", RosGraph::kHumble}, {}});
+  });
+  EXPECT_TRUE(wait_for([&] {
+    for (int n = 0; n < 100; ++n)
+      found.poll();
+    return found.ros_participants() >= before + kNodes;
+  }));
+  EXPECT_EQ(found.mismatch(RosGraph::kIron), "");
+}
 
 }  // namespace
 }  // namespace voxtouch::bus
