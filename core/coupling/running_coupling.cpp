@@ -37,7 +37,7 @@ constexpr double kScaleRounding = 1e-6;
 
 constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
 
-bool pushes(const CouplingInput& in) noexcept {
+bool has_contact(const CouplingInput& in) noexcept {
   return !in.contact.zero() || in.contact_stiffness_n_per_m > 0.0 ||
          !in.contact_stiffness.isZero(0.0);
 }
@@ -117,7 +117,7 @@ void RunningCoupling::reset(const Wrench& start) noexcept {
   motion_.clear();
   passivity_.reset();
   swing_.restart();
-  remaining_ = 1.0;
+  fade_factor_ = 1.0;
   in_contact_ = false;
   supplied_j_.reset();
 }
@@ -137,7 +137,7 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   Wrench sum = law;
   injected_.advance(sample.dt_s);
   add_damping(sum, law, out);
-  finish(sum, law, out);
+  limit_command(sum, law, out);
   fade_out(sample.dt_s, sum, out);
   passivity_.command(sum, contact_.contact.force);
   out.wrench = sum;
@@ -156,7 +156,7 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
                more = input.supplied_energy_j - before;
   supplied_j_ = input.supplied_energy_j;
   const double most = std::min(limits_.max_force_n, kMaxSuppliedN) * kMaxSuppliedMPerS * dt_s;
-  return std::clamp(displayed_ * more, -most, most);
+  return std::clamp(displayed_ratio_ * more, -most, most);
 }
 
 /// Applies the law to the scaled and clamped contact.
@@ -168,12 +168,12 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     contact_.contact.force *= out.scale, contact_.contact.torque *= out.scale;
     contact_.contact_stiffness_n_per_m *= out.scale;
     contact_.contact_stiffness *= out.scale;
-    out.capped = out.scale < 1.0 - kScaleRounding && pushes(input);
-    displayed_ = out.scale * gain();
+    out.capped = out.scale < 1.0 - kScaleRounding && has_contact(input);
+    displayed_ratio_ = out.scale * gain();
   } else if (sample.lost) {
     contact_ = {};
   }
-  in_contact_ = pushes(contact_);
+  in_contact_ = has_contact(contact_);
   out.ramping = sample.weight < 1.0, out.repeated_input = !sample.valid;
   LawInput in{contact_.contact, contact_.contact_stiffness_n_per_m, sample.dt_s, sample.weight};
   ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
@@ -207,7 +207,7 @@ void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput
 }
 
 /// Makes the command never pull, vanish in free space, stay within the limits and be finite.
-void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
+void RunningCoupling::limit_command(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const double part = one_sided(contact_.coherence);
   never_pull(sum.force, law.force.isZero(0.0) ? contact_.contact.force : law.force, part);
   never_pull(sum.torque, law.torque.isZero(0.0) ? contact_.contact.torque : law.torque, part);
@@ -226,8 +226,8 @@ void RunningCoupling::fade_out(double dt_s, Wrench& sum, CouplingOutput& out) no
   if (!swing_.growing())
     return;
   out.growing = true;
-  remaining_ = std::max(0.0, remaining_ - dt_s / kFadeOutS);
-  sum.force *= remaining_, sum.torque *= remaining_;
+  fade_factor_ = std::max(0.0, fade_factor_ - dt_s / kFadeOutS);
+  sum.force *= fade_factor_, sum.torque *= fade_factor_;
 }
 
 /// Records the step during which the last command acted.
@@ -250,7 +250,7 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   counters_.bounded += out.bounded;
   counters_.pose_jumps = motion_.jumps();
   counters_.swing = swing_.largest();
-  counters_.growing = out.growing && remaining_ == 0.0;
+  counters_.growing = out.growing && fade_factor_ == 0.0;
   counters_.lowest_energy_j =
       std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});
   counters_.lowest_energy_rotation_j =

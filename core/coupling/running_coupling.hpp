@@ -102,7 +102,7 @@ class RunningCoupling {
   Wrench run_law(const CouplingInput& input, const PolicedSample& sample,
                  CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
-  void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
+  void limit_command(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void count_path() noexcept;
   void fade_out(double dt_s, Wrench& sum, CouplingOutput& out) noexcept;
   void count(const CouplingOutput& out) noexcept;
@@ -117,11 +117,11 @@ class RunningCoupling {
   InjectedDamping injected_;
   Passivity passivity_;
   SwingWatch swing_;
-  double remaining_ = 1.0;  ///< remaining fraction of the command after self-excited growth
-  CouplingInput contact_;   ///< the last valid one, scaled
-  Wrench law_output_;       ///< last output of the law
+  double fade_factor_ = 1.0;  ///< remaining fraction of the command after self-excited growth
+  CouplingInput contact_;     ///< the last valid one, scaled
+  Wrench law_output_;         ///< last output of the law
   bool in_contact_ = false;
-  double displayed_ = 1.0;            ///< displayed fraction of a force in W, by scale and gain
+  double displayed_ratio_ = 1.0;      ///< displayed fraction of a force in W, by scale and gain
   std::optional<double> supplied_j_;  ///< last value of the input
   CouplingCounters counters_;
 
