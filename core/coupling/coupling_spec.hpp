@@ -48,7 +48,7 @@ struct CouplingSpec {
   /// The force that damping takes away is limited only by the rule that it never pulls; so is its
   /// torque. Ratio 0: no bound.
   double damping_force_ratio = kDefaultDampingForceRatio;
-  double damper_free_n = kQuietForceN;
+  double damping_force_offset_n = kQuietForceN;
   bool operator==(const CouplingSpec&) const = default;
 };
 

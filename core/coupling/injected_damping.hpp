@@ -45,13 +45,13 @@ class InjectedDamping {
       : linear_(spec.injected_damping_ns_per_m),
         angular_(spec.injected_damping_nms_per_rad),
         parts_(parts_of(spec)),
-        free_(spec.damper_free_n) {}
+        free_(spec.damping_force_offset_n) {}
   /// Ramps to the dampings and the force ratio of `spec` over `over_s` > 0 [s]. Real-time safe.
   void redesign(const CouplingSpec& spec, double over_s) noexcept {
     linear_.head_for(spec.injected_damping_ns_per_m, over_s);
     angular_.head_for(spec.injected_damping_nms_per_rad, over_s);
     parts_.head_for(parts_of(spec), over_s);
-    free_.head_for(spec.damper_free_n, over_s);
+    free_.head_for(spec.damping_force_offset_n, over_s);
   }
   /// Advances the ramps by `dt_s` [s]. Real-time safe.
   void advance(double dt_s) noexcept {

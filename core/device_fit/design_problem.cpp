@@ -48,7 +48,7 @@ coupling::CouplingSpec scaled(coupling::CouplingSpec spec, const HandScales& sca
   spec.stiffness_cap_n_per_m *= scales.translation;
   spec.injected_damping_ns_per_m *= scales.translation;
   spec.velocity_band_m_per_s *= std::sqrt(scales.rotation / scales.translation);
-  spec.damper_free_n *= std::sqrt(scales.translation * scales.rotation);
+  spec.damping_force_offset_n *= std::sqrt(scales.translation * scales.rotation);
   spec.stiffness_cap_nm_per_rad *= scales.rotation;
   spec.injected_damping_nms_per_rad *= scales.rotation;
   return spec;

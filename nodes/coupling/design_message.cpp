@@ -32,7 +32,7 @@ constexpr SpecNumber kSpecNumbers[] = {VOXTOUCH_NUMBER(cutoff_hz),
                                        VOXTOUCH_NUMBER(slow_velocity_hz),
                                        VOXTOUCH_NUMBER(velocity_band_m_per_s),
                                        VOXTOUCH_NUMBER(damping_force_ratio),
-                                       VOXTOUCH_NUMBER(damper_free_n)};
+                                       VOXTOUCH_NUMBER(damping_force_offset_n)};
 #undef VOXTOUCH_NUMBER
 
 std::vector<std::string> notes_on(const device_fit::FittedCoupling& fitted, double sample_time_s,

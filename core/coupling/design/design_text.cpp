@@ -86,7 +86,7 @@ std::string describe_bound(const CouplingSpec& spec) {
   if (!(spec.damping_force_ratio > 0.0 && spec.injected_damping_ns_per_m > 0.0))
     return "";
   return fmt::format("is limited to {:.3g} of the contact and effect force, plus {:.2g} N",
-                     spec.damping_force_ratio, spec.damper_free_n);
+                     spec.damping_force_ratio, spec.damping_force_offset_n);
 }
 
 std::string describe_slow_velocity(const CouplingSpec& spec) {

@@ -316,7 +316,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                    {"slow_velocity_hz", s.slow_velocity_hz},
                    {"velocity_band_m_per_s", s.velocity_band_m_per_s},
                    {"damping_force_ratio", s.damping_force_ratio},
-                   {"damper_free_n", s.damper_free_n}};
+                   {"damping_force_offset_n", s.damping_force_offset_n}};
   if (std::isfinite(s.stiffness_cap_n_per_m))
     j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
   if (std::isfinite(s.stiffness_cap_nm_per_rad))

@@ -62,7 +62,7 @@ struct Tried {
     out.controller = controller;
     out.contact_stiffness = contact;
     out.damping_only_in_contact = true, out.damping_fraction = design.spec.damping_force_ratio,
-    out.damping_free = design.spec.damper_free_n;
+    out.damping_free = design.spec.damping_force_offset_n;
     out.slow_velocity_rad_per_s = 2.0 * std::numbers::pi * design.spec.slow_velocity_hz,
     out.velocity_band = design.spec.velocity_band_m_per_s;
     return out;
@@ -108,9 +108,9 @@ std::vector<Setting> settings_of(const Tried& t, coupling_models::Random& random
       [&](coupling_models::NonlinearLoop&) {});
   // Not below the noise that the damping may make of the encoder's steps: a device that gives no
   // more has nothing to damp with.
-  out.back().loop.max_effort = std::min(
-      axis.max_effort,
-      std::max(out.back().loop.push * random.uniform(1.2, 3.0), t.design.spec.damper_free_n));
+  out.back().loop.max_effort =
+      std::min(axis.max_effort, std::max(out.back().loop.push * random.uniform(1.2, 3.0),
+                                         t.design.spec.damping_force_offset_n));
   if (t.controller.law == Law::kSpringDamper)
     return out;  // its promise does not grow with the contact
   for (const auto& [name, times] : {std::pair{"1.9 times the promise at the slowest timing", 1.9},

@@ -270,7 +270,7 @@ struct Moving {
     CouplingSpec s;
     s.kind = "direct", s.injected_damping_ns_per_m = b_linear,
     s.injected_damping_nms_per_rad = b_angular, s.damping_force_ratio = fraction,
-    s.damper_free_n = free;
+    s.damping_force_offset_n = free;
     return s;
   }
   /// Long enough for v^ to be the velocity.

@@ -200,7 +200,7 @@ TEST(SlowVelocity, QuietensASimulatedArm) {
   loop.controller.gain = d.spec.gain;
   loop.contact_stiffness = d.spec.stiffness_cap_n_per_m;
   loop.damping_only_in_contact = true, loop.damping_fraction = d.spec.damping_force_ratio,
-  loop.damping_free = d.spec.damper_free_n;
+  loop.damping_free = d.spec.damping_force_offset_n;
   loop.resolution = request.device.translation.resolution;
   loop.push = 3.0, loop.start_speed = 0.05, loop.duration_s = 6.0;
   for (const LoopPlant& plant : {d.translation.worst_case, LoopPlant{.mass = 6.0,
