@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/coupling/design/axis_verdict.hpp"
-#include "core/coupling/design/damping_floor.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {

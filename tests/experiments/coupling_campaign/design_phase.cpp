@@ -45,7 +45,7 @@ coupling::design::DesignProblem request_for(const coupling_models::PopulationMem
   out.goals.free_cap = random.chance(0.3);
   out.goals.velocity_windows = random.chance(0.5);
   if (random.chance(0.5))
-    out.goals.floors = {0.0, 0.0};
+    out.goals.min_damping = {0.0, 0.0};
   return out;
 }
 
@@ -152,10 +152,10 @@ class Phase {
     const coupling::design::Design design = coupling::design::design_coupling(request);
     ++statuses_[static_cast<std::size_t>(design.status)];
     if (!member.hand.any_passive && design.status != coupling::design::DesignStatus::kInfeasible) {
-      const bool floors = request.goals.floors.held > 0.0;
+      const bool min_damping = request.goals.min_damping.gripped > 0.0;
       if (member.hand.may_release)
-        swings_[floors][0].push_back(design.swing.released);
-      swings_[floors][1].push_back(design.swing.held);
+        swings_[min_damping][0].push_back(design.swing.released);
+      swings_[min_damping][1].push_back(design.swing.gripped);
     }
     const coupling::design::AxisDesign& axis = design.translation;
     // Infeasible designs are simulated too, unless nothing is certified.
@@ -200,14 +200,14 @@ class Phase {
            {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}, {"95 %", 0.95}})
         out_.figures.push_back({fmt::format("limit / promise, {} timing, {}", timing, name),
                                 quantile(*limits, fraction)});
-    for (const bool floors : {false, true})
-      for (const bool held : {false, true})
+    for (const bool min_damping : {false, true})
+      for (const bool gripped : {false, true})
         for (const auto& [name, fraction] :
              {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}})
-          out_.figures.push_back(
-              {fmt::format("damping ratio, {}, {}, {}", floors ? "floors asked for" : "no floors",
-                           held ? "held" : "released", name),
-               quantile(swings_[floors][held], fraction)});
+          out_.figures.push_back({fmt::format("damping ratio, {}, {}, {}",
+                                              min_damping ? "minimum requested" : "no minimum",
+                                              gripped ? "gripped" : "released", name),
+                                  quantile(swings_[min_damping][gripped], fraction)});
     return std::move(out_);
   }
 

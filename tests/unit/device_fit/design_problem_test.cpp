@@ -103,8 +103,8 @@ TEST(DesignProblem, CarriesEveryRequestOfTheScene) {
   EXPECT_EQ(r.goals.gain_margin, 1.5);
   EXPECT_FALSE(r.goals.allow_injected_damping);
   EXPECT_FALSE(r.goals.velocity_windows);
-  EXPECT_EQ(r.goals.floors.held, 0.15);
-  EXPECT_EQ(r.goals.rotation_floors.held, 0.06);
+  EXPECT_EQ(r.goals.min_damping.gripped, 0.15);
+  EXPECT_EQ(r.goals.rotation_min_damping.gripped, 0.06);
   EXPECT_EQ(r.goals.damping_force_ratio, 0.2);
   EXPECT_TRUE(r.hand.translation.any_passive && r.hand.rotation.any_passive);
 }
