@@ -48,10 +48,10 @@ void Passivity::observe(const ToolStep& step, bool in_contact, double dt_s,
     *account = all ? 0.0 : std::min(*account, 0.0);
 }
 
-void Passivity::command(const Wrench& applied, const Vec3& push) noexcept {
+void Passivity::command(const Wrench& applied, const Vec3& contact_force) noexcept {
   applied_ = applied;
-  if (const double size = push.stableNorm(); size > kNoLength)
-    normal_ = push / size;
+  if (const double size = contact_force.stableNorm(); size > kNoLength)
+    normal_ = contact_force / size;
 }
 
 }  // namespace voxtouch::coupling

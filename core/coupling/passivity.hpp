@@ -58,9 +58,9 @@ constexpr double energy_bound_j(double force_n, double path_m, double voxel_m) n
   return 5.0 * force_n * path_m + force_n * voxel_m;
 }
 /// The same for the rotation account, whose points are subject to the same voxels.
-constexpr double energy_bound_rotation_j(double torque_nm, double turn_rad, double force_n,
+constexpr double energy_bound_rotation_j(double torque_nm, double rotation_rad, double force_n,
                                          double voxel_m) noexcept {
-  return 5.0 * torque_nm * turn_rad + force_n * voxel_m;
+  return 5.0 * torque_nm * rotation_rad + force_n * voxel_m;
 }
 
 struct EnergyAccounts {
@@ -76,9 +76,9 @@ class Passivity {
   /// given in that time, or taken back. It goes to the normal account.
   void observe(const ToolStep& step, bool in_contact, double dt_s,
                double supplied_j = 0.0) noexcept;
-  /// Sets the command of this sample, for the work of the next step. `push`: contact force, which
-  /// defines the normal; zero keeps the last normal.
-  void command(const Wrench& applied, const Vec3& push = Vec3::Zero()) noexcept;
+  /// Sets the command of this sample, for the work of the next step. `contact_force`: contact
+  /// force, which defines the normal; zero keeps the last normal.
+  void command(const Wrench& applied, const Vec3& contact_force = Vec3::Zero()) noexcept;
   /// Sets all accounts to zero and discards the last command.
   void reset() noexcept;
 

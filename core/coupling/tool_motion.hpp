@@ -73,11 +73,11 @@ class ToolMotion {
   };
 
   void move_to(const Vec3& position, const Quat& orientation) noexcept;
-  void remember(const Vec3& shift, const Vec3& turn) noexcept;
+  void remember(const Vec3& shift, const Vec3& rotation) noexcept;
   void forget_velocity() noexcept;
   Twist quotient(int from, int count) const noexcept;
   Twist velocity_of_window() const noexcept;
-  void estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept;
+  void estimate_velocity(const Vec3& shift, const Vec3& rotation) noexcept;
 
   double nominal_s_, cutoff_rad_per_s_ = 0.0, slow_rad_per_s_ = 0.0, band_m_per_s_ = 0.0,
                      elapsed_s_ = 0.0;

@@ -58,7 +58,7 @@ class CrossingSearch {
         if (stop > from.angle)
           next = std::min(next, stop);
       const Point to = at(response, next);
-      look_between(response, from, to, kMaxHalvings);
+      search_between(response, from, to, kMaxHalvings);
       from = to;
     }
     // At z = -1 all values are real: the loop may begin to alternate from sample to sample.
@@ -77,7 +77,7 @@ class CrossingSearch {
   static constexpr int kMaxStops = 4, kMaxHalvings = 60;
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
-  static constexpr double kTurnCosine2 =
+  static constexpr double kPhaseCosine2 =
       0.6;                                 ///< largest turn of L [rad] in a step that is not halved
   static constexpr double kSwell = 100.0;  ///< largest factor of |L|^2 in such a step
   static constexpr double kHopeless =
@@ -92,12 +92,12 @@ class CrossingSearch {
   static bool gentle(const Complex& a, const Complex& b) noexcept {
     const double na = std::norm(a), nb = std::norm(b);
     const double along = a.real() * b.real() + a.imag() * b.imag();
-    return along > 0.0 && along * along > kTurnCosine2 * na * nb && na < kSwell * nb &&
+    return along > 0.0 && along * along > kPhaseCosine2 * na * nb && na < kSwell * nb &&
            nb < kSwell * na;
   }
 
   template <class Response>
-  void look_between(const Response& response, const Point& a, const Point& b, int halvings) {
+  void search_between(const Response& response, const Point& a, const Point& b, int halvings) {
     if (std::max(std::norm(a.value), std::norm(b.value)) * best_.gain * best_.gain < kHopeless) {
       before_ = b;
       return;
@@ -105,13 +105,13 @@ class CrossingSearch {
     if (halvings > 0 && !(gentle(a.value, b.value) && gentle(a.summand, b.summand))) {
       const Point middle = at(response, 0.5 * (a.angle + b.angle));
       if (middle.angle > a.angle && middle.angle < b.angle) {
-        look_between(response, a, middle, halvings - 1);
-        look_between(response, middle, b, halvings - 1);
+        search_between(response, a, middle, halvings - 1);
+        search_between(response, middle, b, halvings - 1);
         return;
       }
     }
     narrow(response, a, b);
-    look_for_a_touch(response, before_, a, b);
+    search_double_crossing(response, before_, a, b);
     before_ = a;
   }
 
@@ -125,8 +125,8 @@ class CrossingSearch {
   /// Of three consecutive points on one side of the axis, the middle one is nearest to it.
   /// Approaches the axis between them until it is reached or the bracket is short.
   template <class Response>
-  void look_for_a_touch(const Response& response, const Point& left, const Point& middle,
-                        const Point& right) {
+  void search_double_crossing(const Response& response, const Point& left, const Point& middle,
+                              const Point& right) {
     const auto away = [](const Point& p) {
       return p.value.real() < 0.0 ? std::abs(slope(p)) : 1e300;
     };
