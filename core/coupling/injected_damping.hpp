@@ -20,8 +20,8 @@ Mat3 contact_directions(const Mat3& stiffness, const Vec3& contact_force) noexce
 void never_pull(Vec3& sum, const Vec3& contact_force, double part = 1.0) noexcept;
 /// Fraction of the never-pull rule by coherence: 0 up to 0.2, 1 from 0.5 on, smooth between.
 /// Between opposite walls the resultant passes through zero, and a pull only reduces the force of
-/// one wall. Under the full rule damping would act on the way out only, so a tool in a slot would
-/// oscillate.
+/// one wall. Under the full rule damping would act on the outward path only, so a tool in a slot
+/// would oscillate. Real-time safe.
 double one_sided(double coherence) noexcept;
 
 /// Limits the part of `damping` that is along or across `contact_force` to the length `most`; the
@@ -35,10 +35,13 @@ struct InjectedWrench {
   bool bounded = false;  ///< the force exceeded its bound and was limited
 };
 
-/// Injected damping whose coefficients change continuously.
-/// The force is -B P v. The part that adds to the law's force is limited to a ratio of that force
-/// plus a force below perception. It thus begins with the law's force when the tool touches, and
-/// `never_pull` ends it when the tool leaves. The torque, up to B P omega, has no such limit.
+/// Injected damping whose coefficients change continuously, W axes:
+///
+///     force = -B P v,   torque = -B_r P_r omega
+///
+/// The part of the force that adds to the law's force is limited to a ratio of that force plus a
+/// force below perception. It thus begins with the law's force when the tool touches, and
+/// `never_pull` ends it when the tool leaves. The torque has no such limit.
 class InjectedDamping {
  public:
   /// Takes the dampings of a validated `spec` [Ns/m, Nms/rad].

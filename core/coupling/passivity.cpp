@@ -9,6 +9,7 @@ namespace {
 /// A shorter direction counts as zero.
 constexpr double kNoLength = 1e-200;
 
+/// Clears an account that overflowed, because NaN would stay in it.
 void keep(double& energy_j) noexcept {
   if (!std::isfinite(energy_j))
     energy_j = 0.0;

@@ -18,9 +18,9 @@
 ///
 ///     F R/2 sin^2
 ///
-/// from one axis to the other, 20 mJ for 2 N and 20 mm. Along the contact no energy is exchanged
-/// there. A single account would also be misleading: drag across the contact would earn a credit
-/// that hides an oscillation along it.
+/// from one axis to the other, 20 mJ for 2 N and 20 mm. Along the contact normal no energy is
+/// exchanged. A single account would also be misleading: drag across the contact would earn a
+/// credit that hides an oscillation along it.
 ///
 /// Once a contact has ended for kContactEndS its credit is cleared, so that it cannot hide a later
 /// instability. A debt is kept for kDebtS, so that bounces with growing energy add up.
@@ -63,6 +63,7 @@ constexpr double energy_bound_rotation_j(double torque_nm, double rotation_rad, 
   return 5.0 * torque_nm * rotation_rad + force_n * voxel_m;
 }
 
+/// Energy from the operator [J]: along the contact normal, across it, and by rotation.
 struct EnergyAccounts {
   double normal_j = 0.0, tangential_j = 0.0, rotation_j = 0.0;
   double translation_j() const noexcept { return normal_j + tangential_j; }
@@ -84,9 +85,8 @@ class Passivity {
 
   const EnergyAccounts& energy() const noexcept { return energy_; }
   const Wrench& applied() const noexcept { return applied_; }
-  const Vec3& normal() const noexcept {
-    return normal_;
-  }  ///< of the last contact force; zero until there is one
+  /// Direction of the last contact force, unit vector in W; zero if there was none.
+  const Vec3& normal() const noexcept { return normal_; }
 
  private:
   bool rests(bool in_contact) noexcept;

@@ -35,8 +35,11 @@ const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limi
 /// Tolerance by which a contact exactly at the caps may appear to exceed them.
 constexpr double kScaleRounding = 1e-6;
 
+/// Force [N] and speed [m/s] that bound the power of effects and moving objects if the device has
+/// no smaller limit.
 constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
 
+/// Whether the static scene or an effect exerts a force, or would after a small displacement.
 bool has_contact(const CouplingInput& in) noexcept {
   return !in.contact.zero() || in.contact_stiffness_n_per_m > 0.0 ||
          !in.contact_stiffness.isZero(0.0);
@@ -147,8 +150,8 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   return out;
 }
 
-/// Scales the energy supplied in W like a force of the law. The largest force at the largest speed
-/// bounds it.
+/// Energy that effects and moving objects have supplied since the last sample, as displayed [J]:
+/// scaled like the law's force, and bounded by the largest force at the largest speed.
 double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) noexcept {
   if (!std::isfinite(input.supplied_energy_j))
     return 0.0;
@@ -181,8 +184,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     out.clamped =
         clamp_wrench(in.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
   } else {
-    in.contact = {};  // the output is zero, and an unlimited input must not wait in the law's state
-                      // until the gain returns
+    in.contact = {};  // an unlimited input would stay in the law's state until the gain returns
   }
   law_output_ = std::visit(
       [&](auto& law) {
@@ -206,7 +208,8 @@ void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput
   out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
 }
 
-/// Makes the command never pull, vanish in free space, stay within the limits and be finite.
+/// Applies the rules for a command: it never pulls against the contact, is finite, never exceeds
+/// the law's force in free space, and stays within the device's limits.
 void RunningCoupling::limit_command(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const double part = one_sided(contact_.coherence);
   never_pull(sum.force, law.force.isZero(0.0) ? contact_.contact.force : law.force, part);
@@ -215,7 +218,7 @@ void RunningCoupling::limit_command(Wrench& sum, const Wrench& law, CouplingOutp
     ++counters_.not_finite;
     sum = law;
   }
-  // Filter output after the contact: damping may reduce it and not add to it.
+  // After the contact the filter's output decays. Damping may reduce it and not add to it.
   if (!in_contact_)
     clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
   out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
@@ -230,7 +233,7 @@ void RunningCoupling::fade_out(double dt_s, Wrench& sum, CouplingOutput& out) no
   sum.force *= fade_factor_, sum.torque *= fade_factor_;
 }
 
-/// Records the step during which the last command acted.
+/// Records the displacement during which the last command acted.
 void RunningCoupling::count_path() noexcept {
   const Wrench& applied = passivity_.applied();
   if (applied.zero())

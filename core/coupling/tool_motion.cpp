@@ -48,7 +48,7 @@ void ToolMotion::clear() noexcept {
   forget_velocity();
 }
 
-/// As for a tool at rest.
+/// Fills the estimates with those of a tool at rest.
 void ToolMotion::forget_velocity() noexcept {
   fast_ = velocity_ = {};
   slow_.setZero();

@@ -8,8 +8,8 @@
 
 namespace voxtouch::coupling {
 
-/// No operator moves a tool faster than this, in W: the pose has jumped. Multiply by the device's
-/// position scale.
+/// Largest speeds of a tool in the hand of an operator, in W. A faster displacement is a jump of
+/// the pose. Multiply them by the device's position scale.
 struct ToolSpeedLimits {
   double linear_m_per_s = 10.0;
   double angular_rad_per_s = 100.0;
@@ -35,7 +35,8 @@ struct ToolStep {
 ///
 /// With a window, v^ is the formula of velocity_window.hpp for measured periods, with u and w each
 /// a displacement over its time. A displacement over several periods, after lost samples, counts as
-/// that many differences. Until the window is full v^ is u, as if the tool had been at rest.
+/// that many differences. While the window is not full, v^ is u: the tool counts as at rest at its
+/// first pose.
 ///
 /// With a band, the linear velocity is
 ///

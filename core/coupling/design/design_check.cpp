@@ -30,8 +30,8 @@ void refuse_first(std::string_view whose, const std::vector<std::string>& senten
     throw std::invalid_argument(fmt::format("Coupling design, {}: {}", whose, sentences.front()));
 }
 
-/// A stiffness outside the range of hands and devices indicates a wrong unit, and the search over
-/// loops would not terminate.
+/// A stiffness outside the range of hands and devices has a wrong unit. The search over loops would
+/// not terminate.
 void quantity(std::string_view field, double value) {
   require(value >= kMinQuantity && value <= kMaxQuantity, field, value,
           fmt::format("from {} to {}", kMinQuantity, kMaxQuantity));

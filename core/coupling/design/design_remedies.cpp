@@ -13,8 +13,8 @@
 namespace voxtouch::coupling::design {
 namespace {
 
-// Changes that a laboratory can make. No delay can be removed completely, no grip is firm all the
-// time, and a damper on a handle is no stronger than the hand that holds it.
+// Limits of changes that a laboratory can make: a delay cannot be removed completely, a grip is not
+// always firm, and a damper on a handle is at most as strong as the hand that grips it.
 constexpr std::array kDelayRatios{0.75, 0.5, 0.25};
 constexpr std::array kGripRatios{0.25, 0.5};
 

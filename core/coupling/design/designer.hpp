@@ -1,6 +1,6 @@
 #pragma once
-/// Designs the virtual coupling for a device, a hand and a contact, with margins, or reports what
-/// it would need.
+/// Designs the virtual coupling for a device, a hand and a contact, with margins. If a goal is not
+/// met, it reports which changes would meet it.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -106,7 +106,7 @@ struct MinDampingResult {
   double released = 0.0, gripped = 0.0;
   double cost_n_per_m = 0.0,
          cost_nm_per_rad =
-             0.0;  ///< Of the stiffness displayed without them; negative if it is larger with them.
+             0.0;  ///< loss of displayed stiffness; negative if it is larger with the minimum
   /// The worst case that stays below its minimum in the softest useful contact with any injected
   /// damping. No coupling of that kind reaches the minimum, so it is dropped for all hands, or for
   /// all released devices. Empty if there is no such case.
@@ -123,7 +123,7 @@ struct Design {
   /// Coupling to run: kind, cut-off, damping ratio, gain, cap, injected damping.
   CouplingSpec spec;
   AxisDesign translation, rotation;  ///< rotation is all zero for a device without torque
-  DominantMode swing;                ///< how it comes to rest
+  DominantMode swing;                ///< damping ratios of the dominant mode
   MinDampingResult min_damping;      ///< empty for given parameters
   double lag_s = 0.0;                ///< 2 d / w0
   /// Fastest approach that stays within the force layer, stopped by a single point. A hand that

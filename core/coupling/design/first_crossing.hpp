@@ -20,28 +20,30 @@ struct Crossing {
 
 /// L and, if it is a sum, the summand that may have narrow resonances. Under a large smooth
 /// summand, pole and zero of a resonance are so close that a step over both would miss it. The
-/// summand itself turns by pi.
+/// phase of the summand itself changes by pi.
 struct LoopSample {
   Complex value, summand;
 };
 
 /// Searches the upper half of the unit circle for crossings.
-/// The steps grow with the angle and are short relative to the turns of the delay. They are halved
-/// wherever L or its summand turns or grows fast. Each step that crosses the negative real axis is
-/// narrowed down to rounding. If L approaches the axis and turns back, the search checks for a
-/// double crossing in between: such a loop is unstable for a band of gains only. A response is a
-/// function of a Phasor that returns a LoopSample.
+/// The steps grow with the angle and are short relative to the phase of the delay. They are halved
+/// wherever the phase or modulus of L or its summand changes fast. Each step that crosses the
+/// negative real axis is narrowed down to rounding. If L approaches the axis and departs again, the
+/// search checks for a double crossing in between: such a loop is unstable for a band of gains
+/// only. A response is a function of a Phasor that returns a LoopSample.
 class CrossingSearch {
  public:
   /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its
-  /// inverse no factor has turned L by more than a fiftieth [rad], so the search begins there.
+  /// inverse no factor changes the phase of L by more than a fiftieth [rad], so the search begins
+  /// there.
   /// `whole_delay`: samples of delay.
   CrossingSearch(double slow_periods, int whole_delay) noexcept
       : start_(0.02 / slow_periods),
         longest_step_(0.5 / (whole_delay + 3)) {}
 
-  /// Adds an angle that no step may skip: the peak of a resonance, where L turns by pi within an
-  /// arbitrarily small width. Two of them within one step would cancel. At most kMaxStops.
+  /// Adds an angle that no step may skip: the peak of a resonance, where the phase of L changes by
+  /// pi within an arbitrarily small width. Two of them within one step would cancel. At most
+  /// kMaxStops.
   void stop_at(double angle) noexcept {
     if (stops_count_ < kMaxStops)
       stops_[stops_count_++] = angle;
@@ -78,7 +80,7 @@ class CrossingSearch {
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
   static constexpr double kPhaseCosine2 =
-      0.6;                                 ///< largest turn of L [rad] in a step that is not halved
+      0.6;  ///< squared cosine of the largest phase change of L in a step that is not halved
   static constexpr double kSwell = 100.0;  ///< largest factor of |L|^2 in such a step
   static constexpr double kHopeless =
       0.01;  ///< a step with |L|^2 below this fraction of the best crossing's is skipped

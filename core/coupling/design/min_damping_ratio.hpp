@@ -1,6 +1,5 @@
 #pragma once
-/// How fast the loop comes to rest, in addition to whether it is stable: minimum damping ratios of
-/// its dominant mode.
+/// Minimum damping ratios of the dominant mode of the loop: they limit how long it oscillates.
 ///
 /// A case is one device in one hand with one timing (`design_cases`); its minimum is
 /// `DesignCase::least_damping_ratio`. A hand that is only known to be passive has no minimum,
@@ -23,7 +22,7 @@ DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisP
 /// best injected damping. If that holds for one hand, all hands lose their minimum, because
 /// reducing the stiffness for the others would not shorten the longest oscillation. The same
 /// applies to released devices. Returns the worst case out of reach, for example "Translation:
-/// gripped (0.2 kg, ...) swings with a damping ratio of 0.2 at best", or an empty text.
+/// gripped (0.2 kg, ...) reaches a damping ratio of 0.2 at most", or an empty text.
 std::string set_min_damping(const DesignProblem& request, std::vector<AxisProblem>& problems);
 
 /// Whether all cases meet their minimum with the contact stiffness `contact` ahead of `law` (of
