@@ -227,7 +227,7 @@ class InABrowser(unittest.TestCase):
     def loudness(self):
         """The largest amplitude of the sound over half a second."""
         return max(
-            self.browser.js("(voxtouch.ear.getFloatTimeDomainData(heard), Math.max(...heard))")
+            self.browser.js("(voxtouch.ear.getFloatTimeDomainData(samples), Math.max(...samples))")
             for _ in range(10)
             if time.sleep(0.05) is None
         )
@@ -298,7 +298,7 @@ class InABrowser(unittest.TestCase):
             browser.find("#sound").send_keys(Keys.ENTER)
             browser.js(
                 "(voxtouch.ear = voxtouch.sound.listen(),"
-                " window.heard = new Float32Array(voxtouch.ear.fftSize))"
+                " window.samples = new Float32Array(voxtouch.ear.fftSize))"
             )
             self.assertLess(self.loudness(), 0.01, "silent in free space")
             browser.js("document.activeElement.blur()")  # keys go to the page, not to a button
@@ -306,7 +306,7 @@ class InABrowser(unittest.TestCase):
                 "rawKeyDown", "ArrowDown", 40
             )  # down into the cup, until it touches the bottom
             until(lambda: size(browser.frame().get("force")) > 0.5, 40, "contact by keys alone")
-            self.assertGreater(self.loudness(), 0.01, "the force is heard")
+            self.assertGreater(self.loudness(), 0.01, "the force is audible")
             self.key("keyUp", "ArrowDown", 40)
             browser.find("#sound").send_keys(Keys.ENTER)
             time.sleep(0.3)

@@ -378,7 +378,7 @@ TEST(InjectedDamping, AddsAtMostItsRatioOfTheContactForce) {
   Moving quiet(5, 0, 0.5, 0.05);
   EXPECT_LE((quiet.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.55, 0, 0)).norm(),
             1e-9)
-      << "and what is hardly felt";
+      << "and what is below perception";
   Moving rotation(0, 0.1, 0.5);
   CouplingInput turned = corner({1, 0, 0}, 1000, 0);
   turned.contact.torque = {0.1, 0, 0}, turned.contact_stiffness(3, 3) = 10;

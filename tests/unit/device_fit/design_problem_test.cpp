@@ -99,7 +99,7 @@ TEST(DesignProblem, CarriesEveryRequestOfTheScene) {
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_EQ(r.goals.kind, "direct");
   EXPECT_EQ(r.goals.cutoff_hz, 300);
-  EXPECT_EQ(r.goals.max_cutoff_hz, 300) << "a wish is not above what is allowed";
+  EXPECT_EQ(r.goals.max_cutoff_hz, 300) << "a request does not exceed what is allowed";
   EXPECT_EQ(r.goals.gain_margin, 1.5);
   EXPECT_FALSE(r.goals.allow_injected_damping);
   EXPECT_FALSE(r.goals.velocity_windows);
