@@ -5,8 +5,8 @@ usage: check_layout.py ROOT RUFF
 
 C++ and C must pass `clang-format --dry-run -Werror`, Python must pass `ruff check` and
 `ruff format --check`.
-Lines of C++, Python, YAML, shell and Markdown have at most 100 columns. Markdown tables and lines
-that hold one link only are exempt. `layout_exceptions.txt` lists the other exceptions.
+Lines of C++, Python, YAML, shell, CMake and Markdown have at most 100 columns. Markdown tables and
+lines that hold one link only are exempt. `layout_exceptions.txt` lists the other exceptions.
 Prints one sentence for each fault; exit status 1 if there is one.
 """
 
@@ -30,6 +30,7 @@ LANGUAGES = {
     ".yml": "yaml",
     ".sh": "shell",
     ".bash": "shell",
+    ".cmake": "cmake",
     ".md": "markdown",
 }
 SHEBANGS = {"python": "python", "sh": "shell"}
@@ -37,8 +38,10 @@ EXCEPTIONS = pathlib.Path(__file__).parent / "layout_exceptions.txt"
 
 
 def language_of(file):
+    if file.name == "CMakeLists.txt":
+        return "cmake"
     if file.suffix:
-        return LANGUAGES.get(file.suffix)
+        return LANGUAGES.get(pathlib.Path(file.name.removesuffix(".in")).suffix)
     with file.open("rb") as stream:
         first = stream.readline(200)
     if first.startswith(b"# shellcheck shell="):
