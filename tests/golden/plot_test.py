@@ -341,7 +341,7 @@ class Pictures(unittest.TestCase):
             "/other/rendering/contact",
         )
 
-    def test_forces_of_a_virtual_tool_show_its_distance_from_the_hand(self):
+    def test_plots_the_distance_of_a_virtual_tool_next_to_forces(self):
         bag = self.at / "virtual_tool"
         run = voxtouch(
             *("up", "cup_virtual_tool", "--motion", "slide", "--duration", "2", "--lockstep"),

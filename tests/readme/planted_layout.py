@@ -61,6 +61,12 @@ PLANTED = {  # fault: (file, text, part of the sentence)
         "deploy/config.cmake.in:1 has 103 columns",
     ),
     "long Markdown": ("README.md", f"a {LONG}\n", "README.md:1 has 103 columns"),
+    "long test name": ("core/law.cpp", f"TEST(A, {LONG[:59]}) {{}}\n", "has 61 characters"),
+    "long name of a Python test": (
+        "deploy/tool.py",
+        f"def test_{LONG[:56]}():\n    pass\n",
+        "has 61 characters",
+    ),
     "more than excepted": ("tests/mesh.cpp", f"// {LONG}\n" * 2, "tests/mesh.cpp:2 has"),
 }
 

@@ -328,7 +328,7 @@ TEST(InjectedDamping, NeverPullsAtAnySpeed) {
 
 /// In the middle of a tight slot the forces cancel. A step of the encoder back to it must be damped
 /// like the step away from it, or a released device goes to and fro for ever.
-TEST(InjectedDamping, ActsWithinItsFreeForceWhereOppositeWallsCancel) {
+TEST(InjectedDamping, IsBoundedByItsOffsetIfOppositeWallsCancel) {
   CouplingInput middle = corner({0, 0, 0}, 1000, 0);
   middle.coherence = 0.0;
   Moving bounded(5, 0.0, 0.35, 0.05);
