@@ -102,6 +102,7 @@ double ContactStage::motion_bound(const Pose& pose) const noexcept {
   return (pose.position - last_pose_.position).norm() + 2.0 * half_sine * config_.reach_m;
 }
 
+/// Updates g, the common direction of the latched forces (laws.md).
 void ContactStage::update_common_direction(const HitList& hits) noexcept {
   // Includes the points in interior voxels: the rim alone has few points, and its mean reverses
   // beyond the tool's equator.
@@ -126,6 +127,7 @@ void ContactStage::update_common_direction(const HitList& hits) noexcept {
     common_now_ = (fraction * mean + (1.0 - fraction) * common_).normalized();
 }
 
+/// Depth of a surface point along its force direction [m].
 double ContactStage::surface_depth(const Hit& hit, const PushDirection& direction) const noexcept {
   const double fraction = direction.mean_weight;
   Vec3 along = fraction >= 1.0 ? direction.mean : hit.normal;
@@ -176,6 +178,7 @@ void ContactStage::add_stiffness(Direction direction, const Hit& hit, Frame& fra
   }
 }
 
+/// Recomputes the forces of the surface layer if their directions are blended.
 void ContactStage::surface_points(const HitList& hits, Frame& frame,
                                   StageResult& result) const noexcept {
   // At both ends of the blend the model has already computed this sum; only in between it is
@@ -193,18 +196,21 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame,
   }
 }
 
+/// Handles a point that was latched in the last frame and is in the surface layer again. Its
+/// latched depth decreases with the path of the tool, so the force ends without a step. The model
+/// has already applied the force of the point's present depth.
 void ContactStage::returning_point(const HitList& hits, const Hit& hit, const LatchedHit& before,
                                    Frame& frame, StageResult& result) noexcept {
   const double depth = surface_depth(hit, frame.direction);
-  const double left = before.depth_m - limits::kFadePerMetre * frame.moved_m;
-  if (!(left > depth))
+  const double latched = before.depth_m - limits::kFadePerMetre * frame.moved_m;
+  if (!(latched > depth))
     return;
-  add_force(hits, hit, left - depth, latched_direction(before.direction, hit), result.contact);
+  add_force(hits, hit, latched - depth, latched_direction(before.direction, hit), result.contact);
   if (!(depth > 0.0))
     add_stiffness(before.direction, hit, frame, result.contact);
   frame.common_points += before.direction == Direction::kCommon;
   result.latched = true;
-  returning_.push_back({hit.point, before.direction, left});
+  returning_.push_back({hit.point, before.direction, latched});
 }
 
 /// Latched force of a point that has just passed through.
@@ -220,7 +226,8 @@ ContactStage::LatchedHit ContactStage::latch(const HitList& hits, const Hit& hit
 void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
   inside_.clear(), returning_.clear();
   std::size_t next = 0, back = 0;  // in latched_ and in the surface hits, which are both ascending
-  const auto up_to = [&](std::uint32_t point) {
+  // Handles the latched points below `point` that are no longer in interior voxels.
+  const auto handle_returning = [&](std::uint32_t point) {
     for (; next < latched_.size() && latched_[next].point < point; ++next) {
       const LatchedHit& before = latched_[next];
       back = hits.surface.not_below(before.point, back);
@@ -237,7 +244,7 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
       fill_block(kernel, hits.interior, begin, block);
       for (std::size_t n = 0; n < block.count; ++n) {
         const std::uint32_t point = hits.interior.point(begin + n);
-        up_to(point);
+        handle_returning(point);
         const bool known = next < latched_.size() && latched_[next].point == point;
         LatchedHit latched = known ? latched_[next++] : latch(hits, hits.interior[begin + n]);
         latched.depth_m =
@@ -245,19 +252,19 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
         inside_.push_back(latched);
         frame.common_points += latched.direction == Direction::kCommon;
       }
-      push_latched(block, begin, pushes, lanes);
+      add_latched_forces(block, begin, pushes, lanes);
       kernel.add(block, pushes, lanes);
     }
     add_lanes(hits.interior, lanes, config_.stiffness, hits.pose_WT.position, result.contact,
               frame.stiffness);
     result.latched = true;
   }
-  up_to(std::numeric_limits<std::uint32_t>::max());
+  handle_returning(std::numeric_limits<std::uint32_t>::max());
 }
 
 /// Forces of the latched points of a block, which are those of inside_ from `first` on.
-void ContactStage::push_latched(const HitBlock& block, std::size_t first, Pushes& pushes,
-                                PushLanes& lanes) const noexcept {
+void ContactStage::add_latched_forces(const HitBlock& block, std::size_t first, Pushes& pushes,
+                                      PushLanes& lanes) const noexcept {
   pushes.add_all(block);
   for (std::size_t n = 0; n < block.filled(); ++n) {
     const LatchedHit& latched = inside_[first + (n < block.count ? n : 0)];

@@ -11,11 +11,11 @@ namespace voxtouch::contact {
 
 /// One frame of the ring.
 struct StageResult {
-  ContactResult contact;  ///< The model's result, with blended directions and the forces of latched
-                          ///< points added.
+  ContactResult contact;  ///< the model's result, with blended directions and the forces of latched
+                          ///< points added
   /// Points have passed through (or just returned): latched depths give force.
   bool latched = false;
-  bool fast = false;  ///< some point may have moved more than half a voxel since the last pose
+  bool fast = false;  ///< a point may have moved more than half a voxel since the last pose
   /// ContactRenderer: fast near the scene, so a wall may have been passed undetected.
   bool tunnelling_suspected = false;
   /// ContactRenderer, memoryless: the tool's centre is in an object, and no force prevents it from
@@ -82,7 +82,7 @@ class ContactStage {
   enum class Direction : std::uint8_t {
     kCommon,
     kOwnNormal
-  };  ///< of a latched force: along g; along the point's normal
+  };  ///< direction of a latched force: g, or the point's normal
   /// A point with a latched depth.
   struct LatchedHit {
     std::uint32_t point = 0;
@@ -102,8 +102,8 @@ class ContactStage {
                        StageResult& result) noexcept;
   void latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
   LatchedHit latch(const HitList& hits, const Hit& hit) const noexcept;
-  void push_latched(const HitBlock& block, std::size_t first, Pushes& pushes,
-                    PushLanes& lanes) const noexcept;
+  void add_latched_forces(const HitBlock& block, std::size_t first, Pushes& pushes,
+                          PushLanes& lanes) const noexcept;
   void add_force(const HitList& hits, const Hit& hit, double depth, const Vec3& direction,
                  ContactResult& result) const noexcept;
   void add_stiffness(Direction direction, const Hit& hit, Frame& frame,

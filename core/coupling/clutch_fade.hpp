@@ -12,7 +12,7 @@ namespace voxtouch::coupling {
 /// command and fades its contact in (RunningCoupling::reset). Real-time safe.
 class ClutchFade {
  public:
-  static constexpr double kFadeS = 0.1;
+  static constexpr double kFadeS = 0.1;  ///< duration of the fade [s]
 
   /// Advances by one sample of `dt_s` [s]. Returns true if the clutch was released with this
   /// sample.
@@ -26,7 +26,7 @@ class ClutchFade {
     return released;
   }
   bool pressed() const noexcept { return pressed_; }
-  /// The faded `wrench` for the device.
+  /// The command `wrench` for the device: faded while the clutch is pressed, otherwise unchanged.
   Wrench of(const Wrench& wrench) const noexcept { return pressed_ ? scaled(wrench) : wrench; }
   /// The last command `wrench` as it was faded at the release of the clutch.
   Wrench scaled(const Wrench& wrench) const noexcept {

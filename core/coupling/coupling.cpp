@@ -126,7 +126,7 @@ std::vector<CouplingIssue> validate(const CouplingSpec& spec, const CouplingLimi
   find.not_negative("slow_velocity_hz", spec.slow_velocity_hz);
   find.not_negative("velocity_band_m_per_s", spec.velocity_band_m_per_s);
   find.not_negative("damping_force_ratio", spec.damping_force_ratio);
-  find.not_negative("damper_free_n", spec.damper_free_n);
+  find.not_negative("damping_force_offset_n", spec.damping_force_offset_n);
   return out;
 }
 

@@ -9,6 +9,7 @@
 
 namespace voxtouch::coupling {
 
+/// The three coupling laws; direct.hpp, shaping_filter.hpp and spring_damper.hpp.
 enum class CouplingKind : std::uint8_t { kDirect = 0, kShapingFilter = 1, kSpringDamper = 2 };
 /// Converts to "direct", "shaping_filter" or "spring_damper".
 std::string_view name_of(CouplingKind kind) noexcept;
@@ -19,7 +20,7 @@ bool parse_coupling(std::string_view word, CouplingKind& kind) noexcept;
 /// Input of one sample: the contact at the pose of the device.
 struct CouplingInput {
   Wrench contact;  ///< W axes, torque about the tool's origin
-  /// Upper bound of the contact stiffness; 0 in free space.
+  /// Upper bound of the contact stiffness [N/m]; 0 in free space.
   double contact_stiffness_n_per_m = 0;
   /// -d(wrench)/d(pose) of this contact, W axes, about the tool's origin: symmetric, positive
   /// semidefinite, [N/m, N, Nm/rad].

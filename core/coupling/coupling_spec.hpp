@@ -43,12 +43,15 @@ struct CouplingSpec {
   /// with an error of at most the band. A value of 0 disables it.
   double slow_velocity_hz = 0.0;
   double velocity_band_m_per_s = 0.0;
-  /// Upper bound of the force that injected damping may add to the law's force. It is this ratio of
-  /// the law's force plus a force [N] below perception, so a touch begins with the contact force.
-  /// The force that damping takes away is limited only by the rule that it never pulls; so is its
-  /// torque. Ratio 0: no bound.
+  /// Upper bound of the force that injected damping may add to the law's force:
+  ///
+  ///     damping_force_ratio * |law's force| + damping_force_offset_n
+  ///
+  /// The offset is below perception, so a touch begins with the contact force. The force that
+  /// damping takes away is limited only by the rule that it never pulls; so is its torque.
+  /// Ratio 0: no bound.
   double damping_force_ratio = kDefaultDampingForceRatio;
-  double damper_free_n = kQuietForceN;
+  double damping_force_offset_n = kQuietForceN;
   bool operator==(const CouplingSpec&) const = default;
 };
 

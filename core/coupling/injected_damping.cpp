@@ -13,13 +13,13 @@ constexpr double kNoStiffness = 1e-200;
 
 }  // namespace
 
-Mat3 pushing_directions(const Mat3& stiffness, const Vec3& push) noexcept {
+Mat3 contact_directions(const Mat3& stiffness, const Vec3& contact_force) noexcept {
   if (const double most = largest_eigenvalue(stiffness); most > kNoStiffness)
     return (0.5 / most) * (stiffness + stiffness.transpose());
-  const double size = push.stableNorm();
+  const double size = contact_force.stableNorm();
   if (!(size > kNoStiffness))
     return Mat3::Zero();
-  const Vec3 along = push / size;
+  const Vec3 along = contact_force / size;
   return along * along.transpose();
 }
 
@@ -28,20 +28,20 @@ double one_sided(double coherence) noexcept {
   return x * x * (3.0 - 2.0 * x);
 }
 
-void never_pull(Vec3& sum, const Vec3& push, double part) noexcept {
-  const double size = push.stableNorm();
+void never_pull(Vec3& sum, const Vec3& contact_force, double part) noexcept {
+  const double size = contact_force.stableNorm();
   if (!(size > kNoStiffness))
     return;
-  const Vec3 along = push / size;
+  const Vec3 along = contact_force / size;
   if (const double pull = along.dot(sum); pull < 0.0)
     sum -= part * pull * along;
 }
 
-bool bound_addition(Vec3& damping, const Vec3& push, double most, double free) noexcept {
-  const double size = push.stableNorm();
+bool bound_addition(Vec3& damping, const Vec3& contact_force, double most, double free) noexcept {
+  const double size = contact_force.stableNorm();
   if (!(size > kNoStiffness))
     return clamp_length(damping, free);
-  const Vec3 along = push / size, taken = std::min(0.0, along.dot(damping)) * along;
+  const Vec3 along = contact_force / size, taken = std::min(0.0, along.dot(damping)) * along;
   damping -= taken;
   const bool cut = clamp_length(damping, most);
   damping += taken;
@@ -59,10 +59,10 @@ InjectedWrench InjectedDamping::of(const CouplingInput& contact, const Vec3& law
   if (linear_.now() > 0.0)
     out.wrench.force =
         -linear_.now() *
-        (pushing_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
+        (contact_directions(k.topLeftCorner<3, 3>(), contact.contact.force) * velocity.linear);
   if (angular_.now() > 0.0)
     out.wrench.torque =
-        -angular_.now() * (pushing_directions(k.bottomRightCorner<3, 3>(), contact.contact.torque) *
+        -angular_.now() * (contact_directions(k.bottomRightCorner<3, 3>(), contact.contact.torque) *
                            velocity.angular);
   if (const double parts = parts_.now(); parts > 0.0)
     out.bounded =

@@ -29,6 +29,7 @@ struct PolicedSample {
 bool usable(const CouplingInput& input) noexcept;
 
 /// Input policy of one coupling. Real-time safe.
+///
 /// An invalid input is replaced by the last valid one for at most kGapPeriods periods, because a
 /// force that does not follow the operator can generate energy. Then the coupling restarts at the
 /// last force, as after a gap in time, and fades to zero contact. When valid inputs return, it

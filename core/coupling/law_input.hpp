@@ -4,10 +4,11 @@
 
 namespace voxtouch::coupling {
 
+/// Input of `step` of DirectCoupling, ShapingFilter and SpringDamper.
 struct LawInput {
   Wrench contact;                ///< finite, within the limits of the device [N, Nm], W axes
-  double stiffness_n_per_m = 0;  ///< finite, >= 0
-  double dt_s = 1e-3;            ///< within the band of the policy
+  double stiffness_n_per_m = 0;  ///< bound of the contact stiffness [N/m]: finite, >= 0
+  double dt_s = 1e-3;            ///< period [s], within kPeriodBand of the nominal one
   double weight = 1;             ///< fraction of `contact`; the rest is the start force
 };
 

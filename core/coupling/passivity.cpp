@@ -9,6 +9,7 @@ namespace {
 /// A shorter direction counts as zero.
 constexpr double kNoLength = 1e-200;
 
+/// Clears an account that overflowed, because NaN would stay in it.
 void keep(double& energy_j) noexcept {
   if (!std::isfinite(energy_j))
     energy_j = 0.0;
@@ -48,10 +49,10 @@ void Passivity::observe(const ToolStep& step, bool in_contact, double dt_s,
     *account = all ? 0.0 : std::min(*account, 0.0);
 }
 
-void Passivity::command(const Wrench& applied, const Vec3& push) noexcept {
+void Passivity::command(const Wrench& applied, const Vec3& contact_force) noexcept {
   applied_ = applied;
-  if (const double size = push.stableNorm(); size > kNoLength)
-    normal_ = push / size;
+  if (const double size = contact_force.stableNorm(); size > kNoLength)
+    normal_ = contact_force / size;
 }
 
 }  // namespace voxtouch::coupling

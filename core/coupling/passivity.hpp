@@ -18,9 +18,9 @@
 ///
 ///     F R/2 sin^2
 ///
-/// from one axis to the other, 20 mJ for 2 N and 20 mm. Along the contact no energy is exchanged
-/// there. A single account would also be misleading: drag across the contact would earn a credit
-/// that hides an oscillation along it.
+/// from one axis to the other, 20 mJ for 2 N and 20 mm. Along the contact normal no energy is
+/// exchanged. A single account would also be misleading: drag across the contact would earn a
+/// credit that hides an oscillation along it.
 ///
 /// Once a contact has ended for kContactEndS its credit is cleared, so that it cannot hide a later
 /// instability. A debt is kept for kDebtS, so that bounces with growing energy add up.
@@ -58,11 +58,12 @@ constexpr double energy_bound_j(double force_n, double path_m, double voxel_m) n
   return 5.0 * force_n * path_m + force_n * voxel_m;
 }
 /// The same for the rotation account, whose points are subject to the same voxels.
-constexpr double energy_bound_rotation_j(double torque_nm, double turn_rad, double force_n,
+constexpr double energy_bound_rotation_j(double torque_nm, double rotation_rad, double force_n,
                                          double voxel_m) noexcept {
-  return 5.0 * torque_nm * turn_rad + force_n * voxel_m;
+  return 5.0 * torque_nm * rotation_rad + force_n * voxel_m;
 }
 
+/// Energy from the operator [J]: along the contact normal, across it, and by rotation.
 struct EnergyAccounts {
   double normal_j = 0.0, tangential_j = 0.0, rotation_j = 0.0;
   double translation_j() const noexcept { return normal_j + tangential_j; }
@@ -76,17 +77,16 @@ class Passivity {
   /// given in that time, or taken back. It goes to the normal account.
   void observe(const ToolStep& step, bool in_contact, double dt_s,
                double supplied_j = 0.0) noexcept;
-  /// Sets the command of this sample, for the work of the next step. `push`: contact force, which
-  /// defines the normal; zero keeps the last normal.
-  void command(const Wrench& applied, const Vec3& push = Vec3::Zero()) noexcept;
+  /// Sets the command of this sample, for the work of the next step. `contact_force`: contact
+  /// force, which defines the normal; zero keeps the last normal.
+  void command(const Wrench& applied, const Vec3& contact_force = Vec3::Zero()) noexcept;
   /// Sets all accounts to zero and discards the last command.
   void reset() noexcept;
 
   const EnergyAccounts& energy() const noexcept { return energy_; }
   const Wrench& applied() const noexcept { return applied_; }
-  const Vec3& normal() const noexcept {
-    return normal_;
-  }  ///< of the last contact force; zero until there is one
+  /// Direction of the last contact force, unit vector in W; zero if there was none.
+  const Vec3& normal() const noexcept { return normal_; }
 
  private:
   bool rests(bool in_contact) noexcept;

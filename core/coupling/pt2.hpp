@@ -50,7 +50,7 @@ struct Pt2State {
       y = v = 0.0;
     return y;
   }
-  /// Sets the state to rest at `y0`, which the input y0 / gain maintains.
+  /// Sets the state to rest at `y0`, which the input y0 / gain maintains. Real-time safe.
   void reset(double y0, double gain) noexcept {
     y = y0, v = 0.0, u_last = gain == 0.0 ? 0.0 : y0 / gain;
   }

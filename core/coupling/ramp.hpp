@@ -6,7 +6,7 @@
 namespace voxtouch::coupling {
 
 /// Minimum duration [s] of a change of displayed stiffness or damping. A stiffness that rises by dk
-/// at penetration p gives the operator dk p^2 / 2, which the loop must have time to absorb.
+/// at penetration p adds the energy dk p^2 / 2, which the loop must have time to dissipate.
 inline constexpr double kMinRampS = 0.02;
 
 /// The same with a following filter of w0 [rad/s]: five of its time constants, if that is longer.

@@ -35,9 +35,12 @@ const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limi
 /// Tolerance by which a contact exactly at the caps may appear to exceed them.
 constexpr double kScaleRounding = 1e-6;
 
+/// Force [N] and speed [m/s] that bound the power of effects and moving objects if the device has
+/// no smaller limit.
 constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
 
-bool pushes(const CouplingInput& in) noexcept {
+/// Whether the static scene or an effect exerts a force, or would after a small displacement.
+bool has_contact(const CouplingInput& in) noexcept {
   return !in.contact.zero() || in.contact_stiffness_n_per_m > 0.0 ||
          !in.contact_stiffness.isZero(0.0);
 }
@@ -117,7 +120,7 @@ void RunningCoupling::reset(const Wrench& start) noexcept {
   motion_.clear();
   passivity_.reset();
   swing_.restart();
-  remaining_ = 1.0;
+  fade_factor_ = 1.0;
   in_contact_ = false;
   supplied_j_.reset();
 }
@@ -137,7 +140,7 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   Wrench sum = law;
   injected_.advance(sample.dt_s);
   add_damping(sum, law, out);
-  finish(sum, law, out);
+  limit_command(sum, law, out);
   fade_out(sample.dt_s, sum, out);
   passivity_.command(sum, contact_.contact.force);
   out.wrench = sum;
@@ -147,8 +150,8 @@ CouplingOutput RunningCoupling::step(const CouplingInput& input, double dt_s) no
   return out;
 }
 
-/// Scales the energy supplied in W like a force of the law. The largest force at the largest speed
-/// bounds it.
+/// Energy that effects and moving objects have supplied since the last sample, as displayed [J]:
+/// scaled like the law's force, and bounded by the largest force at the largest speed.
 double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) noexcept {
   if (!std::isfinite(input.supplied_energy_j))
     return 0.0;
@@ -156,7 +159,7 @@ double RunningCoupling::newly_supplied(const CouplingInput& input, double dt_s) 
                more = input.supplied_energy_j - before;
   supplied_j_ = input.supplied_energy_j;
   const double most = std::min(limits_.max_force_n, kMaxSuppliedN) * kMaxSuppliedMPerS * dt_s;
-  return std::clamp(displayed_ * more, -most, most);
+  return std::clamp(displayed_ratio_ * more, -most, most);
 }
 
 /// Applies the law to the scaled and clamped contact.
@@ -168,12 +171,12 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     contact_.contact.force *= out.scale, contact_.contact.torque *= out.scale;
     contact_.contact_stiffness_n_per_m *= out.scale;
     contact_.contact_stiffness *= out.scale;
-    out.capped = out.scale < 1.0 - kScaleRounding && pushes(input);
-    displayed_ = out.scale * gain();
+    out.capped = out.scale < 1.0 - kScaleRounding && has_contact(input);
+    displayed_ratio_ = out.scale * gain();
   } else if (sample.lost) {
     contact_ = {};
   }
-  in_contact_ = pushes(contact_);
+  in_contact_ = has_contact(contact_);
   out.ramping = sample.weight < 1.0, out.repeated_input = !sample.valid;
   LawInput in{contact_.contact, contact_.contact_stiffness_n_per_m, sample.dt_s, sample.weight};
   ShapingFilter* filter = std::get_if<ShapingFilter>(&law_);
@@ -181,8 +184,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     out.clamped =
         clamp_wrench(in.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
   } else {
-    in.contact = {};  // the output is zero, and an unlimited input must not wait in the law's state
-                      // until the gain returns
+    in.contact = {};  // an unlimited input would stay in the law's state until the gain returns
   }
   law_output_ = std::visit(
       [&](auto& law) {
@@ -206,8 +208,9 @@ void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput
   out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
 }
 
-/// Makes the command never pull, vanish in free space, stay within the limits and be finite.
-void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
+/// Applies the rules for a command: it never pulls against the contact, is finite, never exceeds
+/// the law's force in free space, and stays within the device's limits.
+void RunningCoupling::limit_command(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const double part = one_sided(contact_.coherence);
   never_pull(sum.force, law.force.isZero(0.0) ? contact_.contact.force : law.force, part);
   never_pull(sum.torque, law.torque.isZero(0.0) ? contact_.contact.torque : law.torque, part);
@@ -215,7 +218,7 @@ void RunningCoupling::finish(Wrench& sum, const Wrench& law, CouplingOutput& out
     ++counters_.not_finite;
     sum = law;
   }
-  // Filter output after the contact: damping may reduce it and not add to it.
+  // After the contact the filter's output decays. Damping may reduce it and not add to it.
   if (!in_contact_)
     clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
   out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
@@ -226,11 +229,11 @@ void RunningCoupling::fade_out(double dt_s, Wrench& sum, CouplingOutput& out) no
   if (!swing_.growing())
     return;
   out.growing = true;
-  remaining_ = std::max(0.0, remaining_ - dt_s / kFadeOutS);
-  sum.force *= remaining_, sum.torque *= remaining_;
+  fade_factor_ = std::max(0.0, fade_factor_ - dt_s / kFadeOutS);
+  sum.force *= fade_factor_, sum.torque *= fade_factor_;
 }
 
-/// Records the step during which the last command acted.
+/// Records the displacement during which the last command acted.
 void RunningCoupling::count_path() noexcept {
   const Wrench& applied = passivity_.applied();
   if (applied.zero())
@@ -250,7 +253,7 @@ void RunningCoupling::count(const CouplingOutput& out) noexcept {
   counters_.bounded += out.bounded;
   counters_.pose_jumps = motion_.jumps();
   counters_.swing = swing_.largest();
-  counters_.growing = out.growing && remaining_ == 0.0;
+  counters_.growing = out.growing && fade_factor_ == 0.0;
   counters_.lowest_energy_j =
       std::min({counters_.lowest_energy_j, energy.normal_j, energy.tangential_j});
   counters_.lowest_energy_rotation_j =

@@ -5,7 +5,7 @@
 ///   limits -> command
 ///
 /// The law is one of the three couplings. The passivity observer only observes. If the force grows
-/// over three periods without work of the operator (swing_watch.hpp), the command fades to zero
+/// over three cycles without work of the operator (swing_watch.hpp), the command fades to zero
 /// over kFadeOutS and stays zero until `reset`.
 #include <cstdint>
 #include <optional>
@@ -33,12 +33,13 @@ struct CouplingOutput {
   bool bounded = false;         ///< injected damping exceeded its bound and was limited
   /// Fraction of the contact's wrench that is within the caps; see StiffnessScale.
   double scale = 1.0;
-  /// translation: net energy from the operator since this contact began; see passivity.hpp.
+  /// Net energy from the operator since this contact began, translation and rotation [J]; see
+  /// passivity.hpp.
   double energy_j = 0.0;
   double energy_rotation_j = 0.0;
   /// Self-excited growth of the force: the command fades to zero and stays there.
   bool growing = false;
-  double injected_n = 0.0;  ///< magnitude of the force of injected damping
+  double injected_n = 0.0;  ///< magnitude of the force of injected damping [N]
 };
 
 /// Counts since construction, for diagnostics.
@@ -52,17 +53,19 @@ struct CouplingCounters {
   std::uint64_t not_finite = 0;  ///< non-finite commands; the law was restarted
   double lowest_energy_j = 0.0;  ///< of any single account of translation
   double lowest_energy_rotation_j = 0.0;
-  Swing swing;           ///< the largest one
+  Swing swing;           ///< the largest swing
   bool growing = false;  ///< the force grew by self-excitation and the command has faded to zero
-  double most_force_n = 0.0, most_torque_nm = 0.0;          ///< of all commands
-  double longest_path_m = 0.0, longest_rotation_rad = 0.0;  ///< between two samples, under force
+  double most_force_n = 0.0, most_torque_nm = 0.0;          ///< largest of all commands
+  double longest_path_m = 0.0, longest_rotation_rad = 0.0;  ///< of one period, under force
 };
 
-/// The coupling of one device. Steps are real-time safe: no allocation, lock or exception.
+/// The coupling of one device, W axes. `step` and `reset` are real-time safe: no allocation, lock
+/// or exception.
 class RunningCoupling {
  public:
-  /// Throws std::invalid_argument for the first error of `validate` and for an invalid ramp or
-  /// speed limit.
+  /// `sample_time_s`: nominal period T [s]. `ramp_s`: duration of a fade-in [s]. `speeds`: limits
+  /// beyond which a pose has jumped. Throws std::invalid_argument for the first error of
+  /// `validate` and for an invalid ramp or speed limit.
   RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
                   double ramp_s = kDefaultRampS, const ToolSpeedLimits& speeds = {});
 
@@ -94,15 +97,14 @@ class RunningCoupling {
   const Twist& velocity() const noexcept { return motion_.velocity(); }
 
  private:
-  using Law =
-      std::variant<DirectCoupling, ShapingFilter, SpringDamper>;  ///< In the order of CouplingKind.
+  using Law = std::variant<DirectCoupling, ShapingFilter, SpringDamper>;  ///< index: CouplingKind
   static Law law_of(const CouplingSpec& spec, double sample_time_s) noexcept;
   void start_law_at(const Wrench& start) noexcept;
   double newly_supplied(const CouplingInput& input, double dt_s) noexcept;
   Wrench run_law(const CouplingInput& input, const PolicedSample& sample,
                  CouplingOutput& out) noexcept;
   void add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
-  void finish(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
+  void limit_command(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept;
   void count_path() noexcept;
   void fade_out(double dt_s, Wrench& sum, CouplingOutput& out) noexcept;
   void count(const CouplingOutput& out) noexcept;
@@ -117,12 +119,12 @@ class RunningCoupling {
   InjectedDamping injected_;
   Passivity passivity_;
   SwingWatch swing_;
-  double remaining_ = 1.0;  ///< remaining fraction of the command after self-excited growth
-  CouplingInput contact_;   ///< the last valid one, scaled
-  Wrench law_output_;       ///< last output of the law
+  double fade_factor_ = 1.0;  ///< remaining fraction of the command after self-excited growth
+  CouplingInput contact_;     ///< the last valid one, scaled
+  Wrench law_output_;         ///< last output of the law
   bool in_contact_ = false;
-  double displayed_ = 1.0;            ///< displayed fraction of a force in W, by scale and gain
-  std::optional<double> supplied_j_;  ///< last value of the input
+  double displayed_ratio_ = 1.0;      ///< displayed fraction of a force in W, by scale and gain
+  std::optional<double> supplied_j_;  ///< CouplingInput::supplied_energy_j of the last sample
   CouplingCounters counters_;
 
   static constexpr double kFadeOutS = 0.05;

@@ -16,7 +16,7 @@ inline constexpr double kGainSlewPerS = 1.0;
 /// filter works in W: the axes of its six components do not rotate with the tool. Real-time safe.
 class ShapingFilter {
  public:
-  /// Requires a validated `spec`.
+  /// Requires a validated `spec`. `nominal_period_s`: T [s], > 0.
   ShapingFilter(const CouplingSpec& spec, double nominal_period_s) noexcept;
 
   /// One sample: K H_f of the contact, faded in from the start force [N, Nm], W axes. Source: the
@@ -27,7 +27,7 @@ class ShapingFilter {
   /// Sets validated parameters at run time. Cut-off and damping change immediately (the state
   /// cannot grow by it), the gain no faster than kGainSlewPerS.
   void redesign(const CouplingSpec& spec) noexcept;
-  double gain() const noexcept { return gain_; }  ///< the present gain during a ramp
+  double gain() const noexcept { return gain_; }  ///< K of this sample, also during a ramp
   /// Advances the gain by one sample. The input of `step` must be clamped to limit / gain, so that
   /// the state does not wind up on a peak that the device cannot give.
   double advance_gain() noexcept;

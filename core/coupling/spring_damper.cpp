@@ -31,8 +31,8 @@ Vec3 UnilateralSpringDamper::step(const Vec3& f, double k, double c, double r,
   }
   const Vec3 along = f / size;
   const double before = along.dot(delta);
-  // A negative displacement (the force has reversed within a step) would need more force than the
-  // contact gives.
+  // A negative displacement (the force has reversed within a step) would need more force than that
+  // of the contact.
   double now = std::max(0.0, (size + damper * before) / (k + c + damper));
   double given = size - k * now;
   if (given < 0.0)

@@ -26,9 +26,9 @@ namespace voxtouch::coupling {
 /// along f in free space and once the object has left the surface, where F would pull. F never
 /// opposes f and is never longer than f.
 struct UnilateralSpringDamper {
-  Vec3 delta = Vec3::Zero();
+  Vec3 delta = Vec3::Zero();  ///< [m], W axes
   /// F of one sample, for the contact's force `f` [N or Nm], its stiffness `k`, spring `c` [N/m],
-  /// damper `r` [Ns/m] and the period [s].
+  /// damper `r` [Ns/m] and the period [s]. Real-time safe.
   Vec3 step(const Vec3& f, double k, double c, double r, double dt_s) noexcept;
 };
 
@@ -48,9 +48,8 @@ class SpringDamper {
   void start_at(const Wrench& start) noexcept;
   /// Sets c > 0 and r >= 0 at run time; both ramp linearly over kDefaultRampS.
   void redesign(const CouplingSpec& spec) noexcept;
-  const Vec3& object_offset() const noexcept {
-    return force_.delta;
-  }  ///< object relative to the device [m], W
+  /// Displacement of the object from the device [m], W axes.
+  const Vec3& object_offset() const noexcept { return force_.delta; }
 
  private:
   Ramp c_, r_;

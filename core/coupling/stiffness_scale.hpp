@@ -29,7 +29,7 @@ class StiffnessScale {
   /// Sets new caps. During contact the scale ramps linearly from its present value to the new one
   /// over kDefaultRampS.
   void redesign(const CouplingSpec& spec) noexcept;
-  /// s of this sample, for a `usable` input.
+  /// s of this sample, `dt_s` [s] after the last, for a `usable` input.
   double step(const CouplingInput& input, double dt_s) noexcept;
 
  private:

@@ -48,7 +48,7 @@ void ToolMotion::clear() noexcept {
   forget_velocity();
 }
 
-/// As for a tool at rest.
+/// Fills the estimates with those of a tool at rest.
 void ToolMotion::forget_velocity() noexcept {
   fast_ = velocity_ = {};
   slow_.setZero();
@@ -56,12 +56,12 @@ void ToolMotion::forget_velocity() noexcept {
   known_ = 0;
 }
 
-void ToolMotion::remember(const Vec3& shift, const Vec3& turn) noexcept {
+void ToolMotion::remember(const Vec3& shift, const Vec3& rotation) noexcept {
   const int size = static_cast<int>(displacements_.size()),
             parts = std::clamp(static_cast<int>(std::lround(elapsed_s_ / nominal_s_)), 1, size);
   for (int i = 0; i < parts; ++i) {
     newest_ = (newest_ + 1) % size;
-    displacements_[newest_] = {{shift / parts, turn / parts}, elapsed_s_ / parts};
+    displacements_[newest_] = {{shift / parts, rotation / parts}, elapsed_s_ / parts};
   }
   known_ = std::min(known_ + parts, size);
 }
@@ -87,13 +87,13 @@ Twist ToolMotion::velocity_of_window() const noexcept {
           last.angular + kWindowLead * (last.angular - before.angular)};
 }
 
-void ToolMotion::estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept {
+void ToolMotion::estimate_velocity(const Vec3& shift, const Vec3& rotation) noexcept {
   if (window_ > 0) {
     fast_ = velocity_of_window();
   } else {
     const double old_weight = std::exp(-cutoff_rad_per_s_ * elapsed_s_);
     blend(fast_.linear, old_weight, shift / elapsed_s_);
-    blend(fast_.angular, old_weight, turn / elapsed_s_);
+    blend(fast_.angular, old_weight, rotation / elapsed_s_);
   }
   velocity_ = fast_;
   if (!(slow_rad_per_s_ > 0.0 && band_m_per_s_ > 0.0)) {
@@ -123,12 +123,12 @@ const ToolStep& ToolMotion::step(const Pose& tool, double dt_s) noexcept {
 void ToolMotion::move_to(const Vec3& position, const Quat& orientation) noexcept {
   if (anchored_) {
     const Vec3 shift = position - last_.position,
-               turn = rotation_vector(last_.orientation, orientation);
+               rotation = rotation_vector(last_.orientation, orientation);
     if (shift.norm() <= limits_.linear_m_per_s * elapsed_s_ &&
-        turn.norm() <= limits_.angular_rad_per_s * elapsed_s_) {
-      step_ = {true, shift, turn};
-      remember(shift, turn);
-      estimate_velocity(shift, turn);
+        rotation.norm() <= limits_.angular_rad_per_s * elapsed_s_) {
+      step_ = {true, shift, rotation};
+      remember(shift, rotation);
+      estimate_velocity(shift, rotation);
     } else {
       ++jumps_;
       forget_velocity();

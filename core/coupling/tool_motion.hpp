@@ -8,8 +8,8 @@
 
 namespace voxtouch::coupling {
 
-/// No operator moves a tool faster than this, in W: the pose has jumped. Multiply by the device's
-/// position scale.
+/// Largest speeds of a tool in the hand of an operator, in W. A faster displacement is a jump of
+/// the pose. Multiply them by the device's position scale.
 struct ToolSpeedLimits {
   double linear_m_per_s = 10.0;
   double angular_rad_per_s = 100.0;
@@ -35,7 +35,8 @@ struct ToolStep {
 ///
 /// With a window, v^ is the formula of velocity_window.hpp for measured periods, with u and w each
 /// a displacement over its time. A displacement over several periods, after lost samples, counts as
-/// that many differences. Until the window is full v^ is u, as if the tool had been at rest.
+/// that many differences. While the window is not full, v^ is u: the tool counts as at rest at its
+/// first pose.
 ///
 /// With a band, the linear velocity is
 ///
@@ -73,11 +74,11 @@ class ToolMotion {
   };
 
   void move_to(const Vec3& position, const Quat& orientation) noexcept;
-  void remember(const Vec3& shift, const Vec3& turn) noexcept;
+  void remember(const Vec3& shift, const Vec3& rotation) noexcept;
   void forget_velocity() noexcept;
   Twist quotient(int from, int count) const noexcept;
   Twist velocity_of_window() const noexcept;
-  void estimate_velocity(const Vec3& shift, const Vec3& turn) noexcept;
+  void estimate_velocity(const Vec3& shift, const Vec3& rotation) noexcept;
 
   double nominal_s_, cutoff_rad_per_s_ = 0.0, slow_rad_per_s_ = 0.0, band_m_per_s_ = 0.0,
                      elapsed_s_ = 0.0;

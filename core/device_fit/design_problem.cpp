@@ -48,7 +48,7 @@ coupling::CouplingSpec scaled(coupling::CouplingSpec spec, const HandScales& sca
   spec.stiffness_cap_n_per_m *= scales.translation;
   spec.injected_damping_ns_per_m *= scales.translation;
   spec.velocity_band_m_per_s *= std::sqrt(scales.rotation / scales.translation);
-  spec.damper_free_n *= std::sqrt(scales.translation * scales.rotation);
+  spec.damping_force_offset_n *= std::sqrt(scales.translation * scales.rotation);
   spec.stiffness_cap_nm_per_rad *= scales.rotation;
   spec.injected_damping_nms_per_rad *= scales.rotation;
   return spec;
@@ -81,8 +81,9 @@ coupling::design::DesignProblem design_problem(const scene::Scene& scene,
   goals.cutoff_hz = options.cutoff_hz;
   goals.max_cutoff_hz = std::max(goals.max_cutoff_hz, options.cutoff_hz);
   goals.gain_margin = options.gain_margin;
-  goals.floors = coupling::design::floors_of(options.min_damping_ratio);
-  goals.rotation_floors = coupling::design::floors_of(options.rotation_min_damping_ratio);
+  goals.min_damping = coupling::design::min_damping_ratios_of(options.min_damping_ratio);
+  goals.rotation_min_damping =
+      coupling::design::min_damping_ratios_of(options.rotation_min_damping_ratio);
   if (!spring)
     goals.force_layer_depth_m = 0.5 * scene.voxel_size_m / scene.device.position_scale;
   goals.allow_injected_damping = options.inject_damping;

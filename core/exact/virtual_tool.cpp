@@ -13,19 +13,18 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// `rotation` or the same the other way round: near half a turn, whichever lies nearer to the last
-/// one.
+/// Near 180 degrees, `rotation` or the equal one about the opposite axis: the one nearer to `last`.
 Vec3 keep_axis(const Vec3& rotation, const Vec3& last) noexcept {
-  constexpr double kNearHalfATurn = 3.0;
+  constexpr double kNear180Degrees = 3.0;
   const double angle = rotation.norm();
-  if (angle < kNearHalfATurn)
+  if (angle < kNear180Degrees)
     return rotation;
   const Vec3 other = (1.0 - 2.0 * std::numbers::pi / angle) * rotation;
   return other.dot(last) > rotation.dot(last) ? other : rotation;
 }
 
-/// The position is rounded to a lattice, so that a caller may move it by multiples of that to and
-/// fro without a change.
+/// `pose` after a displacement. The position is rounded to a lattice, so that adding and
+/// subtracting multiples of its step gives bit-identical positions.
 Pose moved(const Pose& pose, const Vec3& shift, const Vec3& rotation) noexcept {
   const Vec3 there = (pose.position + shift) / limits::kLatticeM;
   Pose out{limits::kLatticeM * there.array().round().matrix(), pose.orientation};
@@ -104,10 +103,11 @@ Vec6 VirtualTool::spring_to(const Pose& hand) const noexcept {
   return spring_between(contacts_.tool(), hand);
 }
 
-/// Whether the spring gets shorter by a part of what a step `taken` promises (Armijo's rule).
+/// Whether the spring gets shorter by a fraction of the decrease that a step `taken` predicts
+/// (Armijo's rule).
 ///
-/// A step does not include the curvature of rows: where they do strongly, steps of full length
-/// swing about the minimum and never end. Margins that are restored may cost energy.
+/// A step does not include the curvature of rows. If it is large, steps of full length oscillate
+/// about the minimum. A step that restores a margin may lengthen the spring.
 bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
                            const Pose& hand) const noexcept {
   double missing = 0.0;
@@ -131,7 +131,7 @@ void VirtualTool::start_at(const Pose& tool) noexcept {
   start_ = {.pose = tool, .given = true, .whole_force = true};
 }
 
-/// There is no start where it was sought. \returns whether the tool goes on from where it was.
+/// Ends a start whose pose is not valid. Returns true if the tool continues from its last pose.
 bool VirtualTool::start_is_blocked() noexcept {
   const Start blocked = start_;
   start_ = {};
@@ -143,8 +143,8 @@ bool VirtualTool::start_is_blocked() noexcept {
   return true;
 }
 
-/// Goes on with the start where it was begun, with the objects where they were then; true once the
-/// tool is there and all lists are whole.
+/// Continues the check of a start, with tool and objects where they were when it began. Returns
+/// true once the tool is initialised and all lists are complete.
 bool VirtualTool::initialise(const Pose& hand, std::span<const Pose> objects, Work& work) noexcept {
   if (!start_.begun) {
     start_.begun = true;
@@ -183,8 +183,8 @@ bool VirtualTool::place(const Pose& tool, std::span<const Pose> objects) noexcep
   return true;
 }
 
-/// Renews the lists for rows within `rows_m`, and says how far the tool may go in this query:
-/// `need_m` where all that is farther than the rows can be looked at when a step is known.
+/// Renews the lists for rows within `rows_m` and sets the largest step of this query. It is
+/// `need_m` if pairs beyond the rows can be checked once the step is known.
 void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Work& work) noexcept {
   const double rest = 3.0 * limits::kMarginM;  // rows within it beyond the reach push, and rounding
   double allowed = kInfinity, nearest = kInfinity;
@@ -200,16 +200,17 @@ void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Wor
     query.lists_m = std::max(query.lists_m, allowed);
 }
 
-/// `push_out`: rows nearer than the margin push the tool out. Else none asks for more than to stay
-/// as near as it is, which no step always does unless an object moves.
-Projection VirtualTool::solve_with(const Vec6& target, double turn_rad, bool push_out,
+/// Projects `target` on the rows. `push_out`: rows nearer than the margin require the tool to move
+/// out. Otherwise they require only that the gap does not decrease, which the zero step fulfils
+/// unless an object moves.
+Projection VirtualTool::solve_with(const Vec6& target, double rotation_rad, bool push_out,
                                    VirtualToolFrame& out, Work& work) noexcept {
   const double most = push_out ? limits::kMaxPushOutM : 0.0;
   const std::span<const Row> rows = contacts_.rows();
   const std::span<Halfspace> halfspaces = contacts_.halfspaces();
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const Row& row = rows[k];
-    const double bend = 0.5 * turn_rad * turn_rad * row.arm.norm();
+    const double bend = 0.5 * rotation_rad * rotation_rad * row.arm.norm();
     halfspaces[k].least_m =
         std::min(limits::kMarginM - row.gap_m, most) + row.closes_m + row.missed_m + bend;
   }
@@ -222,7 +223,7 @@ void VirtualTool::limit_to(double ratio, Work& work) const noexcept {
   work.set_limit(static_cast<std::uint64_t>(ratio * static_cast<double>(options_.max_work)));
 }
 
-/// The step from here, in `last_`, of the straight rows.
+/// Computes the step of the straight rows, in `last_`.
 void VirtualTool::solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept {
   last_ = solve_with(target, 0.0, true, out, work);
   if (!last_.feasible)
@@ -231,18 +232,18 @@ void VirtualTool::solve(const Vec6& target, VirtualToolFrame& out, Work& work) n
     last_.delta.setZero();
 }
 
-/// The nearest step that keeps all rows, bent by its own rotation. A part of a step restores only a
-/// part of the margins that are missing, so it must be brought to the rows again; `step` itself
-/// where no step keeps them.
+/// The nearest step that satisfies all rows, including their curvature by its rotation. A shortened
+/// step restores only a part of the missing margins, so it is projected on the rows again. Returns
+/// `step` unchanged if no step satisfies them.
 Vec6 VirtualTool::kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept {
-  const double turn = step.tail<3>().norm() / options_.lever_m;
-  Projection kept = solve_with(step, turn, true, out, work);
+  const double rotation = step.tail<3>().norm() / options_.lever_m;
+  Projection kept = solve_with(step, rotation, true, out, work);
   if (!kept.feasible)
-    kept = solve_with(step, turn, false, out, work);
+    kept = solve_with(step, rotation, false, out, work);
   return kept.feasible && kept.converged ? kept.delta : step;
 }
 
-/// What friction leaves of the step that was solved.
+/// Reduces the step in `last_` to the part that friction allows.
 void VirtualTool::hold_by_friction(const Vec6& spring, double friction) noexcept {
   loose_.setIdentity();
   if (!(friction > 0.0) || last_.count == 0)
@@ -258,9 +259,9 @@ void VirtualTool::hold_by_friction(const Vec6& spring, double friction) noexcept
   loose_ = held.loose;
 }
 
-/// Whether the step that is tried, of `path_m`, is clear of all that is farther than the rows.
-/// Where it is not, the query asks for more rows; where that is not known, it allows what the rows
-/// know.
+/// Whether the tried step, of length `path_m`, cannot touch a pair beyond the rows. If it may touch
+/// one, the query requests more rows. If the check is not conclusive, the query is limited to the
+/// distance of the rows.
 bool VirtualTool::clear_beyond_rows(Opposite& opposite, double path_m, Query& query,
                                     Work& work) noexcept {
   const double seen = query.rows_m + 2.0 * limits::kMarginM;
@@ -275,13 +276,13 @@ bool VirtualTool::clear_beyond_rows(Opposite& opposite, double path_m, Query& qu
   return false;
 }
 
-/// Rows that close faster must be looked at from farther off.
+/// Records the largest decrease of a gap: in the next frame, rows are made up to that distance.
 void VirtualTool::note_closing(const Vec6& taken) noexcept {
   for (const Halfspace& row : contacts_.halfspaces())
     closing_m_ = std::max(closing_m_, -row.jacobian.dot(taken));
 }
 
-/// Takes the step where it is not longer than the query allows, and nothing is passed.
+/// Takes the step if it is within the limits of the query and no features pass through each other.
 bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                            Work& work) noexcept {
   limit_to(limits::kBeyondRatio, work);
@@ -301,7 +302,8 @@ bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, Vi
   return true;
 }
 
-/// The step that the rows leave, in `last_`, and the part of it that the query allows.
+/// Computes the step of the rows and of friction, in `last_`. Returns the fraction of it that the
+/// query allows.
 double VirtualTool::solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
                                 Work& work) noexcept {
   limit_to(limits::kProjectionRatio, work);
@@ -310,13 +312,14 @@ double VirtualTool::solve_query(const Query& query, const Vec6& spring, VirtualT
   out.residual_m = length_of(last_.delta);
   const double limit = std::min(query.reach_m, std::max(0.0, query.remaining_m));
   const double ratio = out.residual_m > limit ? limit / out.residual_m : 1.0;
-  // Rows that bend push the tool farther than the straight step goes.
-  const double turn = ratio * last_.delta.tail<3>().norm() / options_.lever_m;
-  const double bent = ratio * out.residual_m + 0.5 * turn * turn * reach_m_;
+  // The curvature of rows moves the tool farther than the straight step.
+  const double rotation = ratio * last_.delta.tail<3>().norm() / options_.lever_m;
+  const double bent = ratio * out.residual_m + 0.5 * rotation * rotation * reach_m_;
   return last_.count > 0 && bent > limit ? ratio * limit / bent : ratio;
 }
 
-/// Solves, and goes as far as the query allows. \returns the path that the tool went [m].
+/// Computes a step and takes the part of it that the query allows, halved until it is valid.
+/// Returns the length of the step taken [m]; 0: none.
 double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexcept {
   const Vec6 spring = spring_to(query.hand);
   const bool objects_move = query.objects_ratio > 0.0;
@@ -356,7 +359,7 @@ double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexce
     if (query.more_rows)
       return 0.0;
     if (shorter && attempt == 0)
-      continue;  // once more with what was passed
+      continue;  // again with the rows of the features that would pass
     scale *= 0.5;
     if (!objects_move)
       continue;
@@ -366,8 +369,8 @@ double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexce
   return 0.0;
 }
 
-/// Collects pairs and rows for a step as long as work and memory allow; false where there is no
-/// room for any.
+/// Collects pairs and rows for the largest step that work and memory allow. Returns false if they
+/// allow none.
 bool VirtualTool::collect_for(Query& query, double objects_m, Work& work) noexcept {
   for (;; query.lists_m *= 0.5) {
     query.objects_ratio = 0.0;
@@ -386,6 +389,8 @@ bool VirtualTool::collect_for(Query& query, double objects_m, Work& work) noexce
   }
 }
 
+/// Moves the tool towards the hand by queries, until it has converged or a limit ends the frame:
+/// number of queries, work, or, in contact, a path proportional to that of the hand.
 void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualToolFrame& out,
                          Work& work) noexcept {
   double remaining = kInfinity;
@@ -418,7 +423,7 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
     if (objects > 0.0)  // room for the objects' whole displacement
       need = std::max(need, std::min(objects / limits::kObjectsReachRatio, limits::kMaxReachM));
     limit_to(limits::kRenewalRatio, work);
-    // Rows of an object that moves may close from anywhere.
+    // If an object moves, a row may close from any distance.
     const double closes = std::max(limits::kReachRatio * closing, limits::kMinReachM);
     const double rows = all ? need : std::min(need, closes);
     query.more_rows = false;
@@ -431,19 +436,19 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
       break;
     out.rows_seen = std::max(out.rows_seen, static_cast<std::uint32_t>(contacts_.rows().size()));
     out.pairs_seen = std::max(out.pairs_seen, static_cast<std::uint32_t>(contacts_.pairs()));
-    const double went = step(query, out, work);
+    const double path_m = step(query, out, work);
     if (query.more_rows && !work.done())
       continue;
-    last_step_m_ = went;
-    longest = std::max(longest, went);
-    remaining -= went;
+    last_step_m_ = path_m;
+    longest = std::max(longest, path_m);
+    remaining -= path_m;
     limit_to(limits::kWidenRatio, work);
-    if (went > 0.9 * query.reach_m && !work.done())
+    if (path_m > 0.9 * query.reach_m && !work.done())
       expected = std::min(2.0 * expected, limits::kMaxReachM);
-    if (converged_ || (went == 0.0 && objects == 0.0))
+    if (converged_ || (path_m == 0.0 && objects == 0.0))
       break;
     if (remaining < limits::kRestM && contacts_.object_path() == 0.0) {
-      converged_ = true;  // as far as it may go in this frame
+      converged_ = true;  // the path of this frame is used up
       break;
     }
   }
@@ -453,7 +458,8 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
   longest_step_m_ = longest;
 }
 
-/// Of the rows that touch, whether or not they push: a tool that fills a slot touches both walls.
+/// Coherence of the rows that touch, with or without a force: a tool that fills a slot touches both
+/// walls.
 double VirtualTool::coherence_of_rows() const noexcept {
   Vec3 normals = Vec3::Zero();
   int touching = 0;
@@ -494,7 +500,7 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
   out.constrained = !free && !unfinished;
   out.not_converged = !converged_;
   if (out.constrained) {
-    // Without a row that says which way it gives, as if none did.
+    // Without an active row no direction is known to be free, so all are displayed as stiff.
     const Mat6 gives = last_.count > 0 ? Mat6(Mat6::Identity() - last_.held) : Mat6(Mat6::Zero());
     out.displayed = Mat6::Identity() - loose_ * gives * loose_;
   }
@@ -527,15 +533,15 @@ VirtualToolFrame VirtualTool::frame(const HandSample& sample,
     hand_ = hand.pose;
   }
   contacts_.set_targets(objects);
-  Vec6 hands_way;
-  hands_way << hand.pose.position - hand_.position,
+  Vec6 hand_step;
+  hand_step << hand.pose.position - hand_.position,
       options_.lever_m * rotation_vector(hand_.orientation, hand.pose.orientation);
   if (!same(hand_, hand.pose) || contacts_.objects_move()) {
     damping_ = 1.0;
     last_step_m_ = 0.0;
   }
   hand_ = hand.pose;
-  follow(hand, length_of(hands_way), out, work);
+  follow(hand, length_of(hand_step), out, work);
   out.work = work.used();
   report(out);
   if (out.object_delay_m > limits::kMaxObjectDelayM) {

@@ -1,13 +1,20 @@
 #pragma once
-/// The virtual tool on triangles: it follows the hand as far as the meshes let it, and a spring
-/// runs between both.
+/// The virtual tool on triangles: it follows the hand as far as the meshes allow, and a spring
+/// connects both.
 ///
-/// Virtual coupling with a constraint-based tool (Zilles and Salisbury 1995; Ortega et al. 2007).
-/// With d = [hand - tool; lever * rotation vector from tool to hand], six numbers in metres, a
-/// frame moves the tool to a local minimum of |d|^2 / 2 over the poses at which it does not
-/// penetrate any object. Quasi-static: no mass, no velocity, no stiffness enters. Each step is the
-/// projection of d on the rows of all features that face each other (touches.hpp, projection.hpp);
-/// a step on which features would pass through each other is not taken.
+/// Virtual coupling with a constraint-based tool (Zilles and Salisbury 1995; Ortega et al. 2007). A
+/// frame moves the tool to a local minimum of
+///
+///     |d|^2 / 2,   d = [hand - tool; lever * rotation vector from tool to hand]   [m]
+///
+/// over the poses at which it does not penetrate any object. It is quasi-static: mass, velocity and
+/// stiffness do not enter.
+///
+/// Terms. A feature is a face, edge or vertex. A row is the linearised non-penetration condition of
+/// a pair of features that face each other (touches.hpp). A list holds the pairs within a distance,
+/// and is valid until the tool or the object has moved by a part of it. A query renews the lists,
+/// makes the rows, projects d on them (projection.hpp) and takes one step. A step on which features
+/// would pass through each other is rejected. A frame has several queries.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,14 +27,14 @@
 namespace voxtouch::exact {
 
 struct VirtualToolOptions {
-  double lever_m = 0.0;  ///< weighs rotations against shifts; 0: the tool's reach
-  double fade_s = 0.2;   ///< after the tool was initialised the force comes in over this time
-  /// Of a frame, in units of Work; at the limit the tool has not converged.
+  double lever_m = 0.0;  ///< length that converts rotations to displacements; 0: the tool's reach
+  double fade_s = 0.2;   ///< duration of the fade-in of the force after a start
+  /// Limit of a frame, in units of Work. A frame that reaches it has not converged.
   std::uint64_t max_work = Work::kOfFrame;
   std::size_t pair_capacity = 1 << 16;  ///< least room for pairs of each kind and object
 };
 
-/// What the hand does in one frame.
+/// Input of one frame: the pose of the device's tool, which the hand moves.
 struct HandSample {
   Pose pose;               ///< T in W
   double period_s = 1e-3;  ///< since the last frame: for the fade only
@@ -36,18 +43,18 @@ struct HandSample {
 
 enum class PoseStatus : std::uint8_t { kUsable, kNotAPose, kOutOfRange };
 
-/// One frame. All in W, torques about the tool's origin.
+/// Output of one frame, W axes, torques about the tool's origin.
 struct VirtualToolFrame {
-  Pose tool;  ///< the virtual tool; bit-identical to the hand where nothing is touched
+  Pose tool;  ///< pose of the virtual tool; bit-identical to the hand without contact
   Vec3 shift = Vec3::Zero();     ///< from the virtual tool to the hand [m]
   Vec3 rotation = Vec3::Zero();  ///< likewise, rotation vector [rad]
   double lever_m = 0.0;
-  double ratio = 0.0;                  ///< of the spring's force that is given, 0 to 1: it fades in
+  double ratio = 0.0;                  ///< factor of the fade-in on the spring's force, 0 to 1
   Mat6 displayed = Mat6::Zero();       ///< displayed stiffness over k, in the units of d: 0 to 1
   double residual_m = 0.0;             ///< remaining path of the last step
-  Vec3 contact_point = Vec3::Zero();   ///< on the object, of the row that pushes most
-  Vec3 contact_normal = Vec3::Zero();  ///< its direction, out of the object; zero without contact
-  std::uint32_t contact_owner = 0;     ///< whose row that is, numbered as `contact_forces`
+  Vec3 contact_point = Vec3::Zero();   ///< on the object, of the row with the largest force
+  Vec3 contact_normal = Vec3::Zero();  ///< of that row, out of the object; zero without contact
+  std::uint32_t contact_owner = 0;     ///< owner of that row, index in `contact_forces`
   double coherence = 1.0;              ///< |sum of normals| over their number, of rows that touch
   std::uint32_t rows = 0;              ///< with a contact force
   std::uint32_t rows_seen = 0;         ///< largest number in a query
@@ -56,15 +63,14 @@ struct VirtualToolFrame {
   int iterations = 0;           ///< of all projections
   int void_steps = 0;           ///< rejected: a feature would pass through another
   std::uint64_t work = 0;       ///< in units of Work
-  double object_delay_m = 0.0;  ///< how far the objects are beyond where the tool meets them
+  double object_delay_m = 0.0;  ///< path of the objects that the tool has not followed yet
   PoseStatus pose_status = PoseStatus::kUsable;
-  bool constrained = false;    ///< rows hold the tool off the hand
-  bool not_converged = false;  ///< the tool has not come to its place within the frame
-  bool not_initialised =
-      false;               ///< there is no virtual tool: the hand has not been in the open yet
-  bool cut_short = false;  ///< the limit of work ended the frame
-  bool passed_through =
-      false;  ///< an object moved through the tool: the tool could not be kept outside
+  bool constrained = false;    ///< rows keep the tool away from the hand
+  bool not_converged = false;  ///< the minimum was not reached within the frame
+  /// There is no virtual tool, because the hand has not been in free space since the start.
+  bool not_initialised = false;
+  bool cut_short = false;       ///< the limit of work ended the frame
+  bool passed_through = false;  ///< an object moved through the tool, which is reset
 
   /// Wrench of a spring `k` [N/m] on the hand, faded.
   Wrench wrench(double k) const noexcept {
@@ -75,9 +81,10 @@ struct VirtualToolFrame {
   Mat6 stiffness(double k) const noexcept;
 };
 
-/// State: the tool's pose, the objects' poses, and lists that are a cache. All memory is taken at
-/// construction; `frame` and `reset` neither allocate nor throw nor lock. One thread at a time. The
-/// same frames give bit-identical results. Body and objects must outlive it.
+/// State: the tool's pose, the objects' poses, and lists that are a cache. The constructor
+/// allocates all memory. All other functions except `place` are real-time safe: no allocation, lock
+/// or exception, and work within its limit. One thread at a time. Equal frames give bit-identical
+/// results. Body and objects must outlive it.
 class VirtualTool {
  public:
   /// Throws std::invalid_argument without objects, or for options that are not finite.
@@ -87,55 +94,56 @@ class VirtualTool {
   /// One frame; `objects` are the objects' poses in W, in the order of construction.
   ///
   /// An invalid pose gives no force and leaves the tool unchanged. Without a tool (at first, after
-  /// `reset`) there is no force until the hand is in the open, and all lists are whole, which may
-  /// take several frames; then the force comes in over `fade_s`.
+  /// `reset`) there is no force until the hand is in free space and all lists are complete, which
+  /// may take several frames. Then the force fades in over `fade_s`.
   VirtualToolFrame frame(const HandSample& hand, std::span<const Pose> objects) noexcept;
 
-  /// What each owner pushes the tool with in the last `frame`, over k: force [m], torque [m^2];
-  /// the owners of the first object, then those of the next. Times k they sum to the wrench where
-  /// the tool has come to its place. Times k and an object's velocity: its power.
+  /// Contact force of each owner on the tool in the last `frame`, over the spring constant k: force
+  /// [m], torque [m^2]. Owners are ordered by object. Times k, they sum to the wrench if the tool
+  /// has converged. Times k and an object's velocity, they are its power.
   std::span<const Wrench> contact_forces() const noexcept { return forces_; }
 
-  /// Forgets the tool: a new session, the clutch, a jump of the device.
+  /// Removes the tool: for a new session, the clutch or a jump of the device.
   void reset() noexcept;
-  /// The hand may be anywhere: from the next frame on the tool starts where the hand is. Where that
-  /// is no start, the tool goes on from where it is. Meanwhile, which may take several frames,
-  /// there is no tool; then the force comes in over `fade_s`.
+  /// Moves the tool to the hand, for a jump of the pose. The check of the new pose begins with the
+  /// next frame and may take several; until then there is no tool. If that pose is not valid, the
+  /// tool continues from its present one. Then the force fades in over `fade_s`.
   void relocate() noexcept;
-  /// From the next frame on starts from `tool`, and then with the whole force; where the hand is if
-  /// that is no start.
+  /// Starts at `tool` from the next frame on, without a fade-in. If that pose is not valid, starts
+  /// at the hand.
   void start_at(const Pose& tool) noexcept;
-  /// The same in one call, however much work it is. False, and no tool, where that is no start.
+  /// The same in one call, without a limit of work; not for the loop. Returns false, with no tool,
+  /// if the pose is not valid.
   bool place(const Pose& tool, std::span<const Pose> objects) noexcept;
 
   bool placed() const noexcept { return placed_; }
   const Pose& pose() const noexcept { return contacts_.tool(); }
   const VirtualToolOptions& options() const noexcept { return options_; }
-  /// Memory that it takes [bytes], lists and rows.
+  /// Memory of lists and rows [bytes].
   std::size_t bytes() const noexcept { return contacts_.bytes(); }
 
  private:
-  /// What limits the steps of a query.
+  /// Input of a query and the limits of its step.
   struct Query {
     Pose hand;
     double friction = 0.0;
-    double lists_m = 0.0;      ///< largest step that the lists cover
-    double rows_m = 0.0;       ///< no pair within it is left out of the rows
-    double reach_m = 0.0;      ///< of `lists_m`, what the objects' displacement leaves for the tool
-    double remaining_m = 0.0;  ///< of the frame, where something is touched
-    double rest_m = 0.0;       ///< a shorter step ends the frame
-    double objects_ratio =
-        1.0;  ///< of the objects' displacement that is left, which they make in this step
-    bool more_rows = false;  ///< a step would come to what is farther than the rows
+    double lists_m = 0.0;        ///< largest step that the lists cover
+    double rows_m = 0.0;         ///< the rows are complete for pairs within this distance
+    double reach_m = 0.0;        ///< largest step of the tool: `lists_m` minus that of the objects
+    double remaining_m = 0.0;    ///< path that the frame still allows in contact
+    double rest_m = 0.0;         ///< a shorter step ends the frame
+    double objects_ratio = 1.0;  ///< fraction of the objects' remaining path made in this step
+    bool more_rows = false;      ///< the step reaches pairs that have no rows: repeat with more
   };
 
-  /// Where the tool starts, while there is none.
+  /// A start that is being checked, while there is no tool.
   struct Start {
-    Pose pose = {};      ///< if `given`; else where the hand is
-    Pose before = {};    ///< if `returns`: where the tool goes on if it is no start
-    bool begun = false;  ///< and its check goes on
-    bool given = false, returns = false;
-    bool whole_force = false;  ///< without a fade
+    Pose pose = {};            ///< if `given`; otherwise the hand's pose is used
+    Pose before = {};          ///< if `returns`: the tool's pose if the start is not valid
+    bool begun = false;        ///< the check has begun and continues in the next frame
+    bool given = false;        ///< `pose` was requested
+    bool returns = false;      ///< an invalid start restores `before`
+    bool whole_force = false;  ///< without a fade-in
   };
 
   PoseStatus check(Pose& hand, std::span<const Pose> objects) const noexcept;
@@ -150,8 +158,8 @@ class VirtualTool {
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
   void solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept;
   Vec6 kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept;
-  Projection solve_with(const Vec6& target, double turn_rad, bool push_out, VirtualToolFrame& out,
-                        Work& work) noexcept;
+  Projection solve_with(const Vec6& target, double rotation_rad, bool push_out,
+                        VirtualToolFrame& out, Work& work) noexcept;
   bool try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                 Work& work) noexcept;
   bool clear_beyond_rows(Opposite& opposite, double path_m, Query& query, Work& work) noexcept;
@@ -171,20 +179,20 @@ class VirtualTool {
   ContactRows contacts_;
   std::vector<Pose> objects_before_;  ///< with Start::before
   std::vector<Wrench> forces_;
-  Projection last_;                ///< at `tool_`, of the last query
-  Mat6 loose_ = Mat6::Identity();  ///< likewise: what friction does not hold
+  Projection last_;                ///< of the last query, at the tool's pose
+  Mat6 loose_ = Mat6::Identity();  ///< projector on the motions that friction does not hold
   Pose hand_;
-  Vec3 rotation_ = Vec3::Zero();  ///< of the last frame: near half a turn its axis stays
+  Vec3 rotation_ = Vec3::Zero();  ///< of the last frame, for a constant axis near 180 degrees
   double longest_step_m_ = 0.0;   ///< of the last frame
-  double closing_m_ = 0.0;        ///< by so much a row's gap closed at most, in a step of a frame
-  double damping_ = 1.0;          ///< of steps while the hand rests
+  double closing_m_ = 0.0;        ///< largest decrease of a row's gap in a step of the last frame
+  double damping_ = 1.0;          ///< factor on the steps while the hand rests
   double last_residual_m_ = 0.0, last_step_m_ = 0.0;  ///< of the last query; step 0: there was none
-  int all_rows_frames_ = 0;  ///< so many frames more look at all rows that a step may come to
-  double placed_s_ = 0.0;
+  int all_rows_frames_ = 0;  ///< number of further frames with rows for the whole step
+  double placed_s_ = 0.0;    ///< time since the start [s], for the fade-in
   Start start_;
   bool placed_ = false;
-  bool converged_ = false;  ///< the last query asked for no further step
-  bool pressed_ = false;    ///< the last frame gave a force
+  bool converged_ = false;  ///< the last query needs no further step
+  bool pressed_ = false;    ///< the last frame had a force
 };
 
 }  // namespace voxtouch::exact

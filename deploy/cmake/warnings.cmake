@@ -5,10 +5,12 @@ find_package(Threads REQUIRED)
 add_library(voxtouch_warnings INTERFACE)
 add_library(voxtouch::warnings ALIAS voxtouch_warnings)
 target_compile_options(voxtouch_warnings INTERFACE
-  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wconversion -Wno-sign-conversion>
+  $<$<COMPILE_LANGUAGE:CXX>:-Wall -Wextra -Wshadow -Wnon-virtual-dtor -Wconversion
+  -Wno-sign-conversion>
   $<$<AND:$<COMPILE_LANGUAGE:CXX>,$<BOOL:${VOXTOUCH_WERROR}>>:-Werror>)
 
-# No contraction into fused multiply-adds: the same source gives bit-identical results for any compiler.
+# No contraction into fused multiply-adds: the same source gives bit-identical results for any
+# compiler.
 add_library(voxtouch_reproducible INTERFACE)
 add_library(voxtouch::reproducible ALIAS voxtouch_reproducible)
 target_compile_options(voxtouch_reproducible INTERFACE -ffp-contract=off -fno-fast-math)
@@ -36,5 +38,7 @@ add_compile_options($<$<COMPILE_LANG_AND_ID:CXX,GNU>:--param=ggc-min-heapsize=52
 # The repository's root is the only include root: #include "core/voxmap/voxmap.hpp" names the path.
 add_library(voxtouch_root INTERFACE)
 add_library(voxtouch::root ALIAS voxtouch_root)
-target_include_directories(voxtouch_root INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/voxtouch>)
-target_link_libraries(voxtouch_root INTERFACE $<BUILD_INTERFACE:voxtouch::warnings> voxtouch::reproducible Threads::Threads)
+target_include_directories(voxtouch_root
+  INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/voxtouch>)
+target_link_libraries(voxtouch_root
+  INTERFACE $<BUILD_INTERFACE:voxtouch::warnings> voxtouch::reproducible Threads::Threads)

@@ -13,11 +13,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr int kLookPeriods = 2;  // without a tick for this long the errors are read
-constexpr int kStallPeriods =
-    5;  // without a tick for so many periods the force is turned off directly
-constexpr auto kFirstTick = 1s;
-constexpr auto kLongSilence = 200ms;  // worth a message
+// A tick is one call of the vendor's servo callback.
+constexpr int kErrorCheckPeriods = 2;  // without a tick for so long the library's errors are read
+constexpr int kStallPeriods = 5;       // without a tick for so long force output is turned off
+constexpr auto kFirstTick = 1s;        // longest wait for the first tick
+constexpr auto kLongSilence = 200ms;   // without a tick for so long `last_error` reports it
 
 }  // namespace
 
@@ -53,7 +53,8 @@ void PhantomDriver::wait_for_first_tick() {
                     error_text(library_.api(), fatal)));
 }
 
-std::optional<devices::DeviceError> PhantomDriver::ended() const noexcept {
+/// The permanent error that has ended the session; empty while it runs.
+std::optional<devices::DeviceError> PhantomDriver::fatal_error() const noexcept {
   const hd::HDerror fatal = servo_->errors().fatal();
   if (fatal == hd::kSuccess)
     return {};
@@ -62,17 +63,17 @@ std::optional<devices::DeviceError> PhantomDriver::ended() const noexcept {
 
 devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
     std::chrono::microseconds timeout) noexcept {
-  if (const auto error = ended())
+  if (const auto error = fatal_error())
     return std::unexpected(*error);
-  const bool came = virtual_time_ ? make_ticks(timeout) : wait_for_tick(timeout);
-  if (const auto error = ended()) {
+  const bool ticked = virtual_time_ ? make_ticks(timeout) : wait_for_tick(timeout);
+  if (const auto error = fatal_error()) {
     servo_->drop();
-    if (!came)
-      servo_->force_off();  // no tick can do it
+    if (!ticked)
+      servo_->force_off();  // no tick will set zero force
     return std::unexpected(*error);
   }
-  if (!came)
-    return std::unexpected(nothing_came());
+  if (!ticked)
+    return std::unexpected(missing_tick());
   if (std::exchange(first_, false))
     zero_ns_ = sample_.sample.time_ns;
   sample_.sample.time_ns -= zero_ns_;
@@ -84,21 +85,21 @@ devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
   return sample_.sample;
 }
 
-/// An overdue tick may never come. The errors of the library give the reason, and no other thread
-/// reads them.
+/// Real time: waits for a sample of the servo thread. An overdue tick may never occur. The errors
+/// of the library state the reason, and no other thread reads them.
 bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {
-    const Clock::time_point look = std::min(deadline, Clock::now() + kLookPeriods * period_);
-    if (servo_->take(sample_, look))
+    const Clock::time_point until = std::min(deadline, Clock::now() + kErrorCheckPeriods * period_);
+    if (servo_->take(sample_, until))
       return true;
     servo_->errors().drain(library_.api());
-    if (ended() || Clock::now() >= deadline)
+    if (fatal_error() || Clock::now() >= deadline)
       return false;
   }
 }
 
-/// At least one tick; as many as fit into `timeout` if ticks give no sample.
+/// Virtual time: makes at least one tick, and as many as fit into `timeout` until one has a sample.
 bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
   const auto most = std::max<std::int64_t>(1, std::chrono::nanoseconds(timeout) / period_);
   for (std::int64_t i = 0; i < most; ++i) {
@@ -108,13 +109,14 @@ bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
     servo_->errors().drain(library_.api());
     if (result < 0)
       servo_->errors().note(hd::kTimerError);  // the servo loop has stopped
-    if (ended())
+    if (fatal_error())
       return false;
   }
   return false;
 }
 
-devices::DeviceError PhantomDriver::nothing_came() noexcept {
+/// The error of a `read` without a tick. Turns force output off if the servo loop has stalled.
+devices::DeviceError PhantomDriver::missing_tick() noexcept {
   const Clock::duration silence = servo_->silence();
   if (virtual_time_ || silence > kStallPeriods * period_)
     servo_->force_off();
@@ -124,7 +126,7 @@ devices::DeviceError PhantomDriver::nothing_came() noexcept {
 }
 
 devices::DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept {
-  if (const auto error = ended())
+  if (const auto error = fatal_error())
     return servo_->drop(), std::unexpected(*error);
   if (const auto good = devices::check_command(command, description_); !good)
     return servo_->drop(), good;

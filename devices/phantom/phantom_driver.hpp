@@ -19,7 +19,9 @@ namespace voxtouch::phantom {
 /// Owned by one thread. The vendor's servo thread produces the samples and takes the commands
 /// (PhantomServo); `read` waits for it, and neither thread waits for a lock of the other.
 ///
-/// Errors of `read`: kTimeout (no tick in time; without a tick for some periods force output is
+/// A tick is one call of the driver's callback in the vendor's servo loop.
+///
+/// Errors of `read`: kTimeout (no tick in time; without a tick for five periods force output is
 /// also turned off until the next command), kDisconnected (communication lost, or no tick for
 /// `silence_s`), kFault (device fault, timer, scheduler, an unknown error). The last two are
 /// permanent: open the device again. Errors that only cost force are returned by `write`, so that
@@ -32,8 +34,8 @@ namespace voxtouch::phantom {
 ///
 /// A tick with an error or an invalid pose sets no force, which the library treats as zero: the
 /// motors are at zero within one period. If the servo loop has stopped, no force can be set. `read`
-/// detects it after two periods and turns force output off; until then the amplifier depends on its
-/// own watchdog.
+/// detects an error after two periods and a stall after five, and turns force output off. Until
+/// then the amplifier depends on its own watchdog.
 ///
 /// The orientation is that of the stylus including the gimbal, orthonormalised. The twist is
 /// computed by the driver and has the lag of TwistEstimate. Force is limited further while motors
@@ -74,10 +76,10 @@ class PhantomDriver : public devices::Driver {
 
  private:
   using Clock = PhantomServo::Clock;
-  std::optional<devices::DeviceError> ended() const noexcept;
+  std::optional<devices::DeviceError> fatal_error() const noexcept;
   bool wait_for_tick(std::chrono::microseconds timeout) noexcept;
   bool make_ticks(std::chrono::microseconds timeout) noexcept;
-  devices::DeviceError nothing_came() noexcept;
+  devices::DeviceError missing_tick() noexcept;
   void wait_for_first_tick();
 
   PhantomOptions options_;
@@ -88,7 +90,7 @@ class PhantomDriver : public devices::Driver {
                                       // the callback
   Clock::duration period_{};
   ServoSample sample_;
-  std::int64_t zero_ns_ = 0;
+  std::int64_t zero_ns_ = 0;                    // time of the first sample, monotonic clock
   std::atomic<std::uint64_t> known_errors_{0};  // errors already reported to the caller
   std::atomic<bool> pose_lost_{false};          // of the last sample
   bool first_ = true, virtual_time_ = false, is_known_arm_ = false;

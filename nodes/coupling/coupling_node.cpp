@@ -118,8 +118,8 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
                   fitting_.device().translation.max_stiffness, fitting_.external());
   }
 
-  /// After a reset of the force lock, starts as in a new session: no energy debt, and the force
-  /// ramps in. Allocates, while no force is commanded.
+  /// After a reset of the fault latch, starts as in a new session: without an energy debt, and with
+  /// a fade-in of the force. Allocates, while no force is commanded.
   void restart() {
     coupling_.begin_session(fitting_.device().timing);
     coupling_.adopt(design_.use().coupling);

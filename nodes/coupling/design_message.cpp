@@ -32,7 +32,7 @@ constexpr SpecNumber kSpecNumbers[] = {VOXTOUCH_NUMBER(cutoff_hz),
                                        VOXTOUCH_NUMBER(slow_velocity_hz),
                                        VOXTOUCH_NUMBER(velocity_band_m_per_s),
                                        VOXTOUCH_NUMBER(damping_force_ratio),
-                                       VOXTOUCH_NUMBER(damper_free_n)};
+                                       VOXTOUCH_NUMBER(damping_force_offset_n)};
 #undef VOXTOUCH_NUMBER
 
 std::vector<std::string> notes_on(const device_fit::FittedCoupling& fitted, double sample_time_s,
@@ -49,10 +49,10 @@ std::vector<std::string> notes_on(const device_fit::FittedCoupling& fitted, doub
                                   coupling::design::describe_bound(fitted.design.spec)})
     if (!more.empty())
       notes.push_back("injected damping " + more);
-  if (const std::string& forbids = fitted.design.floors.out_of_reach; !forbids.empty())
-    notes.push_back(
-        fmt::format("damping ratios of {:.2g} released and {:.2g} gripped are out of reach: {}",
-                    fitted.design.floors.released, fitted.design.floors.held, forbids));
+  if (const std::string& forbids = fitted.design.min_damping.out_of_reach; !forbids.empty())
+    notes.push_back(fmt::format(
+        "damping ratios of {:.2g} released and {:.2g} gripped are out of reach: {}",
+        fitted.design.min_damping.released, fitted.design.min_damping.gripped, forbids));
   if (!fitted.refusal.empty())
     notes.push_back(fitted.refusal);
   for (const coupling::CouplingIssue& issue : coupling::validate(fitted.spec, {}, sample_time_s))
@@ -150,10 +150,10 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer,
   m.critical_stiffness_nm_per_rad = design.rotation.critical_stiffness;
   m.max_approach_m_per_s = design.max_approach_m_per_s;
   m.released_damping_ratio = design.swing.released;
-  m.gripped_damping_ratio = design.swing.held;
-  m.released_min_damping_ratio = design.floors.released;
-  m.gripped_min_damping_ratio = design.floors.held;
-  m.min_damping_ratio_cost_n_per_m = design.floors.cost_n_per_m;
+  m.gripped_damping_ratio = design.swing.gripped;
+  m.released_min_damping_ratio = design.min_damping.released;
+  m.gripped_min_damping_ratio = design.min_damping.gripped;
+  m.min_damping_ratio_cost_n_per_m = design.min_damping.cost_n_per_m;
   m.passive = design.translation.passive;
   m.worst_case = runtime::lend(design.translation.worst_case_text);
   reasons.into(m.reasons);

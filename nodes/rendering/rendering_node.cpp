@@ -20,8 +20,12 @@ namespace voxtouch::rendering_node {
 namespace {
 
 /// Node step of the rendering: answers each device sample with a contact state.
-/// Its cycle time is bounded by NodeHost::run, the changes in the queue and the counters of a
-/// frame. In lockstep it also waits for the update server; these waits end on a stop.
+///
+/// NodeHost::run calls, in its loop: `listen` between samples, `step` for a sample, `wrote` after
+/// its answer was sent, `idle` without a sample. `report` runs in the monitor's thread. Scene and
+/// effect changes are prepared by the update server and applied between two samples.
+/// The cycle time is that of a frame, of the changes in the queue and of the counters. In lockstep
+/// the step also waits for the update server; these waits end on a stop.
 class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactState> {
  public:
   RenderingNode(const Options& options, const scene::Scene& scene,
@@ -72,8 +76,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       external_->begin_session(session);
   }
 
-  /// Samples are refused until the scene is validated for the device. Neither the spring nor the
-  /// coupling exists before, so no force is lost.
+  /// Samples are refused until the scene is validated for the device. Spring and coupling do not
+  /// exist before that, so no force is omitted.
   bool ready() const noexcept override {
     return updates_.published().is_validated(host_.session_in_loop());
   }
@@ -175,11 +179,11 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
 std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene,
                                              const std::atomic<bool>& stop) {
   const runtime::AtOrdinaryPriority ordinary_priority;  // no sample waits yet
-  const auto go_on = [&stop] {
+  const auto check_stop = [&stop] {
     if (stop.load())
       throw std::runtime_error("stopped before the scene was built");
   };
-  return scene_build::build_here(scene, {.who = "rendering", .go_on = go_on});
+  return scene_build::build_here(scene, {.who = "rendering", .go_on = check_stop});
 }
 
 }  // namespace

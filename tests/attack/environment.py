@@ -185,7 +185,7 @@ class Rows:
         code, said = self.verb("doctor", "--domain", str(self.domain), env=environment)
         self.expect(
             code == 1 and "do not receive each other" in said and "AllowMulticast" in said,
-            "doctor names nodes that do not hear each other",
+            "doctor names nodes that do not receive each other",
             said,
         )
         with tempfile.TemporaryFile("w+") as log:
@@ -217,7 +217,7 @@ class Rows:
                 up.kill()
         self.expect(
             "for 3 s: CYCLONEDDS_URI disables multicast" in text,
-            "nodes say that they hear nothing, and why",
+            "nodes report that they receive nothing, and why",
             text,
         )
 

@@ -104,7 +104,7 @@ def errors(*rings):
     )
 
 
-def naming_strangers(ask, keys):
+def naming_unauthorised(ask, keys):
     """Nodes that report a refusal of foreign samples; None: no node is received."""
     status = subprocess.run(
         [
@@ -154,7 +154,7 @@ def main():
                 [ask.build / "bin" / words[0], *words[1:]], stdout=subprocess.PIPE, text=True
             )
             time.sleep(1.5)
-            named = naming_strangers(ask, keys)
+            named = naming_unauthorised(ask, keys)
             runs = [first.end()]
             second = Ring(ask, 4, ["--security", keys])
             if not second.in_contact():
@@ -175,7 +175,7 @@ def main():
             if had or named != 0:
                 faults.append(
                     f"{name}: {had} foreign commands reached the device, {named} nodes name"
-                    " strangers"
+                    " unauthorised participants"
                 )
             for run in runs:
                 faults += [
@@ -183,7 +183,8 @@ def main():
                 ]
                 answered.append(100.0 * run.get("answered", 0) / max(1, run.get("samples", 1)))
             print(
-                f"figure: {name}: {had} foreign commands, {named} nodes name a stranger, answered "
+                f"figure: {name}: {had} foreign commands, {named} nodes name an unauthorised"
+                " participant, answered "
                 + " and ".join(f"{fraction:.1f} %" for fraction in answered[-2:])
             )
         print(f"figure: {taken} foreign samples reached the loop, {refused} starts were refused")

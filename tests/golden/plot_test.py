@@ -341,7 +341,7 @@ class Pictures(unittest.TestCase):
             "/other/rendering/contact",
         )
 
-    def test_forces_of_a_virtual_tool_show_its_distance_from_the_hand(self):
+    def test_plots_the_distance_of_a_virtual_tool_next_to_forces(self):
         bag = self.at / "virtual_tool"
         run = voxtouch(
             *("up", "cup_virtual_tool", "--motion", "slide", "--duration", "2", "--lockstep"),
@@ -393,7 +393,9 @@ class Pictures(unittest.TestCase):
 
     def test_undrawable_data_is_refused_with_a_message(self):
         (self.at / "words.json").write_text("not json")
-        (self.at / "told.json").write_text('{"ok": false, "problems": ["the scene is not there"]}')
+        (self.at / "refused.json").write_text(
+            '{"ok": false, "problems": ["the scene is not there"]}'
+        )
         (self.at / "empty").mkdir(exist_ok=True)
         (self.at / "broken").mkdir(exist_ok=True)
         (self.at / "broken" / "a.db3").write_text(
@@ -405,7 +407,7 @@ class Pictures(unittest.TestCase):
             tool("design", self.at / "words.json", picture), "is not JSON", "voxtouch design"
         )
         self.refused(tool("design", self.at / "run.json", picture), "voxtouch design --json")
-        self.refused(tool("accuracy", self.at / "told.json", picture), "the scene is not there")
+        self.refused(tool("accuracy", self.at / "refused.json", picture), "the scene is not there")
         (self.at / "old.json").write_text('{"rows": [], "request": null}')
         self.refused(tool("accuracy", self.at / "old.json", picture), "version")
         self.refused(tool("forces", self.at / "empty", picture), str(self.at / "empty"))
@@ -548,13 +550,13 @@ class Pictures(unittest.TestCase):
                 median_us=None, direction_mean_deg=None, magnitude_noise=None, refused="too large"
             )
         nothing["advice"].update(row=None, front=[], knee=None, met=None)
-        for name, data in (("wished", requested), ("nothing", nothing)):
+        for name, data in (("requested", requested), ("nothing", nothing)):
             with self.subTest(name), plot.matplotlib.rc_context(plot.STYLE):
                 self.judge(plot.accuracy_figure(data)[0])
                 self.judge(plot.page_figure(data)[0])
                 plot.save(plot.accuracy_figure(data)[0], self.at / f"{name}.png")
         self.assertGreater(
-            painted(self.at / "wished.png", plot.RED), painted(self.at / "nothing.png", plot.RED)
+            painted(self.at / "requested.png", plot.RED), painted(self.at / "nothing.png", plot.RED)
         )
 
 

@@ -79,8 +79,8 @@ TEST_F(RefusedScene, HasAMeshFileWithoutReadPermission) {
   std::filesystem::copy_file(kMeshes / "cup.obj", folder_ / "locked.obj");
   chmod((folder_ / "locked.obj").c_str(), 0);
   std::filesystem::permissions(folder_.path(), std::filesystem::perms(0755));
-  // The user nobody may not reach the project's folder: all files of the scene are in the test's
-  // folder.
+  // The unprivileged user may not reach the project's folder: all files of the scene are in the
+  // test's folder.
   std::filesystem::copy_file(kMeshes / "sphere.obj", folder_ / "sphere.obj");
   const std::filesystem::path locked = folder_ / "locked.yaml";
   std::ofstream(locked) << "scene: locked\nvoxel_size: 0.002\nstatic: [{mesh: "

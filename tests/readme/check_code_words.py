@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""Comments, strings and identifiers of production code hold no word that the glossary replaces.
+"""Comments, strings and identifiers of code hold no word that the glossary replaces.
 
 usage: check_code_words.py ROOT
 
-Reads C++, Python, message, CMake, YAML and shell files in core, devices, nodes, idl, qos and
-deploy. code_words.txt lists the words and the exceptions. Prints one sentence for each fault; exit
-status 1 if there is one.
+Reads C++, Python, message, CMake, YAML and shell files in the folders below, except this one, which
+lists the words. code_words.txt holds them and the exceptions. Prints one sentence for each fault;
+exit status 1 if there is one.
 """
 
 import pathlib
 import re
 import sys
 
-FOLDERS = ("core", "devices", "nodes", "idl", "qos", "deploy")
+FOLDERS = ("core", "devices", "nodes", "idl", "qos", "deploy", "tests")
 CPP = re.compile(
     r'R"(\w*)\(.*?\)\1"|//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\''
     r"|\d[\w.']*|\w+",
@@ -72,10 +72,9 @@ def faults(root, table):
     rows = list(words(table))
     for folder in FOLDERS:
         for file in sorted((root / folder).rglob("*")):
-            tokens = tokens_of(file)
-            if not tokens or "ros" in file.relative_to(root).parts[1:2]:
+            tokens, name = tokens_of(file), str(file.relative_to(root))
+            if not tokens or name.startswith(("idl/ros/", "tests/readme/")):
                 continue
-            name = str(file.relative_to(root))
             for kind, text, line in texts(tokens, file.read_text(encoding="utf-8")):
                 for of, pattern, use, files in rows:
                     if of == kind and name not in files and (found := pattern.search(text)):

@@ -5,8 +5,9 @@ usage: check_layout.py ROOT RUFF
 
 C++ and C must pass `clang-format --dry-run -Werror`, Python must pass `ruff check` and
 `ruff format --check`.
-Lines of C++, Python, YAML, shell and Markdown have at most 100 columns. Markdown tables and lines
-that hold one link only are exempt. `layout_exceptions.txt` lists the other exceptions.
+Lines of C++, Python, YAML, shell, CMake and Markdown have at most 100 columns. Markdown tables and
+lines that hold one link only are exempt. `layout_exceptions.txt` lists the other exceptions.
+Names of tests have at most 60 characters.
 Prints one sentence for each fault; exit status 1 if there is one.
 """
 
@@ -18,6 +19,7 @@ import subprocess
 import sys
 
 COLUMNS = 100
+NAME = 60
 BATCH = 40  # files per process
 LANGUAGES = {
     ".c": "c++",
@@ -30,15 +32,22 @@ LANGUAGES = {
     ".yml": "yaml",
     ".sh": "shell",
     ".bash": "shell",
+    ".cmake": "cmake",
     ".md": "markdown",
 }
 SHEBANGS = {"python": "python", "sh": "shell"}
+TESTS = {
+    "c++": re.compile(r"^(?:TYPED_)?TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", re.MULTILINE),
+    "python": re.compile(r"^ *def (test_\w+)", re.MULTILINE),
+}
 EXCEPTIONS = pathlib.Path(__file__).parent / "layout_exceptions.txt"
 
 
 def language_of(file):
+    if file.name == "CMakeLists.txt":
+        return "cmake"
     if file.suffix:
-        return LANGUAGES.get(file.suffix)
+        return LANGUAGES.get(pathlib.Path(file.name.removesuffix(".in")).suffix)
     with file.open("rb") as stream:
         first = stream.readline(200)
     if first.startswith(b"# shellcheck shell="):
@@ -95,6 +104,18 @@ def long_lines(root, files, allowed):
                 yield f"{name}:{number} has {columns} columns; the limit is {COLUMNS}."
 
 
+def long_names(root, files):
+    for language, file in files:
+        if language in TESTS:
+            for found in TESTS[language].finditer(file.read_text(encoding="utf-8")):
+                name = ".".join(found.groups())
+                if len(name) > NAME:
+                    yield (
+                        f"{file.relative_to(root)}: {name} has {len(name)} characters; "
+                        f"the limit is {NAME}."
+                    )
+
+
 def batches(files):
     return [files[i : i + BATCH] for i in range(0, len(files), BATCH)]
 
@@ -121,6 +142,7 @@ def faults(root, ruff, allowed):
     cpp = [file for language, file in files if language == "c++"]
     python = [file for language, file in files if language == "python"]
     yield from long_lines(root, files, allowed)
+    yield from long_names(root, files)
     yield from refused(
         root,
         ["clang-format", "--dry-run", "-Werror", "--ferror-limit=1"],

@@ -13,7 +13,8 @@ GOOD = {
     "deploy/tool": "#!/usr/bin/env bash\nx=1  # reported\n",
     "core/CMakeLists.txt": "add(law)  # displayed\n",
     "deploy/tool.py": '"""Prints the force."""\nreported = 1  # once\n',
-    "tests/law.cpp": "// It is felt.\n",
+    "tests/law.cpp": "// It is displayed.\n",
+    "tests/readme/words.py": "# felt\n",
 }
 PLANTED = {  # fault: (file, text, part of the sentence)
     "comment": ("core/law.cpp", "// It is felt.\n", "core/law.cpp:1 has 'felt'"),
@@ -28,6 +29,7 @@ PLANTED = {  # fault: (file, text, part of the sentence)
     "Python": ("deploy/tool.py", "told = 1\n", "has 'told'"),
     "shell": ("deploy/tool", "#!/usr/bin/env bash\nx=1  # told\n", "has 'told'"),
     "CMake": ("core/CMakeLists.txt", "add(law)  # beside it\n", "has 'beside'"),
+    "test": ("tests/law.cpp", "// It is felt.\n", "tests/law.cpp:1 has 'felt'"),
     "whole identifier": ("core/law.cpp", "void lose_tool();\n", "has 'lose_tool'"),
 }
 

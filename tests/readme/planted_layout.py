@@ -21,6 +21,7 @@ GOOD = {
     "deploy/script": "#!/usr/bin/env bash\necho 1\n",
     "deploy/other": "#!/usr/bin/env python3\nX = 1\n",
     "deploy/cup.yaml": "scene: cup\n",
+    "core/CMakeLists.txt": "add_library(law law.cpp)\n",
     "README.md": f"# A\n\n| {LONG} |\n\n![a]({LONG}.png)\n",
     "tests/mesh.cpp": f"// {LONG}\n",
     "deploy/results/times.md": f"{LONG}\n",
@@ -48,7 +49,24 @@ PLANTED = {  # fault: (file, text, part of the sentence)
         "deploy/sourced:2 has 103 columns",
     ),
     "long YAML": ("deploy/cup.yaml", f"scene: {LONG}\n", "deploy/cup.yaml:1 has 108 columns"),
+    "long CMake": ("core/CMakeLists.txt", f"# {LONG}\n", "core/CMakeLists.txt:1 has 103 columns"),
+    "long CMake module": (
+        "deploy/install.cmake",
+        f"# {LONG}\n",
+        "deploy/install.cmake:1 has 103 columns",
+    ),
+    "long CMake template": (
+        "deploy/config.cmake.in",
+        f"# {LONG}\n",
+        "deploy/config.cmake.in:1 has 103 columns",
+    ),
     "long Markdown": ("README.md", f"a {LONG}\n", "README.md:1 has 103 columns"),
+    "long test name": ("core/law.cpp", f"TEST(A, {LONG[:59]}) {{}}\n", "has 61 characters"),
+    "long name of a Python test": (
+        "deploy/tool.py",
+        f"def test_{LONG[:56]}():\n    pass\n",
+        "has 61 characters",
+    ),
     "more than excepted": ("tests/mesh.cpp", f"// {LONG}\n" * 2, "tests/mesh.cpp:2 has"),
 }
 

@@ -142,11 +142,11 @@ TEST(FaultLatch, HoldsAfterInstabilityUntilRecover) {
 }
 
 TEST(FaultLatch, HasNothingToResetWithoutAFault) {
-  Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--rig", "nobody",
+  Process recover(std::vector<std::string>{VOXTOUCH_BIN "/voxtouch", "recover", "--rig", "absent",
                                            "--domain", fresh_domain(), "--json"});
   const Finished said = recover.wait();
   EXPECT_EQ(said.status, 1);
-  EXPECT_NE(said.out.find("'nobody'"), std::string::npos) << said.out;
+  EXPECT_NE(said.out.find("'absent'"), std::string::npos) << said.out;
 }
 
 TEST(FaultRecord, IsAbsentForAPassedRun) {

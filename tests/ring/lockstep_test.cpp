@@ -115,7 +115,7 @@ TEST(Lockstep, IsBitIdenticalUnderLoadAndInOneProcess) {
       while (burn.load(std::memory_order_relaxed))
         x = x * 1.0000001;
     });
-  const auto loaded = lockstep_run(folder, "beside", {});
+  const auto loaded = lockstep_run(folder, "loaded", {});
   burn = false;
   for (std::thread& burner : burners)
     burner.join();

@@ -80,12 +80,12 @@ TEST(Verdict, NamesForeignContactsAndDescriptions) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "5", "--no-record"}));
   ASSERT_TRUE(is_running(up)) << up.err();
-  Adversary stranger(domain(), "haptic");
-  ASSERT_TRUE(comes([&] { return stranger.writer<msg::ContactState>().matched_count() >= 1; }));
+  Adversary unauthorised(domain(), "haptic");
+  ASSERT_TRUE(comes([&] { return unauthorised.writer<msg::ContactState>().matched_count() >= 1; }));
   for (int i = 0; i < 200; ++i)
-    stranger.write(msg::ContactState{}), std::this_thread::sleep_for(milliseconds(2));
+    unauthorised.write(msg::ContactState{}), std::this_thread::sleep_for(milliseconds(2));
   for (std::uint64_t i = 0; i < 20; ++i)
-    stranger.write(msg::Recover{i, i});
+    unauthorised.write(msg::Recover{i, i});
   const Ended reported = finish(up);
   EXPECT_EQ(reported.end.status, 1) << reported.end.out;
   EXPECT_TRUE(reported.problem("another writer")) << reported.end.out;
@@ -102,8 +102,8 @@ TEST(Roles, OfALostCouplingAreNotGrantedToOthers) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "8", "--no-record"}));
   ASSERT_TRUE(is_running(up)) << up.err();
-  Adversary stranger(domain(), "haptic");
-  bus::Reader<msg::DeviceState> states(stranger.participant(), qos::kDeviceState, "haptic",
+  Adversary unauthorised(domain(), "haptic");
+  bus::Reader<msg::DeviceState> states(unauthorised.participant(), qos::kDeviceState, "haptic",
                                        qos::profile(qos::ProfileId::kTap));
   msg::DeviceState newest{};
   ASSERT_TRUE(comes([&] { return states.take(newest); }));
@@ -114,13 +114,13 @@ TEST(Roles, OfALostCouplingAreNotGrantedToOthers) {
       while (states.take(newest)) {
       }
       if (i % 100 == 0)
-        stranger.claim("coupling", newest.session_id);
+        unauthorised.claim("coupling", newest.session_id);
       msg::ForceCommand command{};
       command.session_id = newest.session_id, command.sequence_number = newest.sequence_number;
       command.sample_time_ns = newest.sample_time_ns,
       command.valid_until_ns = newest.sample_time_ns + 10'000'000;
       command.wrench.force.x = 3.0;
-      stranger.write(command);
+      unauthorised.write(command);
     }
   };
   push(200);
@@ -130,7 +130,7 @@ TEST(Roles, OfALostCouplingAreNotGrantedToOthers) {
   const Ended reported = finish(up);
   EXPECT_EQ(reported.end.status, 1) << reported.end.out;
   ASSERT_TRUE(reported.summary.is_object()) << reported.end.out << reported.end.err;
-  EXPECT_LT(reported.summary["max_force_n"], 1.0) << "the stranger's 3 N reached the device";
+  EXPECT_LT(reported.summary["max_force_n"], 1.0) << "the unauthorised 3 N reached the device";
   EXPECT_TRUE(reported.problem("another writer")) << reported.end.out;
 }
 

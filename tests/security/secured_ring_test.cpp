@@ -53,10 +53,10 @@ std::string text_of(const runtime::NodeRegistry& registry) {
 
 /// Separate processes: one with a plain and a secured participant in the same domain crashes in
 /// Cyclone DDS 0.10.2.
-struct Strangers {
-  explicit Strangers(const std::vector<std::vector<std::string>>& all) {
+struct Unauthorised {
+  explicit Unauthorised(const std::vector<std::vector<std::string>>& all) {
     for (std::vector<std::string> arguments : all) {
-      arguments.insert(arguments.begin(), {VOXTOUCH_BIN "/voxtouch_stranger", fresh_domain()});
+      arguments.insert(arguments.begin(), {VOXTOUCH_BIN "/voxtouch_unauthorised", fresh_domain()});
       processes.push_back(std::make_unique<Process>(arguments));
     }
     for (const auto& one : processes)
@@ -65,13 +65,13 @@ struct Strangers {
   std::vector<std::unique_ptr<Process>> processes;
 };
 
-/// A ring of cup_friction in contact, next to `strangers`, which claim its roles before it starts
-/// and write everything while it runs.
-struct RunBesideStrangers {
-  RunBesideStrangers(const std::vector<std::string>& options,
-                     const security::Properties& of_observer,
-                     const std::vector<std::vector<std::string>>& of_strangers)
-      : strangers(of_strangers),
+/// A ring of cup_friction in contact, next to `unauthorised`, which claim its roles before it
+/// starts and write everything while it runs.
+struct RunNextToUnauthorised {
+  RunNextToUnauthorised(const std::vector<std::string>& options,
+                        const security::Properties& of_observer,
+                        const std::vector<std::vector<std::string>>& of_unauthorised)
+      : unauthorised(of_unauthorised),
         observer(with(of_observer)) {
     up.emplace(up_arguments(shipped_scene("cup_friction"), options));
     runtime::NodeRegistry registry(observer, kRig);
@@ -94,7 +94,7 @@ struct RunBesideStrangers {
     }
     samples = newest.sequence_number;
   }
-  Strangers strangers;
+  Unauthorised unauthorised;
   bus::Participant observer;
   std::optional<Process> up;
   bool started = false;
@@ -110,7 +110,7 @@ TEST(SecuredRing, RunsInContactAndRejectsUnauthorisedPeers) {
   security::make_keys(keys, kRig, 30);
   security::make_keys(others, kRig, 30);
   const std::string bag = (folder / "bag").string();
-  RunBesideStrangers run(
+  RunNextToUnauthorised run(
       {"--motion", "slide", "--duration", "4.5", "--record", bag, "--security", keys.string()},
       security::properties_of(keys, "tool", kRig),
       {{},
@@ -172,8 +172,8 @@ TEST(SecuredRing, PlainRingIsBlockedByUnauthorisedPeers) {
   security::make_keys(
       folder / "keys", kRig,
       30);  // of the observer alone: a plain one and a secured one do not live in one process
-  RunBesideStrangers run({"--motion", "slide", "--duration", "3", "--no-record"},
-                         security::properties_of(folder / "keys", "tool", kRig), {{}});
+  RunNextToUnauthorised run({"--motion", "slide", "--duration", "3", "--no-record"},
+                            security::properties_of(folder / "keys", "tool", kRig), {{}});
   EXPECT_FALSE(run.started);
   EXPECT_TRUE(run.up->wait().err.contains(std::string("'") + kRig + "'"));
 }
@@ -231,14 +231,14 @@ TEST(SecuredRing, RefusesARevokedParticipant) {
   };
   const security::Properties tool = security::properties_of(keys, "tool", kRig);
   Listener before(tool);
-  const Strangers lost({{keys.string(), "device"}});
+  const Unauthorised lost({{keys.string(), "device"}});
   EXPECT_TRUE(before.receives()) << "its certificate is good";
   security::revoke_keys(keys, "device");
   EXPECT_TRUE(before.receives()) << "who runs is not reported";
   Listener after(tool);
   EXPECT_FALSE(after.receives(seconds(4))) << "who started since takes nothing of the revoked one";
   security::renew_keys(keys, "device", 30);
-  const Strangers renewed({{keys.string(), "device"}});
+  const Unauthorised renewed({{keys.string(), "device"}});
   EXPECT_TRUE(after.receives());
 }
 

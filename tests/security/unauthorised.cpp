@@ -1,6 +1,6 @@
-// voxtouch_stranger DOMAIN [KEYS ROLE [FILE [OTHER_KEYS]]]: writes on every topic of the loop and
-// claims every role, plain or with a certificate, until it is ended. With FILE, which it writes,
-// its own DDS permits everything (see lawless_tool).
+// voxtouch_unauthorised DOMAIN [KEYS ROLE [FILE [OTHER_KEYS]]]: writes on every topic of the loop
+// and claims every role, plain or with a certificate, until it is ended. With FILE, which it
+// writes, its own DDS permits everything (see lawless_tool).
 #include <fstream>
 #include <optional>
 #include <thread>
@@ -93,21 +93,25 @@ int run(const std::vector<std::string>& arguments) {
     properties = properties_of(arguments[1], arguments[2], kRig);
   if (arguments.size() > 3)
     properties = lawless_tool(arguments[1], arguments[3], arguments.size() > 4 ? arguments[4] : "");
-  Adversary stranger(
-      {static_cast<std::uint32_t>(std::stoul(arguments[0])), "lo", "stranger", {}, {}, properties},
-      kRig);
+  Adversary unauthorised({static_cast<std::uint32_t>(std::stoul(arguments[0])),
+                          "lo",
+                          "unauthorised",
+                          {},
+                          {},
+                          properties},
+                         kRig);
   std::optional<bus::Reader<msg::DeviceState>> states;
   attempt([&] {
-    states.emplace(stranger.participant(), qos::kDeviceState, kRig,
+    states.emplace(unauthorised.participant(), qos::kDeviceState, kRig,
                    qos::profile(qos::ProfileId::kTap));
   });
   msg::DeviceState newest{};
-  write_everything(stranger, newest);
+  write_everything(unauthorised, newest);
   console::log("writes\n");
   for (;;) {
     while (states && states->take(newest)) {
     }
-    write_everything(stranger, newest);
+    write_everything(unauthorised, newest);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
 }

@@ -158,7 +158,7 @@ TEST_P(RealRendering, ShiftedGridIsDetectedOnEveryVisibleAxis) {
   if (const auto known = kBlindAxes.find(GetParam()); known != kBlindAxes.end()) {
     EXPECT_EQ(blind, known->second);
   }
-  EXPECT_LT(blind.size(), 3U) << "a scene whose motions tell no shift at all";
+  EXPECT_LT(blind.size(), 3U) << "a scene whose motions reveal no shift";
 }
 
 TEST_P(RealRendering, FlippedNormalsAndPullAreDetected) {

@@ -50,7 +50,7 @@ def main(program, domain):
         recording_file = bag / "voxtouch_recording.json"
         reported = json.loads(recording_file.read_text())
         if status != 0 or reported.get("voxtouch", "").count(".") != 2:
-            wrong.append(f"the bag does not tell its version: {reported.get('voxtouch')} {said}")
+            wrong.append(f"the bag does not state its version: {reported.get('voxtouch')} {said}")
         hashed = [
             one
             for one in reported["topics"]
@@ -58,7 +58,7 @@ def main(program, domain):
         ]
         if len(hashed) != len(reported["topics"]):
             wrong.append(
-                f"only {len(hashed)} of {len(reported['topics'])} topics tell their layout"
+                f"only {len(hashed)} of {len(reported['topics'])} topics state their layout"
             )
         for one in hashed:
             if one["type"].endswith("/ContactState"):

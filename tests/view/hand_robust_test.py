@@ -258,7 +258,7 @@ class Robust(BrowserTest):
                     begin = newest_frame(watching)["t"]
                 number = self.browser.js("voxtouch.page")
                 tabs = [self.open_tab(address, n) for n in range(49)]
-                pages = {self.is_told(tab, number) for tab in tabs}
+                pages = {self.leading_page(tab, number) for tab in tabs}
                 self.assertEqual(len(pages), 49, "each is a page of its own")
                 with WebSocket(address) as watching:
                     self.assert_rests(watching, rest, "fifty pages are open")
@@ -274,13 +274,13 @@ class Robust(BrowserTest):
                 up.process.wait(60)
             self.assertLess(largest_step(bag, begin, end), RAMP_N)
 
-    def is_told(self, tab, leading):
+    def leading_page(self, tab, leading):
         """Waits until this tab says which page leads the hand; its own number."""
-        told = "(document.getElementById('hand-text') || {}).textContent || ''"
+        notice = "(document.getElementById('hand-text') || {}).textContent || ''"
         with Protocol(self.browser.driver, tab) as page:
             words = until(
                 lambda: re.fullmatch(
-                    rf"Page {leading} controls the hand; this is page (\d+)\.", page.value(told)
+                    rf"Page {leading} controls the hand; this is page (\d+)\.", page.value(notice)
                 ),
                 60,
                 "which page controls the hand",

@@ -99,10 +99,10 @@ class Led(unittest.TestCase):
             address = up.address()
             with WebSocket(address) as good:
                 start = newest_frame(good)["tool"]
-                with WebSocket(address, token="0" * 32) as stranger:
-                    self.assertNotEqual(stranger.status, 101)
+                with WebSocket(address, token="0" * 32) as unauthorised:
+                    self.assertNotEqual(unauthorised.status, 101)
                     try:
-                        aim(stranger, (start[0], start[1], start[2] + 0.03), 0.6)
+                        aim(unauthorised, (start[0], start[1], start[2] + 0.03), 0.6)
                     except OSError:
                         pass  # the server has closed
                 # What is no pose moves nothing either, and the server goes on.
@@ -119,9 +119,9 @@ class Led(unittest.TestCase):
                 self.assertLess(distance(newest_frame(good)["tool"], start), 1e-4)
 
     def test_page_without_up_leads_nothing(self):
-        with led_ring("plane") as up, page("--lead-hand") as stranger:
+        with led_ring("plane") as up, page("--lead-hand") as other_page:
             until_it_runs(up)
-            with WebSocket(stranger.address()) as socket:
+            with WebSocket(other_page.address()) as socket:
                 start = newest_frame(socket)["tool"]
                 aim(socket, (start[0], start[1], start[2] + 0.03), 1.0)
                 self.assertLess(distance(newest_frame(socket)["tool"], start), 1e-4)

@@ -1,5 +1,5 @@
 """The page's sound in headless Chromium, by an analyser of its output: off at first, louder with a
-larger force, a click at each contact, and a texture that is heard while the tool slides over it.
+larger force, a click at each contact, and a texture that is audible while the tool slides over it.
 """
 
 import unittest
@@ -25,16 +25,18 @@ class Sound(BrowserTest):
 
     def loudness(self):
         """The largest amplitude of the last 0.7 s."""
-        return self.browser.js("(voxtouch.ear.getFloatTimeDomainData(heard), Math.max(...heard))")
+        return self.browser.js(
+            "(voxtouch.ear.getFloatTimeDomainData(samples), Math.max(...samples))"
+        )
 
-    def test_keys_alone_switch_it_and_press_a_force_that_is_heard(self):
+    def test_keys_alone_switch_it_and_press_an_audible_force(self):
         with led_ring("cup") as up:
             browser = self.opened(up)
             browser.find("#sound").send_keys(Keys.ENTER)
             self.until("voxtouch.sound.context.state === 'running'", "sound")
             browser.js(
                 "(voxtouch.ear = voxtouch.sound.listen(), voxtouch.ear.fftSize = 32768,"
-                " window.heard = new Float32Array(32768))"
+                " window.samples = new Float32Array(32768))"
             )
             begin = browser.js("voxtouch.sound.context.currentTime")
             self.until(f"voxtouch.sound.context.currentTime > {begin} + 1", "a second of sound")
@@ -43,7 +45,7 @@ class Sound(BrowserTest):
             browser.press("1")  # from the front: down into the cup, until it touches the bottom
             browser.key("rawKeyDown", "ArrowDown", 40)
             until(lambda: size(browser.frame().get("force")) > 0.5, PATIENCE_S, "contact by keys")
-            until(lambda: self.loudness() > 0.01, PATIENCE_S, "a force that is heard")
+            until(lambda: self.loudness() > 0.01, PATIENCE_S, "an audible force")
             browser.key("keyUp", "ArrowDown", 40)
             browser.find("#sound").send_keys(Keys.ENTER)
             self.until("voxtouch.sound.context.state === 'suspended'", "silence")

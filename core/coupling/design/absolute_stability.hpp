@@ -28,7 +28,7 @@ enum class MonotoneProof : std::uint8_t { kNone, kMultiplier, kPassivity };
 /// "none", "multiplier", "passivity".
 std::string_view name_of(MonotoneProof proof) noexcept;
 
-/// Differences between the running loop and the certified one.
+/// Differences between the running loop and the certified one, which no multiplier covers.
 enum class CertificateGap : std::uint8_t {
   /// Injected damping acts along the contact and during contact only; in L it always acts.
   kDamperGate,

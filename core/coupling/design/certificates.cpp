@@ -107,7 +107,7 @@ class NeededDamping {
   double lag_rate_, standstill_lag_;
 };
 
-/// The maximum over all angles. There may be one for every turn of the delay and a narrow one at
+/// The maximum over all angles. There may be one for each 2 pi of the delay and a narrow one at
 /// the resonance of the filter. A grid that is fine relative to both locates it; then the interval
 /// is narrowed.
 double largest(const NeededDamping& needed, double d) {

@@ -108,11 +108,11 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
 
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c,
                                      const InnerLimit& inner) {
-  const bool held = plant.hand_stiffness > 0.0;
+  const bool gripped = plant.hand_stiffness > 0.0;
   // Released, the eigenvalue of the position is at 1. It moves inside for k > 0 only if the law
   // responds to a displacement at rest and the motion is damped. Without damping it is a double
   // eigenvalue, of which any lag moves one half outside.
-  if (!held && !(pulls_back(c) && damping_of(plant) + c.injected_damping > 0.0))
+  if (!gripped && !(pulls_back(c) && damping_of(plant) + c.injected_damping > 0.0))
     return {};
 
   if (c.injected_damping > 0.0 && c.injected_damping >= inner.damping)

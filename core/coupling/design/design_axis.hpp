@@ -96,8 +96,8 @@ double critical_damping(const AxisProblem& problem, const VelocityEstimate& velo
 ///
 ///     K k q + B (velocity error of a step) <= kReleasedStepN + kStepsOfFriction F_c
 ///
-/// A released device that has little friction bounces between the walls of a slot for ever, by up
-/// to twice that effort. Infinity for a gripped device and for rotation.
+/// A released device that has little friction bounces between the walls of a slot without end, by
+/// up to twice that effort. Infinity for a gripped device and for rotation.
 double quiet_stiffness(const AxisProblem& problem, const LoopController& law);
 /// Whether the `step_limit` may limit the design.
 bool may_bounce(const AxisProblem& problem);
@@ -116,8 +116,8 @@ WorstCase critical_scale(const AxisProblem& problem, const LoopController& law,
                          double contact_stiffness);
 
 /// K k that is stable with every passive hand; for the spring-damper the factor on its law.
-/// Injected damping is no help here: acting late, it may push for part of a period, so its ratio is
-/// subtracted from the device's damping.
+/// Injected damping does not help here. It acts late and may drive the motion for part of a period,
+/// so its ratio is subtracted from the device's damping.
 double passive_limit(const AxisProblem& problem, const LoopController& law);
 
 /// The stiffness that the design may certify: the limit over the margin, and at most the

@@ -81,7 +81,7 @@ std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& ti
   if (axis.inertia_max > axis.inertia_min)
     inertias.push_back(axis.inertia_max);
   const bool alone = hand.any_passive || hand.may_release;
-  const std::vector<Hand> held = hand.any_passive ? std::vector<Hand>{} : grips(hand);
+  const std::vector<Hand> gripped = hand.any_passive ? std::vector<Hand>{} : grips(hand);
   std::vector<DesignCase> cases;
   // The slowest timing comes first. It is usually the worst, so a search that stops at the first
   // failure ends early.
@@ -90,7 +90,7 @@ std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& ti
     for (const double inertia : inertias) {
       if (alone)
         cases.push_back({plant_of(axis, inertia, when, Hand{}), false, slow, 0.0});
-      for (const Hand& grip : held)
+      for (const Hand& grip : gripped)
         if (!alone || grip != Hand{})
           cases.push_back({plant_of(axis, inertia, when, grip), true, slow, 0.0});
     }
@@ -102,7 +102,7 @@ std::string describe(const DesignCase& one, const AxisUnits& units) {
   const LoopPlant& p = one.plant;
   const std::string device = fmt::format("{:.3g} {}", p.mass, units.inertia);
   const char* when = one.slow ? ", slowest timing" : "";
-  if (!one.held)
+  if (!one.gripped)
     return fmt::format("released, {}{}", device, when);
   return fmt::format("gripped ({:.3g} {}, {:.3g} {}, {:.3g} {}), {}{}", p.hand_mass, units.inertia,
                      p.hand_damping, units.damping, p.hand_stiffness, units.stiffness, device,

@@ -27,8 +27,8 @@ class InnerLimits {
 /// One vertex of the parameter box.
 struct DesignCase {
   LoopPlant plant;
-  bool held = false;  ///< false: the device is released
-  bool slow = false;  ///< slowest timing instead of the nominal one
+  bool gripped = false;  ///< false: the device is released
+  bool slow = false;     ///< slowest timing instead of the nominal one
   /// Minimum damping ratio of the dominant mode in contact; 0: no minimum.
   double least_damping_ratio = 0.0;
   std::shared_ptr<InnerLimits> inner =
@@ -58,7 +58,7 @@ double effort_lag_s(const AxisModel& axis);
 std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& timing,
                                      const HandRange& hand);
 
-/// For example "released, 0.2 kg, slowest timing" or "held (0.1 kg, 3 Ns/m, 200 N/m), 0.08 kg".
+/// For example "released, 0.2 kg, slowest timing" or "gripped (0.1 kg, 3 Ns/m, 200 N/m), 0.08 kg".
 std::string describe(const DesignCase& one, const AxisUnits& units);
 
 }  // namespace voxtouch::coupling::design

@@ -30,8 +30,8 @@ void refuse_first(std::string_view whose, const std::vector<std::string>& senten
     throw std::invalid_argument(fmt::format("Coupling design, {}: {}", whose, sentences.front()));
 }
 
-/// A stiffness outside the range of hands and devices indicates a wrong unit, and the search over
-/// loops would not terminate.
+/// A stiffness outside the range of hands and devices has a wrong unit. The search over loops would
+/// not terminate.
 void quantity(std::string_view field, double value) {
   require(value >= kMinQuantity && value <= kMaxQuantity, field, value,
           fmt::format("from {} to {}", kMinQuantity, kMaxQuantity));
@@ -82,11 +82,12 @@ void check_goals(const DesignProblem& request) {
           w.cutoff_hz, fmt::format("below half the loop's rate, {:.6g} Hz", 0.5 / period));
   require(w.gain_margin >= 1.0 && std::isfinite(w.gain_margin), "gain_margin", w.gain_margin,
           "1 or above");
-  for (const auto& [field, floor] : {std::pair("floors.released", w.floors.released),
-                                     {"floors.held", w.floors.held},
-                                     {"rotation_floors.released", w.rotation_floors.released},
-                                     {"rotation_floors.held", w.rotation_floors.held}})
-    require(floor >= 0.0 && floor < 1.0, field, floor, "0 or above, and below 1");
+  for (const auto& [field, minimum] :
+       {std::pair("min_damping.released", w.min_damping.released),
+        {"min_damping.gripped", w.min_damping.gripped},
+        {"rotation_min_damping.released", w.rotation_min_damping.released},
+        {"rotation_min_damping.gripped", w.rotation_min_damping.gripped}})
+    require(minimum >= 0.0 && minimum < 1.0, field, minimum, "0 or above, and below 1");
   not_negative("useful_stiffness_n_per_m", w.useful_stiffness_n_per_m);
   not_negative("useful_stiffness_nm_per_rad", w.useful_stiffness_nm_per_rad);
   if (w.damping_force_ratio)

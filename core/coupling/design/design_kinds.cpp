@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "core/coupling/design/axis_verdict.hpp"
-#include "core/coupling/design/damping_floor.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
@@ -19,7 +19,7 @@ void set_damping(CouplingSpec& spec, const AxisProblem& translation, const Filte
   spec.damping_force_ratio = translation.damping_force_ratio;
   // An encoder step causes a pulse of damping. A larger pulse in a soft contact would throw a
   // frictionless device repeatedly between the walls of a slot.
-  spec.damper_free_n = kQuietForceN;
+  spec.damping_force_offset_n = kQuietForceN;
   spec.velocity_filter_hz = choice.velocity.filter_hz,
   spec.velocity_window = static_cast<std::uint32_t>(choice.velocity.window);
   spec.injected_damping_ns_per_m = choice.damping[0];

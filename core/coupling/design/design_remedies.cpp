@@ -6,15 +6,15 @@
 #include <numbers>
 
 #include "core/coupling/design/axis_verdict.hpp"
-#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/design_steps.hpp"
 #include "core/coupling/design/filter_search.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
 
-// Changes that a laboratory can make. No delay can be removed completely, no grip is firm all the
-// time, and a damper on a handle is no stronger than the hand that holds it.
+// Limits of changes that a laboratory can make: a delay cannot be removed completely, a grip is not
+// always firm, and a damper on a handle is at most as strong as the hand that grips it.
 constexpr std::array kDelayRatios{0.75, 0.5, 0.25};
 constexpr std::array kGripRatios{0.25, 0.5};
 
@@ -27,7 +27,7 @@ struct RemedyCandidate {
       for (std::size_t a = 0; a < problems.size(); ++a)
         if (!(certified_stiffness(problems[a], of_axis[a], problems[a].target) >=
               problems[a].target) ||
-            !keeps_floors(problems[a], of_axis[a], problems[a].target))
+            !meets_min_damping(problems[a], of_axis[a], problems[a].target))
           return false;
       return true;
     });
@@ -270,7 +270,7 @@ class Remedies {
     for (std::size_t a = 0; a < problems.size(); ++a)
       problems[a].target = problems_[a].target;
     if (damped_)
-      set_floors(other, problems);
+      set_min_damping(other, problems);
     return problems;
   }
 

@@ -42,7 +42,7 @@ std::vector<std::string> reasons_of(const DesignProblem& request,
                                     const std::vector<AxisProblem>& problems, const Design& design);
 
 /// What the minimum damping ratios cost and how to avoid it; empty if they cost nothing.
-std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& design);
+std::string min_damping_cost(const std::vector<AxisProblem>& problems, const Design& design);
 
 /// Changes that would meet the goal: device damping, a shorter delay, a cap, a grip. Each was
 /// verified by the same certificates with everything else unchanged. Empty if the goal is met.

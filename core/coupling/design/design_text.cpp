@@ -86,7 +86,7 @@ std::string describe_bound(const CouplingSpec& spec) {
   if (!(spec.damping_force_ratio > 0.0 && spec.injected_damping_ns_per_m > 0.0))
     return "";
   return fmt::format("is limited to {:.3g} of the contact and effect force, plus {:.2g} N",
-                     spec.damping_force_ratio, spec.damper_free_n);
+                     spec.damping_force_ratio, spec.damping_force_offset_n);
 }
 
 std::string describe_slow_velocity(const CouplingSpec& spec) {
@@ -102,10 +102,11 @@ std::string describe(const VelocityEstimate& velocity) {
                              : fmt::format("a filter of {:.3g} Hz", velocity.filter_hz);
 }
 
-std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& design) {
+std::string min_damping_cost(const std::vector<AxisProblem>& problems, const Design& design) {
   std::string of_axes;
   for (std::size_t a = 0; a < problems.size(); ++a) {
-    const double cost = a == 0 ? design.floors.cost_n_per_m : design.floors.cost_nm_per_rad,
+    const double cost =
+                     a == 0 ? design.min_damping.cost_n_per_m : design.min_damping.cost_nm_per_rad,
                  left = axis_of(design, a).displayed_stiffness;
     if (cost > 0.001 * left)
       of_axes += fmt::format("{}{:.4g} of {:.4g} {}", of_axes.empty() ? "" : " and ", cost,
@@ -117,7 +118,7 @@ std::string floors_cost(const std::vector<AxisProblem>& problems, const Design& 
       "The minimum damping ratios cost {} (released {:.2g}, gripped {:.2g}); min_damping_ratio: 0 "
       "in "
       "the scene's coupling removes them.",
-      of_axes, design.floors.released, design.floors.held);
+      of_axes, design.min_damping.released, design.min_damping.gripped);
 }
 
 std::vector<std::string> reasons_of(const DesignProblem& request,

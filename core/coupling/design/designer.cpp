@@ -11,8 +11,8 @@
 #include <stdexcept>
 
 #include "core/coupling/design/axis_verdict.hpp"
-#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/design_steps.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 #include "core/coupling/design/slow_velocity.hpp"
 #include "core/types/enum_name.hpp"
 
@@ -27,7 +27,7 @@ constexpr std::array kBackoffFactors{1.0, 0.9999, 0.999, 0.99, 0.97, 0.95, 0.9, 
 constexpr double kObjectiveWithoutFilter = 1.1;
 /// If the minimum damping ratios cost at least this fraction of the displayed stiffness, they are
 /// reported first as the limit. Otherwise they are reported after the other limits.
-constexpr double kLimitingFloor = 0.1;
+constexpr double kLimitingCost = 0.1;
 /// Ratio of displayed stiffness that a bound on injected damping must keep compared with no bound.
 /// The first applies to the default or a requested ratio, the second to a larger ratio, which is
 /// chosen for the stiffness that it regains.
@@ -174,27 +174,29 @@ Evaluation designed(const DesignProblem& request, const std::vector<AxisProblem>
 /// A design with the minimum damping ratios of the goals, as far as they can be met.
 struct Damped {
   Evaluation evaluated;
-  std::vector<AxisProblem> problems;       ///< that it was made for
-  std::array<double, 2> without_floors{};  ///< displayed by each axis
-  enum class Floors { kNotAsked, kKept, kTakeAll } floors = Floors::kNotAsked;
+  std::vector<AxisProblem> problems;        ///< that it was made for
+  std::array<double, 2> without_minimum{};  ///< displayed by each axis
+  enum class Minimum { kNotRequested, kMet, kDropped } min_damping = Minimum::kNotRequested;
 };
 
-/// `floored`: `problems` with their minimum damping ratios.
+/// `with_minimum`: `problems` with their minimum damping ratios.
 Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-              const std::vector<AxisProblem>& floored, CandidateCache& cache) {
-  const DampingFloors &floors = request.goals.floors, &of_rotation = request.goals.rotation_floors;
+              const std::vector<AxisProblem>& with_minimum, CandidateCache& cache) {
+  const MinDampingRatios &min_damping = request.goals.min_damping,
+                         &of_rotation = request.goals.rotation_min_damping;
   Evaluation found = designed(request, problems, cache);
   const std::array displayed{found.design.translation.displayed_stiffness,
                              found.design.rotation.displayed_stiffness};
-  if (!(floors.released + floors.held + of_rotation.released + of_rotation.held > 0.0) ||
+  if (!(min_damping.released + min_damping.gripped + of_rotation.released + of_rotation.gripped >
+        0.0) ||
       found.design.status == DesignStatus::kInfeasible)
-    return {std::move(found), problems, displayed, Damped::Floors::kNotAsked};
-  if (keeps_floors(request, floored, found.design.spec))
-    return {std::move(found), problems, displayed, Damped::Floors::kKept};
-  Evaluation again = designed(request, floored, cache);
+    return {std::move(found), problems, displayed, Damped::Minimum::kNotRequested};
+  if (meets_min_damping(request, with_minimum, found.design.spec))
+    return {std::move(found), problems, displayed, Damped::Minimum::kMet};
+  Evaluation again = designed(request, with_minimum, cache);
   if (again.design.status == DesignStatus::kInfeasible)
-    return {std::move(found), problems, displayed, Damped::Floors::kTakeAll};
-  return {std::move(again), floored, displayed, Damped::Floors::kKept};
+    return {std::move(found), problems, displayed, Damped::Minimum::kDropped};
+  return {std::move(again), with_minimum, displayed, Damped::Minimum::kMet};
 }
 
 /// Ratios of displayed to requested stiffness with the chosen damping ratio, with the default one
@@ -219,34 +221,38 @@ std::string no_ratio_sentence(std::span<const double> fractions, double first, d
 }
 
 Design finalize(const DesignProblem& request, Damped&& taken,
-                const std::vector<AxisProblem>& floored, const std::string& out_of_reach) {
-  const DampingFloors& floors = request.goals.floors;
+                const std::vector<AxisProblem>& with_minimum, const std::string& out_of_reach) {
+  const MinDampingRatios& min_damping = request.goals.min_damping;
   if (CouplingSpec& spec = taken.evaluated.design.spec;
       taken.evaluated.design.status != DesignStatus::kInfeasible) {
     AxisProblem translation =
-        taken.floors == Damped::Floors::kKept ? floored[0] : taken.problems[0];
+        taken.min_damping == Damped::Minimum::kMet ? with_minimum[0] : taken.problems[0];
     translation.damping_force_ratio = spec.damping_force_ratio;
     choose_slow_velocity(translation, displayed_stiffness(request, taken.problems, spec)[0], spec);
   }
   Design design = finalize(request, taken.problems, std::move(taken.evaluated));
-  if (taken.floors == Damped::Floors::kNotAsked)
+  if (taken.min_damping == Damped::Minimum::kNotRequested)
     return design;
-  if (taken.floors == Damped::Floors::kTakeAll) {
+  if (taken.min_damping == Damped::Minimum::kDropped) {
     design.reasons.push_back(
         fmt::format("Minimum damping ratios of {} released and {} gripped leave too little "
                     "stiffness; they are not applied.",
-                    floors.released, floors.held));
+                    min_damping.released, min_damping.gripped));
   } else {
-    design.floors.released = floors.released, design.floors.held = floors.held;
-    design.floors.cost_n_per_m = taken.without_floors[0] - design.translation.displayed_stiffness;
-    design.floors.cost_nm_per_rad = taken.without_floors[1] - design.rotation.displayed_stiffness;
-    const std::string cost = floors_cost(taken.problems, design);
-    const bool first = design.floors.cost_n_per_m > kLimitingFloor * taken.without_floors[0] ||
-                       design.floors.cost_nm_per_rad > kLimitingFloor * taken.without_floors[1];
+    design.min_damping.released = min_damping.released,
+    design.min_damping.gripped = min_damping.gripped;
+    design.min_damping.cost_n_per_m =
+        taken.without_minimum[0] - design.translation.displayed_stiffness;
+    design.min_damping.cost_nm_per_rad =
+        taken.without_minimum[1] - design.rotation.displayed_stiffness;
+    const std::string cost = min_damping_cost(taken.problems, design);
+    const bool first =
+        design.min_damping.cost_n_per_m > kLimitingCost * taken.without_minimum[0] ||
+        design.min_damping.cost_nm_per_rad > kLimitingCost * taken.without_minimum[1];
     if (!cost.empty())
       design.reasons.insert(first ? design.reasons.begin() : design.reasons.end(), cost);
   }
-  design.floors.out_of_reach = out_of_reach;
+  design.min_damping.out_of_reach = out_of_reach;
   return design;
 }
 
@@ -272,13 +278,13 @@ std::string_view name_of(DesignStatus status) noexcept {
 Design design_coupling(const DesignProblem& original) {
   refuse_impossible(original);
   DesignProblem request = original;
-  std::vector<AxisProblem> problems = axis_problems(request), floored = problems;
-  const std::string out_of_reach = set_floors(request, floored);
+  std::vector<AxisProblem> problems = axis_problems(request), with_minimum = problems;
+  const std::string out_of_reach = set_min_damping(request, with_minimum);
   CandidateCache cache;
   const auto with_ratio = [&](double fraction) {
     request.goals.damping_force_ratio = problems[0].damping_force_ratio =
-        floored[0].damping_force_ratio = fraction;
-    return damped(request, problems, floored, cache);
+        with_minimum[0].damping_force_ratio = fraction;
+    return damped(request, problems, with_minimum, cache);
   };
   const std::optional<double>& given = original.goals.damping_force_ratio;
   const std::span<const double> fractions =
@@ -303,11 +309,11 @@ Design design_coupling(const DesignProblem& original) {
     if (fraction != fractions.front())
       bounded.evaluated.behind.push_back(
           ratio_sentence(fraction, fractions.front(), first, last, none));
-    return finalize(request, std::move(bounded), floored, out_of_reach);
+    return finalize(request, std::move(bounded), with_minimum, out_of_reach);
   }
   request.goals.damping_force_ratio = 0.0;
   unbounded->evaluated.behind.push_back(no_ratio_sentence(fractions, first, last, none));
-  return finalize(request, std::move(*unbounded), floored, out_of_reach);
+  return finalize(request, std::move(*unbounded), with_minimum, out_of_reach);
 }
 
 Design judge_coupling(const DesignProblem& original, const CouplingSpec& spec) {

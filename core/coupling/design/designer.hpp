@@ -1,6 +1,6 @@
 #pragma once
-/// Designs the virtual coupling for a device, a hand and a contact, with margins, or reports what
-/// it would need.
+/// Designs the virtual coupling for a device, a hand and a contact, with margins. If a goal is not
+/// met, it reports which changes would meet it.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -37,8 +37,8 @@ struct DesignGoals {
   double force_layer_depth_m =
       0.0;  ///< depth over which the contact force rises, for the approach speed; 0: not computed
   /// Of translation; stiffness is reduced for them, down to the useful minimum.
-  DampingFloors floors;
-  DampingFloors rotation_floors{
+  MinDampingRatios min_damping;
+  MinDampingRatios rotation_min_damping{
       0.0, 0.0};  ///< default: none, since the damping for it is displayed as a torque
   bool allow_injected_damping = true;
   bool velocity_windows = true;  ///< injected damping may also act on the velocity of a window
@@ -94,19 +94,19 @@ struct AxisDesign {
 /// The smallest damping ratio of the dominant mode (`slowest_damping_ratio`) over the cases of a
 /// design, both kinds of motion and both timings.
 struct DominantMode {
-  double released = 1.0, held = 1.0;  ///< 1 without cases of that kind
+  double released = 1.0, gripped = 1.0;  ///< 1 without cases of that kind
   std::string released_where,
-      held_where;  ///< "Translation: held (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for messages
+      gripped_where;  ///< "Translation: gripped (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for messages
 };
 
 /// Result for the minimum damping ratios of the goals.
-struct FloorsKept {
+struct MinDampingResult {
   /// Minimum of translation that the design meets. 0: none was requested, or meeting it would leave
   /// less than the useful stiffness; the design then ignores it.
-  double released = 0.0, held = 0.0;
+  double released = 0.0, gripped = 0.0;
   double cost_n_per_m = 0.0,
          cost_nm_per_rad =
-             0.0;  ///< Of the stiffness displayed without them; negative if it is larger with them.
+             0.0;  ///< loss of displayed stiffness; negative if it is larger with the minimum
   /// The worst case that stays below its minimum in the softest useful contact with any injected
   /// damping. No coupling of that kind reaches the minimum, so it is dropped for all hands, or for
   /// all released devices. Empty if there is no such case.
@@ -123,8 +123,8 @@ struct Design {
   /// Coupling to run: kind, cut-off, damping ratio, gain, cap, injected damping.
   CouplingSpec spec;
   AxisDesign translation, rotation;  ///< rotation is all zero for a device without torque
-  DominantMode swing;                ///< how it comes to rest
-  FloorsKept floors;                 ///< empty for given parameters
+  DominantMode swing;                ///< damping ratios of the dominant mode
+  MinDampingResult min_damping;      ///< empty for given parameters
   double lag_s = 0.0;                ///< 2 d / w0
   /// Fastest approach that stays within the force layer, stopped by a single point. A hand that
   /// keeps pushing uses force / (K k) of the depth in addition. 0: not computed.

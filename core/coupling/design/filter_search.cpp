@@ -8,8 +8,8 @@
 #include <optional>
 #include <tuple>
 
-#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/loop_table.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
@@ -57,7 +57,7 @@ struct Candidate {
   }
 };
 
-bool has_floor(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
+bool has_minimum(const DesignCase& one) { return one.least_damping_ratio > 0.0; }
 
 class Search {
  public:
@@ -73,7 +73,7 @@ class Search {
       if (!problem.hand.any_passive && !table)
         table.emplace(problem.cases, velocities_);
       Axis axis{&problem, table ? &*table : nullptr, std::nullopt, {}, {}, 0.0, 0};
-      if (std::ranges::any_of(problem.cases, has_floor))
+      if (std::ranges::any_of(problem.cases, has_minimum))
         axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
     }
@@ -127,7 +127,7 @@ class Search {
       const AxisProblem& problem = *axes_[a].problem;
       if (!(certified_stiffness(problem, law(candidate, a), problem.target) >= problem.target))
         return false;
-      if (!keeps_floors(problem, law(candidate, a), problem.target))
+      if (!meets_min_damping(problem, law(candidate, a), problem.target))
         return false;
     }
     return true;
@@ -175,7 +175,7 @@ class Search {
     }
   }
 
-  bool breaks_floors(Axis& axis, std::size_t velocity, std::size_t level) const {
+  bool misses_min_damping(Axis& axis, std::size_t velocity, std::size_t level) const {
     if (!axis.swings)
       return false;
     constexpr double kHardlyAny = 1e-3;  // of the target
@@ -184,8 +184,8 @@ class Search {
       LoopController law = law_of({kInfinity, 1.0});
       law.use(velocities_[velocity]);
       law.injected_damping = axis.damping(velocity, level);
-      broken =
-          !keeps_floors(*axis.problem, law, kHardlyAny * axis.problem->target, axis.longest_swing);
+      broken = !meets_min_damping(*axis.problem, law, kHardlyAny * axis.problem->target,
+                                  axis.longest_swing);
     }
     return *broken;
   }
@@ -220,11 +220,11 @@ class Search {
   bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level,
              double least) {
     return ratios_[shape][velocity][axis][level] >= least &&
-           (least <= 0.0 || !breaks_floors(axes_[axis], velocity, level));
+           (least <= 0.0 || !misses_min_damping(axes_[axis], velocity, level));
   }
   double ratio(const Candidate& candidate, std::size_t axis) {
     const std::size_t level = candidate.levels[axis];
-    return breaks_floors(axes_[axis], candidate.velocity, level)
+    return misses_min_damping(axes_[axis], candidate.velocity, level)
                ? 0.0
                : ratios_[candidate.shape][candidate.velocity][axis][level];
   }
@@ -236,8 +236,8 @@ class Search {
     for (std::size_t a = 0; a < axes_.size() && joint > least; ++a) {
       Levels levels = ratios_[shape][velocity][a];
       auto most = std::ranges::max_element(levels);
-      for (; *most > least &&
-             breaks_floors(axes_[a], velocity, static_cast<std::size_t>(most - levels.begin()));
+      for (; *most > least && misses_min_damping(axes_[a], velocity,
+                                                 static_cast<std::size_t>(most - levels.begin()));
            most = std::ranges::max_element(levels))
         *most = 0.0;
       joint = std::min(joint, *most);

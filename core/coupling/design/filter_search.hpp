@@ -35,8 +35,8 @@ LoopController law_of(const FilterSetting& shape);
 
 /// The candidate settings, the goal first, then raised. They are the requested cut-off x {1, 1.5,
 /// 2, ... 40} while w0 T <= 0.6 and below the highest cut-off of the goal. At each cut-off the
-/// damping ratios are .707, .577 and 1. For a hand only known to be passive .866 is added, which
-/// suits rule P best.
+/// damping ratios are .707, .577 and 1. For a hand only known to be passive, .866 is added, at
+/// which rule P allows the largest stiffness.
 std::vector<FilterSetting> filter_settings(const DesignProblem& request);
 
 /// A LoopTable behind filters, with a cache of its results.

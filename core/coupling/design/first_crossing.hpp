@@ -20,28 +20,30 @@ struct Crossing {
 
 /// L and, if it is a sum, the summand that may have narrow resonances. Under a large smooth
 /// summand, pole and zero of a resonance are so close that a step over both would miss it. The
-/// summand itself turns by pi.
+/// phase of the summand itself changes by pi.
 struct LoopSample {
   Complex value, summand;
 };
 
 /// Searches the upper half of the unit circle for crossings.
-/// The steps grow with the angle and are short relative to the turns of the delay. They are halved
-/// wherever L or its summand turns or grows fast. Each step that crosses the negative real axis is
-/// narrowed down to rounding. If L approaches the axis and turns back, the search checks for a
-/// double crossing in between: such a loop is unstable for a band of gains only. A response is a
-/// function of a Phasor that returns a LoopSample.
+/// The steps grow with the angle and are short relative to the phase of the delay. They are halved
+/// wherever the phase or modulus of L or its summand changes fast. Each step that crosses the
+/// negative real axis is narrowed down to rounding. If L approaches the axis and departs again, the
+/// search checks for a double crossing in between: such a loop is unstable for a band of gains
+/// only. A response is a function of a Phasor that returns a LoopSample.
 class CrossingSearch {
  public:
   /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its
-  /// inverse no factor has turned L by more than a fiftieth [rad], so the search begins there.
+  /// inverse no factor changes the phase of L by more than a fiftieth [rad], so the search begins
+  /// there.
   /// `whole_delay`: samples of delay.
   CrossingSearch(double slow_periods, int whole_delay) noexcept
       : start_(0.02 / slow_periods),
         longest_step_(0.5 / (whole_delay + 3)) {}
 
-  /// Adds an angle that no step may skip: the peak of a resonance, where L turns by pi within an
-  /// arbitrarily small width. Two of them within one step would cancel. At most kMaxStops.
+  /// Adds an angle that no step may skip: the peak of a resonance, where the phase of L changes by
+  /// pi within an arbitrarily small width. Two of them within one step would cancel. At most
+  /// kMaxStops.
   void stop_at(double angle) noexcept {
     if (stops_count_ < kMaxStops)
       stops_[stops_count_++] = angle;
@@ -58,7 +60,7 @@ class CrossingSearch {
         if (stop > from.angle)
           next = std::min(next, stop);
       const Point to = at(response, next);
-      look_between(response, from, to, kMaxHalvings);
+      search_between(response, from, to, kMaxHalvings);
       from = to;
     }
     // At z = -1 all values are real: the loop may begin to alternate from sample to sample.
@@ -77,8 +79,8 @@ class CrossingSearch {
   static constexpr int kMaxStops = 4, kMaxHalvings = 60;
   static constexpr double kGrowth = 1.3;
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
-  static constexpr double kTurnCosine2 =
-      0.6;                                 ///< largest turn of L [rad] in a step that is not halved
+  static constexpr double kPhaseCosine2 =
+      0.6;  ///< squared cosine of the largest phase change of L in a step that is not halved
   static constexpr double kSwell = 100.0;  ///< largest factor of |L|^2 in such a step
   static constexpr double kHopeless =
       0.01;  ///< a step with |L|^2 below this fraction of the best crossing's is skipped
@@ -92,12 +94,12 @@ class CrossingSearch {
   static bool gentle(const Complex& a, const Complex& b) noexcept {
     const double na = std::norm(a), nb = std::norm(b);
     const double along = a.real() * b.real() + a.imag() * b.imag();
-    return along > 0.0 && along * along > kTurnCosine2 * na * nb && na < kSwell * nb &&
+    return along > 0.0 && along * along > kPhaseCosine2 * na * nb && na < kSwell * nb &&
            nb < kSwell * na;
   }
 
   template <class Response>
-  void look_between(const Response& response, const Point& a, const Point& b, int halvings) {
+  void search_between(const Response& response, const Point& a, const Point& b, int halvings) {
     if (std::max(std::norm(a.value), std::norm(b.value)) * best_.gain * best_.gain < kHopeless) {
       before_ = b;
       return;
@@ -105,13 +107,13 @@ class CrossingSearch {
     if (halvings > 0 && !(gentle(a.value, b.value) && gentle(a.summand, b.summand))) {
       const Point middle = at(response, 0.5 * (a.angle + b.angle));
       if (middle.angle > a.angle && middle.angle < b.angle) {
-        look_between(response, a, middle, halvings - 1);
-        look_between(response, middle, b, halvings - 1);
+        search_between(response, a, middle, halvings - 1);
+        search_between(response, middle, b, halvings - 1);
         return;
       }
     }
     narrow(response, a, b);
-    look_for_a_touch(response, before_, a, b);
+    search_double_crossing(response, before_, a, b);
     before_ = a;
   }
 
@@ -125,8 +127,8 @@ class CrossingSearch {
   /// Of three consecutive points on one side of the axis, the middle one is nearest to it.
   /// Approaches the axis between them until it is reached or the bracket is short.
   template <class Response>
-  void look_for_a_touch(const Response& response, const Point& left, const Point& middle,
-                        const Point& right) {
+  void search_double_crossing(const Response& response, const Point& left, const Point& middle,
+                              const Point& right) {
     const auto away = [](const Point& p) {
       return p.value.real() < 0.0 ? std::abs(slope(p)) : 1e300;
     };

@@ -120,9 +120,9 @@ CircleValue Arc::delay(int k) const noexcept {
   const double count = std::abs(k), sine = std::sin(count * middle_),
                cosine = std::cos(count * middle_);
   const double step = 0.5 * half_ * half_, sign = k > 0 ? -1.0 : 1.0;
-  const double kernel = sine / s_.value, turn = (count * cosine - kernel * s_.slope) / s_.value;
+  const double kernel = sine / s_.value, slope = (count * cosine - kernel * s_.slope) / s_.value;
   return {{cosine, -count * sine, step * count * count},
-          {sign * kernel, sign * turn,
+          {sign * kernel, sign * slope,
            half_ > 0.0 ? step * kernel_curvature(std::abs(k), middle_ - half_) : 0.0}};
 }
 

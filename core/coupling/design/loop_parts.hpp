@@ -72,13 +72,15 @@ struct OperatorRange {
   HandRange translation, rotation;
 };
 
-/// Minimum damping ratio of the dominant mode in contact, with the device released and held. 0: no
-/// minimum.
-struct DampingFloors {
-  double released = 0.1, held = 0.3;
+/// Minimum damping ratio of the dominant mode in contact, with the device released and gripped. 0:
+/// no minimum.
+struct MinDampingRatios {
+  double released = 0.1, gripped = 0.3;
 };
 /// Derives both from the ratio for a hand; the released ratio is a third of it.
-constexpr DampingFloors floors_of(double held) noexcept { return {held / 3.0, held}; }
+constexpr MinDampingRatios min_damping_ratios_of(double gripped) noexcept {
+  return {gripped / 3.0, gripped};
+}
 
 /// Contact stiffness of the scene ahead of the coupling: of a single point, and of all points that
 /// may touch at once (with the cap applied, if any).

@@ -94,15 +94,16 @@ Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>
   return quotient(low, low - p.s * p.s + Complex(0.0, 2.0 * damping_ratio * g) * p.s * p.c);
 }
 
-/// Remaining ratio of a damper's effect in an oscillation that leaves the contact. The damper adds
-/// no more than the ratio s of the law's force and takes no more than all of it. The ratio compares
-/// the part of its fundamental that is ahead of the force with that of an unbounded damper.
-/// `ratio`: response of the damper over that of the law at the frequency of the oscillation, D = x
+/// Fraction of a damper's effect that remains in an oscillation that leaves the contact. The damper
+/// adds no more than the ratio s of the law's force and takes no more than all of it. The ratio
+/// compares the part of its fundamental that is ahead of the force with that of an unbounded
+/// damper. `ratio`: response of the damper over that of the law at the frequency of the
+/// oscillation, D = x
 /// + j y.
 ///
-/// The law pushes over half of the period, as cos p. There the unbounded damper gives x cos p - y
-/// sin p, which is clamped between -cos p and s cos p. The clamping changes at tan p = (x - s)/y
-/// and (1 + x)/y. The integral of the product with -sin p over (pi/2) y is
+/// The force of the law acts over half of the period, as cos p. There the unbounded damper adds
+/// x cos p - y sin p, which is clamped between -cos p and s cos p. The clamping changes at tan p =
+/// (x - s)/y and (1 + x)/y. The integral of the product with -sin p over (pi/2) y is
 ///
 ///     (atan((s - x)/y) + atan((1 + x)/y)) / pi
 ///

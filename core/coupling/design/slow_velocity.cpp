@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "core/coupling/design/damping_floor.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 
 namespace voxtouch::coupling::design {
 namespace {
@@ -34,7 +34,7 @@ bool holds_on_slow_velocity(const AxisProblem& translation, const CouplingSpec& 
   AxisProblem gentler = translation;
   for (DesignCase& one : gentler.cases)
     one.least_damping_ratio *= fraction;
-  return keeps_floors(gentler, law, displayed.displayed);
+  return meets_min_damping(gentler, law, displayed.displayed);
 }
 
 void choose_slow_velocity(const AxisProblem& translation, const DisplayedStiffness& displayed,

@@ -1,6 +1,6 @@
 #pragma once
-/// A slow velocity estimate for small movements, which reduces the displayed encoder noise of the
-/// damping.
+/// A slow velocity estimate for small movements. It reduces the encoder noise that injected damping
+/// displays.
 #include "core/coupling/design/axis_verdict.hpp"
 
 namespace voxtouch::coupling::design {

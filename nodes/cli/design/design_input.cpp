@@ -48,7 +48,7 @@ void apply(const DesignInput& input, const coupling::design::DeviceModel& device
     hand = input.hand;
   }
   if (input.min_damping_ratio)
-    problem.goals.floors = coupling::design::floors_of(*input.min_damping_ratio);
+    problem.goals.min_damping = coupling::design::min_damping_ratios_of(*input.min_damping_ratio);
   if (input.damping_force_ratio)
     problem.goals.damping_force_ratio = *input.damping_force_ratio;
   if (input.gripped)

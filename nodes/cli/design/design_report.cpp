@@ -94,20 +94,20 @@ std::string damping_lines(const DesignReport& r) {
   std::string text;
   for (const auto& [who, ratio, where] :
        {std::tuple("released", least.released, &least.released_where),
-        {"gripped", least.held, &least.held_where}})
+        {"gripped", least.gripped, &least.gripped_where}})
     if (!where->empty())
       text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who,
                           *where);
   if (text.empty())
     return "no oscillating mode";
-  const cd::DampingFloors& floors = r.problem.goals.floors;
-  const bool kept = r.design.floors.released + r.design.floors.held > 0.0;
-  if (floors.released + floors.held > 0.0)
+  const cd::MinDampingRatios& min_damping = r.problem.goals.min_damping;
+  const bool kept = r.design.min_damping.released + r.design.min_damping.gripped > 0.0;
+  if (min_damping.released + min_damping.gripped > 0.0)
     text += fmt::format("\n                minimum {:.2g} released and {:.2g} gripped: {}",
-                        floors.released, floors.held, kept ? "kept" : "not kept");
-  if (kept && !r.design.floors.out_of_reach.empty())
+                        min_damping.released, min_damping.gripped, kept ? "kept" : "not kept");
+  if (kept && !r.design.min_damping.out_of_reach.empty())
     text += ", except where a hand makes it unreachable:\n                " +
-            r.design.floors.out_of_reach;
+            r.design.min_damping.out_of_reach;
   return text;
 }
 
@@ -119,9 +119,9 @@ std::string paper_line(const PaperRecipe& p) {
                        p.stiffness < critical ? "stable" : "UNSTABLE", critical);
   };
   const std::string released = verdict("released", p.critical_released),
-                    held = verdict("gripped", p.critical_held);
+                    gripped = verdict("gripped", p.critical_gripped);
   return fmt::format("5 Hz, damping ratio 1, at {:.4g} N/m: {}{}{}", p.stiffness, released,
-                     released.empty() || held.empty() ? "" : "; ", held);
+                     released.empty() || gripped.empty() ? "" : "; ", gripped);
 }
 
 std::string list(const char* title, const std::vector<std::string>& sentences) {
@@ -200,12 +200,12 @@ PaperRecipe judge_paper_recipe(const coupling::design::DesignProblem& problem) {
   PaperRecipe out;
   const coupling::design::AxisModel& axis = problem.device.translation;
   out.stiffness = std::min(problem.contact.all_points, axis.max_stiffness);
-  out.critical_released = out.critical_held = std::numeric_limits<double>::quiet_NaN();
+  out.critical_released = out.critical_gripped = std::numeric_limits<double>::quiet_NaN();
   for (const coupling::design::DesignCase& one :
        coupling::design::design_cases(axis, problem.device.timing, problem.hand.translation)) {
     const double critical =
         coupling::design::critical_stiffness(one.plant, paper_controller()).stiffness;
-    double& worst = one.held ? out.critical_held : out.critical_released;
+    double& worst = one.gripped ? out.critical_gripped : out.critical_released;
     worst = std::isnan(worst) ? critical : std::min(worst, critical);
   }
   return out;
@@ -316,7 +316,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                    {"slow_velocity_hz", s.slow_velocity_hz},
                    {"velocity_band_m_per_s", s.velocity_band_m_per_s},
                    {"damping_force_ratio", s.damping_force_ratio},
-                   {"damper_free_n", s.damper_free_n}};
+                   {"damping_force_offset_n", s.damping_force_offset_n}};
   if (std::isfinite(s.stiffness_cap_n_per_m))
     j["coupling"]["stiffness_cap_n_per_m"] = s.stiffness_cap_n_per_m;
   if (std::isfinite(s.stiffness_cap_nm_per_rad))
@@ -332,17 +332,18 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   if (r.problem.device.gives_torque)
     j["rotation"] = axis_json(r.design.rotation);
   const coupling::design::DominantMode& swing = r.design.swing;
-  const coupling::design::FloorsKept& floors = r.design.floors;
-  j["dominant_mode"] = {{"released_damping_ratio", swing.released},
-                        {"released", swing.released_where},
-                        {"gripped_damping_ratio", swing.held},
-                        {"gripped", swing.held_where},
-                        {"floor_released", r.problem.goals.floors.released},
-                        {"floor_gripped", r.problem.goals.floors.held},
-                        {"floors_kept", floors.released + floors.held > 0.0},
-                        {"out_of_reach", floors.out_of_reach},
-                        {"cost_of_floors_n_per_m", floors.cost_n_per_m},
-                        {"cost_of_floors_nm_per_rad", floors.cost_nm_per_rad}};
+  const coupling::design::MinDampingResult& min_damping = r.design.min_damping;
+  j["dominant_mode"] = {
+      {"released_damping_ratio", swing.released},
+      {"released", swing.released_where},
+      {"gripped_damping_ratio", swing.gripped},
+      {"gripped", swing.gripped_where},
+      {"released_min_damping_ratio", r.problem.goals.min_damping.released},
+      {"gripped_min_damping_ratio", r.problem.goals.min_damping.gripped},
+      {"min_damping_ratio_kept", min_damping.released + min_damping.gripped > 0.0},
+      {"out_of_reach", min_damping.out_of_reach},
+      {"min_damping_ratio_cost_n_per_m", min_damping.cost_n_per_m},
+      {"min_damping_ratio_cost_nm_per_rad", min_damping.cost_nm_per_rad}};
   j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz},
                        {"damping_ratio", 1.0},
                        {"stiffness_n_per_m", r.paper.stiffness}};
@@ -352,7 +353,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                                 {"critical_stiffness", critical}};
   };
   verdict("released", r.paper.critical_released);
-  verdict("gripped", r.paper.critical_held);
+  verdict("gripped", r.paper.critical_gripped);
   j["certificate"] = certificate_json(r.certificate);
   j["reasons"] = r.design.reasons;
   j["remedies"] = r.design.remedies;

@@ -17,7 +17,7 @@ namespace voxtouch::cli {
 struct PaperRecipe {
   double stiffness = 0.0;          ///< requested: the smaller of contact and device limit
   double critical_released = 0.0;  ///< with the device released; NaN if that case is excluded
-  double critical_held = 0.0;      ///< worst of the hands
+  double critical_gripped = 0.0;   ///< worst of the hands
 };
 /// The 5 Hz filter of the paper (Renz et al. 2001) on the problem's device and hands, by the exact
 /// loop.

@@ -51,7 +51,7 @@ int run(int argc, char** argv) {
   Options o;
   CLI::App app("Kills and stops each process of the ring while the hand feels a contact.");
   std::vector<std::string> known = o.victims;
-  known.push_back("nobody");
+  known.push_back("none");
   app.add_option("--victim", o.victims,
                  "which; none: what the machine itself does meanwhile, with --how stop")
       ->check(CLI::IsMember(known));

@@ -57,7 +57,7 @@ class Round {
     for (const pid_t node : nodes_)
       if (program_of(node) == "voxtouch_" + ask_.victim)
         victim_ = node;
-    ring_.lose(victim_, ask_.victim == "nobody" ? 0 : ask_.signal);
+    ring_.lose(victim_, ask_.victim == "none" ? 0 : ask_.signal);
     at_ns_ = ring_.lost_at_ns();
   }
 
@@ -95,7 +95,7 @@ class Round {
     if (!needed() && ask_.victim != "device")
       judge_undisturbed();
     const std::int64_t on_ns = unix_ns();
-    if (ask_.victim != "nobody")
+    if (ask_.victim != "none")
       ::kill(victim_, SIGCONT);
     std::this_thread::sleep_for(300ms);
     if (ask_.victim == "device")

@@ -32,7 +32,7 @@ class ByCsv(unittest.TestCase):
         cls.folder = pathlib.Path(cls.temporary.name)
         cls.rows, cls.answers = cls.folder / "rows", cls.folder / "answers"
         cls.answers.mkdir()
-        run = league(cls.rows, "--rows", ROWS, "--only", "nobody")
+        run = league(cls.rows, "--rows", ROWS, "--only", "none")
         assert run.returncode == 0, run.stderr
         for folder in cls.rows.iterdir():
             if (folder / "poses.csv").exists():

@@ -45,7 +45,7 @@ coupling::design::DesignProblem request_for(const coupling_models::PopulationMem
   out.goals.free_cap = random.chance(0.3);
   out.goals.velocity_windows = random.chance(0.5);
   if (random.chance(0.5))
-    out.goals.floors = {0.0, 0.0};
+    out.goals.min_damping = {0.0, 0.0};
   return out;
 }
 
@@ -62,7 +62,7 @@ struct Tried {
     out.controller = controller;
     out.contact_stiffness = contact;
     out.damping_only_in_contact = true, out.damping_fraction = design.spec.damping_force_ratio,
-    out.damping_free = design.spec.damper_free_n;
+    out.damping_free = design.spec.damping_force_offset_n;
     out.slow_velocity_rad_per_s = 2.0 * std::numbers::pi * design.spec.slow_velocity_hz,
     out.velocity_band = design.spec.velocity_band_m_per_s;
     return out;
@@ -108,9 +108,9 @@ std::vector<Setting> settings_of(const Tried& t, coupling_models::Random& random
       [&](coupling_models::NonlinearLoop&) {});
   // Not below the noise that the damping may make of the encoder's steps: a device that gives no
   // more has nothing to damp with.
-  out.back().loop.max_effort = std::min(
-      axis.max_effort,
-      std::max(out.back().loop.push * random.uniform(1.2, 3.0), t.design.spec.damper_free_n));
+  out.back().loop.max_effort =
+      std::min(axis.max_effort, std::max(out.back().loop.push * random.uniform(1.2, 3.0),
+                                         t.design.spec.damping_force_offset_n));
   if (t.controller.law == Law::kSpringDamper)
     return out;  // its promise does not grow with the contact
   for (const auto& [name, times] : {std::pair{"1.9 times the promise at the slowest timing", 1.9},
@@ -152,10 +152,10 @@ class Phase {
     const coupling::design::Design design = coupling::design::design_coupling(request);
     ++statuses_[static_cast<std::size_t>(design.status)];
     if (!member.hand.any_passive && design.status != coupling::design::DesignStatus::kInfeasible) {
-      const bool floors = request.goals.floors.held > 0.0;
+      const bool min_damping = request.goals.min_damping.gripped > 0.0;
       if (member.hand.may_release)
-        swings_[floors][0].push_back(design.swing.released);
-      swings_[floors][1].push_back(design.swing.held);
+        swings_[min_damping][0].push_back(design.swing.released);
+      swings_[min_damping][1].push_back(design.swing.gripped);
     }
     const coupling::design::AxisDesign& axis = design.translation;
     // Infeasible designs are simulated too, unless nothing is certified.
@@ -200,14 +200,14 @@ class Phase {
            {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}, {"95 %", 0.95}})
         out_.figures.push_back({fmt::format("limit / promise, {} timing, {}", timing, name),
                                 quantile(*limits, fraction)});
-    for (const bool floors : {false, true})
-      for (const bool held : {false, true})
+    for (const bool min_damping : {false, true})
+      for (const bool gripped : {false, true})
         for (const auto& [name, fraction] :
              {std::pair{"least", 0.0}, {"5 %", 0.05}, {"median", 0.5}})
-          out_.figures.push_back(
-              {fmt::format("damping ratio, {}, {}, {}", floors ? "floors asked for" : "no floors",
-                           held ? "held" : "released", name),
-               quantile(swings_[floors][held], fraction)});
+          out_.figures.push_back({fmt::format("damping ratio, {}, {}, {}",
+                                              min_damping ? "minimum requested" : "no minimum",
+                                              gripped ? "gripped" : "released", name),
+                                  quantile(swings_[min_damping][gripped], fraction)});
     return std::move(out_);
   }
 

@@ -385,7 +385,7 @@ void print_run(const Choice& c, const Result& r) {
              r.mass_kg, d.damping_ns_per_m, d.coulomb_friction_n, 1e3 * d.position_resolution_m,
              d.rate_hz, 1e3 * d.delay_s, 1e3 / (2.0 * std::numbers::pi * d.force_bandwidth_hz),
              r.direct ? "direct" : fmt::format("filter of {:.3g} Hz", r.spec.cutoff_hz),
-             r.virtual_tool ? ", rigid" : "", r.released ? ", released" : ", held");
+             r.virtual_tool ? ", rigid" : "", r.released ? ", released" : ", gripped");
   const int window = static_cast<int>(r.spec.velocity_window);
   const double speed =
       d.position_resolution_m * d.rate_hz *

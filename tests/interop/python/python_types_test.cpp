@@ -40,14 +40,15 @@ std::ptrdiff_t lines_of(const Process& up) {
 
 /// Samples of every topic in a Python process, until it had a thousand device samples and wrote
 /// one; null, with a failure, if it did not finish.
-json stranger(const std::filesystem::path& types, const std::string& how) {
+json read_by_python(const std::filesystem::path& types, const std::string& how) {
   if (!std::filesystem::exists(VOXTOUCH_PYTHON)) {
     ADD_FAILURE() << VOXTOUCH_PYTHON
         " is missing: deploy/setup installs it from PyPI, where deploy/packages.txt names what it "
         "holds.";
     return {};
   }
-  Process python({VOXTOUCH_PYTHON, "-B", VOXTOUCH_STRANGER, types.string(), fresh_domain(), how});
+  Process python(
+      {VOXTOUCH_PYTHON, "-B", VOXTOUCH_OTHER_TYPES, types.string(), fresh_domain(), how});
   const Finished end = python.wait(seconds(60));
   EXPECT_EQ(end.status, 0) << end.err;
   return json::parse(end.out, nullptr, false);
@@ -92,7 +93,7 @@ TEST_P(PyPIClients, ReadAndWriteEveryTopicWithoutEndingTheRing) {
   ASSERT_TRUE(wait_until([&] { return lines_of(up) > 0; }, seconds(30))) << up.err();
   const std::vector<pid_t> nodes = children_of(up.pid());
 
-  const json ours = stranger(types.path(), "ours");
+  const json ours = read_by_python(types.path(), "ours");
   ASSERT_TRUE(ours.is_object());
   expect_our_types_read_right(ours["topics"], GetParam() == std::string("slide"));
   std::set<std::string> announced;
@@ -113,11 +114,11 @@ TEST_P(PyPIClients, ReadAndWriteEveryTopicWithoutEndingTheRing) {
         "rt/haptic/device/description", "rt/haptic/rendering/change", "rt/haptic/node_status"})
     EXPECT_GT(ours["matched"][received], 1) << received;
 
-  const json foreign = stranger(types.path(), "foreign");
+  const json foreign = read_by_python(types.path(), "foreign");
   ASSERT_TRUE(foreign.is_object());
   EXPECT_EQ(foreign["matched"], ours["matched"]);
-  for (const json& stranger : {ours, foreign})
-    EXPECT_GT(stranger["written"], 10 * std::size(qos::kTopics));
+  for (const json& read : {ours, foreign})
+    EXPECT_GT(read["written"], 10 * std::size(qos::kTopics));
 
   const auto before = lines_of(up);
   EXPECT_TRUE(wait_until([&] { return lines_of(up) > before + 1; }, seconds(10)))

@@ -40,7 +40,7 @@ AccuracyRow refused() {
 
 TEST(AccuracyAdvice, ChoosesTheCheapestWithinADirectionError) {
   const AccuracyAdvice advice = advise(rows(), {.direction_deg = 2.5});
-  EXPECT_EQ(advice.row, 2u) << "adapted keeps the wish too, and takes longer";
+  EXPECT_EQ(advice.row, 2u) << "adapted keeps the request too, and takes longer";
   EXPECT_EQ(advice.met, true);
 }
 

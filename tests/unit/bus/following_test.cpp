@@ -43,7 +43,7 @@ class FollowedLatched : public testing::Test {
 
   std::uint32_t domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   Participant own{{domain, "lo", "own", {}, {}, {}}}, other{{domain, "lo", "other", {}, {}, {}}},
-      stranger{{domain, "lo", "stranger", {}, {}, {}}};
+      unauthorised{{domain, "lo", "unauthorised", {}, {}, {}}};
   LatchedReader<msg::DeviceDescription> reader{own, qos::kDeviceDescription, "r"};
 };
 
@@ -73,7 +73,7 @@ TEST_F(FollowedLatched, RefusesOthersWhileTheFollowedWriterIsThere) {
   ASSERT_TRUE(matches(1));
   ASSERT_TRUE(reader.following().follow(other.guid()));
   EXPECT_EQ(taken(), 7U);
-  std::optional<Writer<msg::DeviceDescription>> foreign(writer_of(stranger));
+  std::optional<Writer<msg::DeviceDescription>> foreign(writer_of(unauthorised));
   ASSERT_TRUE(matches(2));
   say(*foreign, 9);
   for (int n = 0; n < 500 && reader.following().refused() == 0; ++n)
@@ -81,7 +81,7 @@ TEST_F(FollowedLatched, RefusesOthersWhileTheFollowedWriterIsThere) {
   EXPECT_EQ(reader.following().refused(), 1U);
   foreign.reset();  // another program has left, which changes nothing
   ASSERT_TRUE(matches(1));
-  foreign.emplace(writer_of(stranger));
+  foreign.emplace(writer_of(unauthorised));
   ASSERT_TRUE(matches(2));
   say(*foreign, 9);
   for (int n = 0; n < 500 && reader.following().refused() == 1; ++n)

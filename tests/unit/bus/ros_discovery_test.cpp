@@ -47,13 +47,13 @@ class RosNode {
   Entity participant_, topic_, reader_;
 };
 
-struct Beside {
+struct Neighbour {
   const char* name;
   std::vector<std::string> hashes;  ///< user data of the readers of other programs
   std::string to_iron, to_humble;   ///< part of the sentence for a ring of this layout
 };
 
-void PrintTo(const Beside& one, std::ostream* out) { *out << one.name; }
+void PrintTo(const Neighbour& one, std::ostream* out) { *out << one.name; }
 
 bool wait_for(const std::function<bool()>& holds) {
   for (int n = 0; n < 1000 && !holds(); ++n)
@@ -63,9 +63,9 @@ bool wait_for(const std::function<bool()>& holds) {
 
 constexpr char kHash[] = "typehash=RIHS01_0;";
 
-class RosBeside : public testing::TestWithParam<Beside> {};
+class RosNeighbour : public testing::TestWithParam<Neighbour> {};
 
-TEST_P(RosBeside, IsReportedIfItDoesNotListTheRing) {
+TEST_P(RosNeighbour, IsReportedIfItDoesNotListTheRing) {
   const auto domain = static_cast<std::uint32_t>(std::stoul(test::fresh_domain()));
   const Participant own({domain, "lo", "up", {}, {"/haptic", "up", RosGraph::kHumble}, {}});
   RosDiscovery found(own);
@@ -91,11 +91,12 @@ TEST_P(RosBeside, IsReportedIfItDoesNotListTheRing) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Releases, RosBeside,
-                         testing::Values(Beside{"none", {}, "", ""},
-                                         Beside{"humble", {""}, "use --ros humble", ""},
-                                         Beside{"jazzy", {kHash}, "", "remove --ros humble"},
-                                         Beside{"both", {"", kHash}, "one of them", "one of them"}),
+INSTANTIATE_TEST_SUITE_P(Releases, RosNeighbour,
+                         testing::Values(Neighbour{"none", {}, "", ""},
+                                         Neighbour{"humble", {""}, "use --ros humble", ""},
+                                         Neighbour{"jazzy", {kHash}, "", "remove --ros humble"},
+                                         Neighbour{
+                                             "both", {"", kHash}, "one of them", "one of them"}),
                          [](const auto& row) { return std::string(row.param.name); });
 
 /// The nodes of a ring join while `up` polls.

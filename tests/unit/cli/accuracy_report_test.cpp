@@ -76,7 +76,7 @@ TEST(AccuracyText, KeepsItsColumnsForFiguresOfAnySize) {
 TEST(AccuracyText, PrintsMissesAndTheSpreadOverDepthAndGrid) {
   const std::string text = to_text(accuracy_report());
   const auto rows = rows_of(text);
-  EXPECT_TRUE(rows[0].contains(" 50 ")) << "contacts judged: felt and missed\n" << rows[0];
+  EXPECT_TRUE(rows[0].contains(" 50 ")) << "contacts judged: found and missed\n" << rows[0];
   EXPECT_TRUE(rows[0].contains(" 20.0 ")) << "10 of 50 missed, in %\n" << rows[0];
   for (const char* figure : {"original/one, e = 4 mm", "0.875", "0.125", "45.0", "10.0 to 50.0",
                              "2.00 to 90.0", "0.500 to 1.50", "5.60 to 7.20"})

@@ -270,7 +270,7 @@ struct Moving {
     CouplingSpec s;
     s.kind = "direct", s.injected_damping_ns_per_m = b_linear,
     s.injected_damping_nms_per_rad = b_angular, s.damping_force_ratio = fraction,
-    s.damper_free_n = free;
+    s.damping_force_offset_n = free;
     return s;
   }
   /// Long enough for v^ to be the velocity.
@@ -328,7 +328,7 @@ TEST(InjectedDamping, NeverPullsAtAnySpeed) {
 
 /// In the middle of a tight slot the forces cancel. A step of the encoder back to it must be damped
 /// like the step away from it, or a released device goes to and fro for ever.
-TEST(InjectedDamping, ActsWithinItsFreeForceWhereOppositeWallsCancel) {
+TEST(InjectedDamping, IsBoundedByItsOffsetIfOppositeWallsCancel) {
   CouplingInput middle = corner({0, 0, 0}, 1000, 0);
   middle.coherence = 0.0;
   Moving bounded(5, 0.0, 0.35, 0.05);
@@ -378,7 +378,7 @@ TEST(InjectedDamping, AddsAtMostItsRatioOfTheContactForce) {
   Moving quiet(5, 0, 0.5, 0.05);
   EXPECT_LE((quiet.move(corner({1, 0, 0}, 1000, 0), {-0.5, 0, 0}).force - Vec3(1.55, 0, 0)).norm(),
             1e-9)
-      << "and what is hardly felt";
+      << "and what is below perception";
   Moving rotation(0, 0.1, 0.5);
   CouplingInput turned = corner({1, 0, 0}, 1000, 0);
   turned.contact.torque = {0.1, 0, 0}, turned.contact_stiffness(3, 3) = 10;

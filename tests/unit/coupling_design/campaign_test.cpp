@@ -85,7 +85,7 @@ TEST(Campaign, CertificatesKeepTheirMarginInSimulation) {
 TEST(Campaign, TheLiteralRecipeIsUnstableOnMostDevices) {
   PhaseResult result = recipe_phase(sample(60));
   EXPECT_GT(unstable_ratio(result, "released"), 0.7);
-  EXPECT_GT(unstable_ratio(result, "held"), 0.4);
+  EXPECT_GT(unstable_ratio(result, "gripped"), 0.4);
   EXPECT_GT(unstable_ratio(result, "released, with the device's friction"), 0.3);
   EXPECT_LT(unstable_ratio(result, "released, with the device's friction"),
             unstable_ratio(result, "released"));

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "core/coupling/design/certificates.hpp"
-#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/filter_search.hpp"
 #include "core/coupling/design/limit_cycle.hpp"
 #include "core/coupling/design/loop_table.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 #include "tests/unit/coupling_design/designer_support.hpp"
 
 namespace voxtouch::coupling::design {
@@ -253,7 +253,7 @@ TEST(FilterSearch, FindsTheStiffestIfTheTableIsWrong) {
   DesignProblem r;
   for (int i = 0; i < 72; ++i)
     r = random_request(random);
-  r.goals.floors = {}, r.goals.damping_force_ratio = kDefaultDampingForceRatio,
+  r.goals.min_damping = {}, r.goals.damping_force_ratio = kDefaultDampingForceRatio,
   r.goals.velocity_windows = true;
   EXPECT_NEAR(designed(r).translation.displayed_stiffness, 627.475, 0.001);
 }
@@ -308,21 +308,21 @@ TEST(InnerLimits, KeepPlantsAndVelocitiesApart) {
       }
 }
 
-TEST(KeepsFloors, DoesNotDependOnTheOrderOfCases) {
+TEST(MeetsMinDamping, DoesNotDependOnTheOrderOfCases) {
   DesignProblem r = stylus();
-  r.goals.floors = {};
+  r.goals.min_damping = {};
   std::vector<AxisProblem> problems = axis_problems(r);
   LoopController law = law_of({kInfinity, 1.0});
   law.injected_damping = 2.0, law.use({100.0});
   for (DesignCase& one : problems[0].cases)
-    one.least_damping_ratio = one.held ? 0.05 : 0.01;
+    one.least_damping_ratio = one.gripped ? 0.05 : 0.01;
   int kept = 0, broken = 0;
   for (const double contact : {1.0, 5.0, 20.0, 50.0, 100.0, 200.0, 400.0, 800.0}) {
-    const bool keeps = keeps_floors(problems[0], law, contact);
+    const bool keeps = meets_min_damping(problems[0], law, contact);
     ++(keeps ? kept : broken);
     for (std::size_t i = 0; i < problems[0].cases.size(); ++i) {
       std::size_t first = i;
-      EXPECT_EQ(keeps_floors(problems[0], law, contact, first), keeps) << contact << ' ' << i;
+      EXPECT_EQ(meets_min_damping(problems[0], law, contact, first), keeps) << contact << ' ' << i;
       EXPECT_TRUE(!keeps || first == i);
     }
   }

@@ -21,7 +21,7 @@ inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.
 /// minimum damping ratios.
 inline void as_published(coupling::design::DesignGoals& goals) {
   goals.kind = "shaping_filter", goals.damping_force_ratio = 0.0, goals.velocity_windows = false,
-  goals.floors = {0.0, 0.0};
+  goals.min_damping = {0.0, 0.0};
 }
 
 /// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two

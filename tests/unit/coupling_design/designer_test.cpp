@@ -257,7 +257,7 @@ TEST(Design, MoreDampingAndLessDelayNeverCostMuch) {
         r.contact = {goal / 20.0, goal}, r.goals.kind = kind, r.goals.free_cap = true;
         const AxisDesign d = designed(r).translation;
         EXPECT_GE(d.displayed_stiffness / d.requested_stiffness, kGrid * before)
-            << kind << " wish " << goal;
+            << kind << " requested " << goal;
         before = std::max(before, d.displayed_stiffness / d.requested_stiffness);
       }
     }

@@ -2,9 +2,9 @@
 // effect on a simulated arm.
 #include <gtest/gtest.h>
 
-#include "core/coupling/design/damping_floor.hpp"
 #include "core/coupling/design/filter_search.hpp"
 #include "core/coupling/design/loop_response.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 #include "core/coupling/design/slow_velocity.hpp"
 #include "tests/support/coupling_models/nonlinear_loop.hpp"
 #include "tests/support/coupling_models/population.hpp"
@@ -25,7 +25,7 @@ DesignProblem arm() {
 
 AxisProblem judged_by(const DesignProblem& request, const Design& d) {
   std::vector<AxisProblem> problems = axis_problems(request);
-  set_floors(request, problems);
+  set_min_damping(request, problems);
   problems[0].damping_force_ratio = d.spec.damping_force_ratio;
   return problems[0];
 }
@@ -40,11 +40,11 @@ bool keeps(const DesignProblem& request, const Design& d, double hz, double frac
       displayed_stiffness(request, axis_problems(request), d.spec)[0].coupling *
       d.translation.displayed_stiffness;
   return critical_case(translation, law).stiffness >= fraction * translation.margin * displayed &&
-         keeps_floors(translation, law, d.translation.displayed_stiffness);
+         meets_min_damping(translation, law, d.translation.displayed_stiffness);
 }
 
-/// The slowest that keeps three quarters of margin and floors, while the velocity that large
-/// movements are damped on keeps all of both.
+/// The slowest that keeps three quarters of margin and minimum damping ratios, while the velocity
+/// that large movements are damped on keeps all of both.
 TEST(SlowVelocity, IsTheSlowestThatKeepsThreeQuarters) {
   const DesignProblem request = arm();
   const Design d = design_coupling(request);
@@ -200,7 +200,7 @@ TEST(SlowVelocity, QuietensASimulatedArm) {
   loop.controller.gain = d.spec.gain;
   loop.contact_stiffness = d.spec.stiffness_cap_n_per_m;
   loop.damping_only_in_contact = true, loop.damping_fraction = d.spec.damping_force_ratio,
-  loop.damping_free = d.spec.damper_free_n;
+  loop.damping_free = d.spec.damping_force_offset_n;
   loop.resolution = request.device.translation.resolution;
   loop.push = 3.0, loop.start_speed = 0.05, loop.duration_s = 6.0;
   for (const LoopPlant& plant : {d.translation.worst_case, LoopPlant{.mass = 6.0,

@@ -99,12 +99,12 @@ TEST(DesignProblem, CarriesEveryRequestOfTheScene) {
   const coupling::design::DesignProblem r = design_problem(s, device(), {10, 4000}, {0.01, 8});
   EXPECT_EQ(r.goals.kind, "direct");
   EXPECT_EQ(r.goals.cutoff_hz, 300);
-  EXPECT_EQ(r.goals.max_cutoff_hz, 300) << "a wish is not above what is allowed";
+  EXPECT_EQ(r.goals.max_cutoff_hz, 300) << "a request does not exceed what is allowed";
   EXPECT_EQ(r.goals.gain_margin, 1.5);
   EXPECT_FALSE(r.goals.allow_injected_damping);
   EXPECT_FALSE(r.goals.velocity_windows);
-  EXPECT_EQ(r.goals.floors.held, 0.15);
-  EXPECT_EQ(r.goals.rotation_floors.held, 0.06);
+  EXPECT_EQ(r.goals.min_damping.gripped, 0.15);
+  EXPECT_EQ(r.goals.rotation_min_damping.gripped, 0.06);
   EXPECT_EQ(r.goals.damping_force_ratio, 0.2);
   EXPECT_TRUE(r.hand.translation.any_passive && r.hand.rotation.any_passive);
 }
@@ -144,7 +144,7 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   design.spec.stiffness_n_per_m = 600, design.spec.damping_ns_per_m = 4;
   design.spec.stiffness_cap_n_per_m = 800, design.spec.stiffness_cap_nm_per_rad = 2;
   design.spec.injected_damping_ns_per_m = 3, design.spec.injected_damping_nms_per_rad = 0.01;
-  design.spec.damping_force_ratio = 0.3, design.spec.damper_free_n = 0.2;
+  design.spec.damping_force_ratio = 0.3, design.spec.damping_force_offset_n = 0.2;
   design.spec.slow_velocity_hz = 8, design.spec.velocity_band_m_per_s = 0.003;
   scene::Scene scene = scaled_scene();
   coupling::CouplingSpec spec = spec_W(design, scene);
@@ -160,12 +160,12 @@ TEST(SpecInWorld, BringsTheDesignFromTheHandToTheWorld) {
   EXPECT_EQ(spec.velocity_filter_hz, 50);
   EXPECT_EQ(spec.velocity_window, 2U);
   EXPECT_EQ(spec.damping_force_ratio, 0.3);
-  EXPECT_DOUBLE_EQ(spec.damper_free_n, 0.2 / scene.device.force_scale);
+  EXPECT_DOUBLE_EQ(spec.damping_force_offset_n, 0.2 / scene.device.force_scale);
   EXPECT_EQ(spec.slow_velocity_hz, 8);
   EXPECT_DOUBLE_EQ(spec.velocity_band_m_per_s, 0.003 * scene.device.position_scale)
       << "a speed of the tool";
   const coupling::CouplingSpec back = spec_D(spec, scene.device);
-  EXPECT_DOUBLE_EQ(back.damper_free_n, 0.2);
+  EXPECT_DOUBLE_EQ(back.damping_force_offset_n, 0.2);
   EXPECT_DOUBLE_EQ(back.velocity_band_m_per_s, 0.003);
   EXPECT_DOUBLE_EQ(back.stiffness_cap_nm_per_rad, 2);
   EXPECT_DOUBLE_EQ(back.injected_damping_nms_per_rad, 0.01);

@@ -187,13 +187,13 @@ TEST_F(LwrDriverFault, UnansweredMeasurementsGetZeroForce) {
 }
 
 TEST_F(LwrDriverFault, AcceptsOnlyItsOwnController) {
-  FakeController stranger("127.0.0.2");
-  stranger.port = krc->port;
-  stranger.msr = msr();
-  stranger.msr.header.send_seq = static_cast<std::uint16_t>(msr().header.send_seq + 1);
-  stranger.send();
+  FakeController unauthorised("127.0.0.2");
+  unauthorised.port = krc->port;
+  unauthorised.msr = msr();
+  unauthorised.msr.header.send_seq = static_cast<std::uint16_t>(msr().header.send_seq + 1);
+  unauthorised.send();
   EXPECT_EQ(driver->read(1ms).error(), devices::DeviceError::kTimeout);
-  EXPECT_TRUE(stranger.receive().empty());
+  EXPECT_TRUE(unauthorised.receive().empty());
   EXPECT_EQ(driver->counts().foreign, 1U);
 }
 

@@ -294,9 +294,9 @@ TEST(Session, UnauthorisedPeersAreIgnored) {
   network.remote_port = client.port();
   network.duration_s = 0.2;
   Session session(network, controller, Line(FaultSchedule(), config.period_s, 0));
-  arm::UdpSocket stranger("127.0.0.1", 0);
+  arm::UdpSocket unauthorised("127.0.0.1", 0);
   const test::CmdBytes nothing{};
-  ASSERT_TRUE(stranger.send(nothing, session.local()));
+  ASSERT_TRUE(unauthorised.send(nothing, session.local()));
   const std::atomic<bool> never{false};
   session.run(never);
   EXPECT_EQ(session.counts().foreign, 1u);

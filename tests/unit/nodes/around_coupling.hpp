@@ -64,7 +64,8 @@ class Around {
         contacts(rendering->participant, qos::kContactState, rig,
                  qos::profile(lockstep ? qos::ProfileId::kLockstep : qos::ProfileId::kStream)),
         designs(participant, qos::kCouplingDesign, rig, latched()),
-        commands(participant, qos::kForceCommand, rig, qos::profile(qos::ProfileId::kTap)),
+        commands(participant, qos::kForceCommand, rig,
+                 qos::profile(lockstep ? qos::ProfileId::kLockstep : qos::ProfileId::kTap)),
         options(options_for(coupling, lockstep, claimed)),
         node([this](const std::atomic<bool>& stop) { return coupling_node::run(options, stop); }) {
     EXPECT_TRUE(wait_until([&] {
@@ -176,6 +177,17 @@ class Around {
     contacts.write(c);
     std::this_thread::sleep_for(milliseconds(1));
     look();
+  }
+  /// The same in lockstep, with its answer. The node computes the coupling of each contact,
+  /// whatever the load of the machine. In real time it skips contacts that a newer one has
+  /// replaced.
+  [[nodiscard]] bool answers(double z_m = -kDepth, double force_n = kForce) {
+    const std::size_t before = forces.size();
+    touch(z_m, force_n);
+    return wait_until([&] {
+      look();
+      return forces.size() > before;
+    });
   }
   void look() {
     msg::ForceCommand command;

@@ -426,7 +426,7 @@ TEST_F(RenderingLive, ReportsTheLargestDemandDuringATransition) {
   scene.replace("damping_ns_per_m: 2}", "damping_ns_per_m: 1}");
   EXPECT_EQ(ask(change(kActionReload), "").result, result::kResultDone);
   EXPECT_EQ(plan_count, 2);
-  EXPECT_EQ(demanded_ns_per_m, 2.0) << "the old scene is still felt";
+  EXPECT_EQ(demanded_ns_per_m, 2.0) << "the old scene is still displayed";
   samples(260);
   EXPECT_EQ(demanded_ns_per_m, 1.0);
   EXPECT_EQ(ask(change(kActionValue, 0.5), "viscosity", "damping_ns_per_m").result,

@@ -69,7 +69,7 @@ TEST(CouplingNode, RedesignsWithoutAForceStep) {
   ASSERT_EQ(around.seen.size(), 3U);
   EXPECT_LT(largest_step(around.forces), 0.05 * kForce)
       << "of a held contact; a jump would be displayed as a knock";
-  EXPECT_GT(around.forces.back(), 0.2 * kForce) << "the same contact is still felt";
+  EXPECT_GT(around.forces.back(), 0.2 * kForce) << "the same contact is still displayed";
   EXPECT_EQ(around.node.end(), 0);
 }
 

@@ -44,7 +44,7 @@ TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
 
 /// A contact with force only on the way out, larger each time.
 TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
-  Around a("{kind: shaping_filter, cutoff_hz: 20}");
+  Around a("{kind: shaping_filter, cutoff_hz: 20}", true);
   bus::Writer<msg::Recover> person(a.participant, qos::kRecover, a.rig,
                                    qos::profile(qos::ProfileId::kEvent));
   a.describe(20.0), a.plan();
@@ -57,22 +57,21 @@ TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
     return report && number != report->values.end() ? std::stoull(number->second) : 0;
   };
   for (int n = 0; n < 90; ++n)
-    a.touch(-kDepth * (1.0 + 0.1 * n), 0.0);
+    ASSERT_TRUE(a.answers(-kDepth * (1.0 + 0.1 * n), 0.0));
   for (int stroke = 0; stroke < 20 && latch() == 0; ++stroke)
     for (int n = 0; n < 200; ++n)
-      a.touch(-kDepth * (n < 100 ? 10 - 0.1 * n : 0.1 * (n - 100)),
-              n < 100 ? 0.3 * std::pow(1.3, stroke) : 0.0);
+      ASSERT_TRUE(a.answers(-kDepth * (n < 100 ? 10 - 0.1 * n : 0.1 * (n - 100)),
+                            n < 100 ? 0.3 * std::pow(1.3, stroke) : 0.0));
   const std::uint64_t number = latch();
   ASSERT_NE(number, 0U) << a.message();
   EXPECT_NE(a.message().find("voxtouch recover"), std::string::npos) << a.message();
   for (int n = 0; n < 20; ++n)
-    a.touch();
+    ASSERT_TRUE(a.answers());
   a.forces.clear();
   person.write(msg::Recover{7, number + 1});
   person.write(msg::Recover{8, number});
   for (int n = 0; n < 300; ++n)
-    a.touch();
-  ASSERT_GT(a.forces.size(), 200U) << "the ring goes on";
+    ASSERT_TRUE(a.answers()) << "the ring goes on";
   EXPECT_EQ(*std::ranges::max_element(a.forces), 0.0) << "another number, or another session";
   person.write(msg::Recover{7, number});
   EXPECT_TRUE(a.force_comes()) << a.message();
@@ -82,23 +81,22 @@ TEST(CouplingNode, LatchesAtZeroForSelfExcitedForceUntilReset) {
 /// Strokes that each supply energy: the port as a whole supplies more than five times the bound of
 /// a sound contact.
 TEST(CouplingNode, LatchesIfThePortGivesEnergy) {
-  Around a("{kind: shaping_filter, cutoff_hz: 20}");
+  Around a("{kind: shaping_filter, cutoff_hz: 20}", true);
   a.describe(20.0), a.plan();
   ASSERT_TRUE(a.force_comes()) << a.message();
   for (int n = 0; n < 90; ++n)
-    a.touch(-kDepth * (1.0 + 0.1 * n), 0.0);
+    ASSERT_TRUE(a.answers(-kDepth * (1.0 + 0.1 * n), 0.0));
   for (int stroke = 0; stroke < 14; ++stroke)
     for (int n = 0; n < 200; ++n)
-      a.touch(-kDepth * (n < 100 ? 10 - 0.1 * n : 0.1 * (n - 100)), n < 100 ? 3.0 : 0.0);
+      ASSERT_TRUE(
+          a.answers(-kDepth * (n < 100 ? 10 - 0.1 * n : 0.1 * (n - 100)), n < 100 ? 3.0 : 0.0));
   const auto figures = [&] {
     a.registry.update();
     const auto report = a.registry.find("coupling");
     return report ? report->figures : runtime::Figures();
   };
-  ASSERT_TRUE(wait_until(
-      [&] { return figures()["samples"].value >= static_cast<double>(a.sequence) - 20.0; }));
+  EXPECT_TRUE(wait_until([&] { return figures()["fault_latches"].value == 1.0; })) << a.message();
   EXPECT_LT(figures()["lowest_energy_j"].value, -0.01);
-  EXPECT_EQ(figures()["fault_latches"].value, 1.0) << a.message();
 }
 
 }  // namespace

@@ -124,9 +124,9 @@ constexpr double kFrictionM = 0.002;  ///< of the device, over the hand's stiffn
 
 TEST_F(LedHand, FollowsItsPageOnly) {
   const Vec3 start = tip();
-  Page stranger(rig), page(rig);
-  page.stand_in.say(state.session_id), stranger.stand_in.say(state.session_id);
-  aim(stranger, state.session_id, start + Vec3(0.03, 0.0, 0.0), milliseconds(600));
+  Page unauthorised(rig), page(rig);
+  page.stand_in.say(state.session_id), unauthorised.stand_in.say(state.session_id);
+  aim(unauthorised, state.session_id, start + Vec3(0.03, 0.0, 0.0), milliseconds(600));
   EXPECT_LT((tip() - start).norm(), 1e-4) << "none has named it";
   EXPECT_EQ(number("operator_targets"), 0.0);
 
@@ -137,7 +137,7 @@ TEST_F(LedHand, FollowsItsPageOnly) {
   EXPECT_GT(number("operator_targets"), 20.0);
 
   const Vec3 before = tip();
-  aim(stranger, state.session_id, start, milliseconds(1'000));
+  aim(unauthorised, state.session_id, start, milliseconds(1'000));
   EXPECT_LT((tip() - before).norm(), 1e-4) << "the hand rests";
   EXPECT_GT(number("foreign_targets"), 20.0);
   EXPECT_TRUE(sees([&] { return report("device")->message.find("refused") != std::string::npos; }))

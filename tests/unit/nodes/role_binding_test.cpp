@@ -110,18 +110,18 @@ class ClaimedRole : public RoleTest {
 
 TEST_F(ClaimedRole, GoesOnlyToParticipantsThatTheClaimNames) {
   auto real = std::make_unique<Coupling>(rig);
-  Coupling stranger(rig);
-  real->say(7), stranger.say(7), settle();
+  Coupling unauthorised(rig);
+  real->say(7), unauthorised.say(7), settle();
   EXPECT_FALSE(role.bound()) << "none is named yet";
-  other.name({playing(stranger)}), settle();
+  other.name({playing(unauthorised)}), settle();
   EXPECT_FALSE(role.bound()) << "the claim of a participant that has not started this node";
   up.name({playing(*real)});
   ASSERT_TRUE(comes([&] { return role.bound(); }));
   EXPECT_EQ(role.participant(), real->participant.guid());
   real.reset();  // as one that hangs for longer than its lease
   ASSERT_TRUE(comes([&] { return !role.bound(); }));
-  stranger.say(7), settle();
-  EXPECT_FALSE(role.bound()) << "a stranger took the role of a node that was lost";
+  unauthorised.say(7), settle();
+  EXPECT_FALSE(role.bound()) << "an unauthorised participant took the role of a node that was lost";
   Coupling again(rig);
   again.say(7), up.name({playing(again)});
   ASSERT_TRUE(comes([&] { return role.bound(); }))
@@ -511,8 +511,9 @@ TEST_F(LockstepPeers, ExcludeUnauthorisedNamesakes) {
     return false;
   })) << "who it is is said";
   passing.reset();  // without a last word
-  EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "strangers ended the run";
-  EXPECT_TRUE(loses_a_peer({&*device, &silent})) << "the stranger has covered for the real one";
+  EXPECT_FALSE(loses_a_peer({&*device, &*rendering})) << "unauthorised participants ended the run";
+  EXPECT_TRUE(loses_a_peer({&*device, &silent}))
+      << "the unauthorised participant kept the peer alive";
 }
 
 TEST_F(LockstepPeers, ExcludeOtherSessionsUnlinkedAndNamesakes) {
@@ -526,10 +527,10 @@ TEST_F(LockstepPeers, ExcludeOtherSessionsUnlinkedAndNamesakes) {
 
 TEST_F(LockstepPeers, AreMissedDespiteANamesake) {
   ASSERT_TRUE(starts());
-  StandIn stranger(kDomain, "device", rig);
-  stranger.say(7);
+  StandIn unauthorised(kDomain, "device", rig);
+  unauthorised.say(7);
   device.reset();  // without a last word
-  EXPECT_TRUE(loses_a_peer({&*rendering, &stranger}));
+  EXPECT_TRUE(loses_a_peer({&*rendering, &unauthorised}));
 }
 
 TEST_F(LockstepPeers, AreNotMissedAfterTheirFinalReport) {

@@ -190,7 +190,7 @@ class RecordsOfTheLogger : public testing::Test {
 
 TEST_F(RecordsOfTheLogger, AreTheRenderingsOnlyAndNameIntruders) {
   Rendering rendering(rig);
-  Adversary stranger(kDomain, rig);
+  Adversary unauthorised(kDomain, rig);
   ASSERT_TRUE(wait_until([&] { return rendering.made.matched_count() == 1 && report(); }))
       << node.error();
   rendering.make(11);  // before any participant plays a role
@@ -198,12 +198,12 @@ TEST_F(RecordsOfTheLogger, AreTheRenderingsOnlyAndNameIntruders) {
   msg::EffectChange forged{};
   forged.session_id = 7, forged.from_sample = 66, forged.action = msg::effect_change::kActionSwitch,
   forged.effect = effect, forged.parameter = forged.model = none;
-  bus::Writer<msg::EffectChange> forger(stranger.participant(), qos::kEffectMade, rig,
+  bus::Writer<msg::EffectChange> forger(unauthorised.participant(), qos::kEffectMade, rig,
                                         qos::profile(qos::kEffectMade.profile));
   forger.write(forged);
   begin(), rendering.say(7);
   ASSERT_TRUE(wait_until([&] { return refused() == 1.0; })) << message();
-  stranger.claim("rendering", 7);
+  unauthorised.claim("rendering", 7);
   forged.from_sample = 67, forger.write(forged);
   ASSERT_TRUE(wait_until([&] { return refused() == 2.0; })) << message();
   EXPECT_NE(message().find("2 messages of unauthorised writers not recorded: 2 of "),
@@ -215,10 +215,11 @@ TEST_F(RecordsOfTheLogger, AreTheRenderingsOnlyAndNameIntruders) {
 }
 
 TEST_F(RecordsOfTheLogger, LeaveOutAndNameAnotherDevice) {
-  Adversary stranger(kDomain, rig);
+  Adversary unauthorised(kDomain, rig);
   const auto& profile = qos::profile(qos::kDeviceState.profile);
   bus::Writer<msg::DeviceState> own(device.participant, qos::kDeviceState, rig, profile);
-  bus::Writer<msg::DeviceState> foreign(stranger.participant(), qos::kDeviceState, rig, profile);
+  bus::Writer<msg::DeviceState> foreign(unauthorised.participant(), qos::kDeviceState, rig,
+                                        profile);
   ASSERT_TRUE(wait_until([&] {
     return own.matched_count() == 1 && foreign.matched_count() == 1 && report();
   })) << node.error();

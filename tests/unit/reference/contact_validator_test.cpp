@@ -50,7 +50,7 @@ Verdict verdict(const GapResult& gap, const ReportedContact& report) {
   return once(gap, report).verdict;
 }
 
-TEST(ContactValidator, DecidesThatNothingCollidesBeyondTheVoxelsDiagonal) {
+TEST(ContactValidator, ReportsNoCollisionBeyondTheVoxelDiagonal) {
   const Validation free = once(gap_of(kFree + 1e-9), {});
   EXPECT_EQ(free.verdict, Verdict::kAgree);
   EXPECT_TRUE(free.decided);

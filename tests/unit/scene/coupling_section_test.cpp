@@ -92,7 +92,7 @@ TEST_F(CouplingSection, EveryKeyOfADesignArrives) {
   EXPECT_TRUE(s.design->run_infeasible);
   EXPECT_EQ(with("design: auto, kind: spring_damper").design->kind, "spring_damper");
   EXPECT_EQ(with("design: auto, cutoff_hz: 150").warnings.size(), 1U)
-      << "a wish near the sample rate is doubtful";
+      << "a cut-off near the sample rate gives a warning";
   EXPECT_NE(with("design: auto").hash, with("design: auto, gain_margin: 2").hash);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-/// How fast the loop comes to rest, in addition to whether it is stable: minimum damping ratios of
-/// its dominant mode.
+/// Minimum damping ratios of the dominant mode of the loop: they limit how long it oscillates.
 ///
 /// A case is one device in one hand with one timing (`design_cases`); its minimum is
 /// `DesignCase::least_damping_ratio`. A hand that is only known to be passive has no minimum,
@@ -22,21 +21,21 @@ DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisP
 /// A minimum is out of reach if a case stays below it even in the softest useful contact with the
 /// best injected damping. If that holds for one hand, all hands lose their minimum, because
 /// reducing the stiffness for the others would not shorten the longest oscillation. The same
-/// applies to released devices. Returns the worst case out of reach, for example "Translation: held
-/// (0.2 kg, ...) swings with a damping ratio of 0.2 at best", or an empty text.
-std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems);
+/// applies to released devices. Returns the worst case out of reach, for example "Translation:
+/// gripped (0.2 kg, ...) reaches a damping ratio of 0.2 at most", or an empty text.
+std::string set_min_damping(const DesignProblem& request, std::vector<AxisProblem>& problems);
 
 /// Whether all cases meet their minimum with the contact stiffness `contact` ahead of `law` (of
 /// unit gain).
-bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact);
+bool meets_min_damping(const AxisProblem& problem, const LoopController& law, double contact);
 /// The same. It checks the case `first` first and stores the failing case there, since that case is
 /// likely to fail next time too.
-bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact,
-                  std::size_t& first);
+bool meets_min_damping(const AxisProblem& problem, const LoopController& law, double contact,
+                       std::size_t& first);
 /// The same for all axes of `spec` at a `fraction` of its displayed stiffness: a spring-damper
 /// scales its whole law, other kinds scale the contact.
-bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                  const CouplingSpec& spec, double fraction = 1.0);
+bool meets_min_damping(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                       const CouplingSpec& spec, double fraction = 1.0);
 
 /// The stiffest contact up to `most` that meets all minimum damping ratios, resolved to 1/4000; 0
 /// if none does. For filter and direct coupling.

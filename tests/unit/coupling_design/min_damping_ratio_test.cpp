@@ -1,5 +1,5 @@
 // How a loop comes to rest, compared with closed forms; and the cost of minimum damping ratios.
-#include "core/coupling/design/damping_floor.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 
 #include <gtest/gtest.h>
 
@@ -79,26 +79,26 @@ bool reported(const Design& design, const std::string& text) {
   });
 }
 
-Design without_floors(DesignProblem request) {
-  request.goals.floors = {0.0, 0.0};
+Design without_minimum(DesignProblem request) {
+  request.goals.min_damping = {0.0, 0.0};
   return design_coupling(request);
 }
 
 TEST(MinimumDampingRatio, WinsOverStiffnessAndReportsItsCost) {
   const DesignProblem request = arm(12, 4000);
-  const Design before = without_floors(request), damped = design_coupling(request);
+  const Design before = without_minimum(request), damped = design_coupling(request);
   ASSERT_LT(before.swing.released, 0.1) << "a case that needs it";
-  EXPECT_EQ(before.floors.held, 0.0);
-  EXPECT_EQ(damped.floors.out_of_reach, "");
-  EXPECT_EQ(damped.floors.released, 0.1);
-  EXPECT_EQ(damped.floors.held, 0.3);
+  EXPECT_EQ(before.min_damping.gripped, 0.0);
+  EXPECT_EQ(damped.min_damping.out_of_reach, "");
+  EXPECT_EQ(damped.min_damping.released, 0.1);
+  EXPECT_EQ(damped.min_damping.gripped, 0.3);
   EXPECT_GE(damped.swing.released, 0.1);
-  EXPECT_GE(damped.swing.held, 0.3);
-  EXPECT_LT(damped.swing.held, 0.31) << "no more is given up than it takes";
-  EXPECT_NEAR(damped.floors.cost_n_per_m,
+  EXPECT_GE(damped.swing.gripped, 0.3);
+  EXPECT_LT(damped.swing.gripped, 0.31) << "no more is given up than it takes";
+  EXPECT_NEAR(damped.min_damping.cost_n_per_m,
               before.translation.displayed_stiffness - damped.translation.displayed_stiffness,
               1e-9);
-  EXPECT_GT(damped.floors.cost_n_per_m, 100.0);
+  EXPECT_GT(damped.min_damping.cost_n_per_m, 100.0);
   EXPECT_GE(damped.translation.gain_margin, 2.0 - 1e-9) << "with the certificates of any design";
   EXPECT_EQ(damped.status, DesignStatus::kStiffnessReduced);
   ASSERT_FALSE(damped.reasons.empty());
@@ -110,9 +110,9 @@ TEST(MinimumDampingRatio, WinsOverStiffnessAndReportsItsCost) {
 /// than half would be left.
 TEST(MinimumDampingRatio, IsReachedByDampingBeforeStiffness) {
   const DesignProblem request = arm(12, 4000);
-  const Design before = without_floors(request), damped = design_coupling(request);
+  const Design before = without_minimum(request), damped = design_coupling(request);
   std::vector<AxisProblem> problems = axis_problems(request);
-  set_floors(request, problems);
+  set_min_damping(request, problems);
   const LoopController law = controller_of(before.spec, problems[0], arm_squared(request));
   const double softened =
       damped_stiffness(problems[0], law, before.translation.displayed_stiffness);
@@ -122,12 +122,12 @@ TEST(MinimumDampingRatio, IsReachedByDampingBeforeStiffness) {
 
 TEST(MinimumDampingRatio, CostsNothingIfAlreadyMet) {
   DesignProblem request = arm(6, 300);
-  request.goals.floors = {0.01, 0.01};
+  request.goals.min_damping = {0.01, 0.01};
   const Design damped = design_coupling(request);
-  EXPECT_EQ(damped.floors.cost_n_per_m, 0.0);
-  EXPECT_EQ(damped.floors.held, 0.01);
-  EXPECT_EQ(damped.spec, without_floors(request).spec);
-  EXPECT_EQ(damped.floors.out_of_reach, "");
+  EXPECT_EQ(damped.min_damping.cost_n_per_m, 0.0);
+  EXPECT_EQ(damped.min_damping.gripped, 0.01);
+  EXPECT_EQ(damped.spec, without_minimum(request).spec);
+  EXPECT_EQ(damped.min_damping.out_of_reach, "");
 }
 
 DesignProblem stylus() {
@@ -151,10 +151,10 @@ DesignProblem stylus() {
 
 TEST(MinimumDampingRatio, NamesTheForbiddingHandAndSparesTheOthers) {
   const Design damped = design_coupling(stylus());
-  EXPECT_NE(damped.floors.out_of_reach.find("gripped (0.2 kg, 0.5 Ns/m, 800 N/m)"),
+  EXPECT_NE(damped.min_damping.out_of_reach.find("gripped (0.2 kg, 0.5 Ns/m, 800 N/m)"),
             std::string::npos)
-      << damped.floors.out_of_reach;
-  EXPECT_EQ(damped.floors.cost_n_per_m, 0.0);
+      << damped.min_damping.out_of_reach;
+  EXPECT_EQ(damped.min_damping.cost_n_per_m, 0.0);
   EXPECT_GE(damped.swing.released, 0.1);
 }
 
@@ -162,31 +162,31 @@ TEST(MinimumDampingRatio, NamesTheForbiddingHandAndSparesTheOthers) {
 TEST(MinimumDampingRatio, IsDroppedForOtherHandsIfOneForbidsIt) {
   DesignProblem request = stylus();
   std::vector<AxisProblem> problems = axis_problems(request);
-  ASSERT_NE(set_floors(request, problems), "");
+  ASSERT_NE(set_min_damping(request, problems), "");
   for (const DesignCase& one : problems[0].cases)
-    EXPECT_EQ(one.least_damping_ratio, one.held ? 0.0 : 0.1) << describe(one, kTranslationUnits);
+    EXPECT_EQ(one.least_damping_ratio, one.gripped ? 0.0 : 0.1) << describe(one, kTranslationUnits);
 }
 
 /// The minimum of rotation is requested separately.
 TEST(MinimumDampingRatio, IsOfTranslationUnlessRotationHasItsOwn) {
   DesignProblem request = testing::sim_arm();
-  request.goals.floors = {};
+  request.goals.min_damping = {};
   std::vector<AxisProblem> problems = axis_problems(request);
-  set_floors(request, problems);
+  set_min_damping(request, problems);
   for (const DesignCase& one : problems[0].cases)
-    EXPECT_EQ(one.least_damping_ratio, one.held ? 0.3 : 0.1);
+    EXPECT_EQ(one.least_damping_ratio, one.gripped ? 0.3 : 0.1);
   for (const DesignCase& one : problems[1].cases)
     EXPECT_EQ(one.least_damping_ratio, 0.0);
-  request.goals.floors = {0.0, 0.0}, request.goals.rotation_floors = {0.05, 0.05};
-  set_floors(request, problems);
+  request.goals.min_damping = {0.0, 0.0}, request.goals.rotation_min_damping = {0.05, 0.05};
+  set_min_damping(request, problems);
   for (const DesignCase& one : problems[0].cases)
     EXPECT_EQ(one.least_damping_ratio, 0.0);
   for (const DesignCase& one : problems[1].cases)
     EXPECT_EQ(one.least_damping_ratio, 0.05);
 }
 
-/// Fingers that swing too long by themselves: little damping does not reach the floor, and much
-/// behind a slow filter is late. 794 N/m without floors.
+/// Fingers that swing too long by themselves: little damping does not reach the minimum, and much
+/// behind a slow filter is late. 794 N/m without minimum damping ratios.
 TEST(MinimumDampingRatio, IsFoundBetweenTooLittleDampingAndTooMuch) {
   DesignProblem request = stylus();
   request.device.translation = {.inertia_min = .08,
@@ -198,8 +198,8 @@ TEST(MinimumDampingRatio, IsFoundBetweenTooLittleDampingAndTooMuch) {
                                 .max_stiffness = 1000};
   request.contact = {10, 1000};
   const Design damped = design_coupling(request);
-  EXPECT_EQ(damped.floors.held, 0.3);
-  EXPECT_EQ(damped.floors.out_of_reach, "");
+  EXPECT_EQ(damped.min_damping.gripped, 0.3);
+  EXPECT_EQ(damped.min_damping.out_of_reach, "");
   EXPECT_GT(damped.translation.displayed_stiffness, 200.0);
 }
 
@@ -210,19 +210,19 @@ TEST(MinimumDampingRatio, IsNotBoughtWithAllUsefulStiffness) {
   int cost = 0;
   for (int i = 0; i < 60; ++i) {
     DesignProblem request = testing::random_request(random);
-    request.goals.floors = {};
-    const Design before = without_floors(request), damped = design_coupling(request);
+    request.goals.min_damping = {};
+    const Design before = without_minimum(request), damped = design_coupling(request);
     EXPECT_EQ(before.status == DesignStatus::kInfeasible,
               damped.status == DesignStatus::kInfeasible)
         << i;
-    if (damped.floors.held == 0.0 || request.hand.translation.any_passive)
+    if (damped.min_damping.gripped == 0.0 || request.hand.translation.any_passive)
       continue;
-    cost += damped.floors.cost_n_per_m > 0.0;
+    cost += damped.min_damping.cost_n_per_m > 0.0;
     std::vector<AxisProblem> problems = axis_problems(request);
-    set_floors(request, problems);
-    EXPECT_TRUE(keeps_floors(request, problems, damped.spec)) << i;
-    if (damped.floors.out_of_reach.empty()) {
-      EXPECT_GE(damped.swing.held, 0.3) << i;
+    set_min_damping(request, problems);
+    EXPECT_TRUE(meets_min_damping(request, problems, damped.spec)) << i;
+    if (damped.min_damping.out_of_reach.empty()) {
+      EXPECT_GE(damped.swing.gripped, 0.3) << i;
     }
     EXPECT_GE(damped.translation.gain_margin, 2.0 - 1e-9) << i;
   }
@@ -234,8 +234,8 @@ TEST(MinimumDampingRatio, DoesNotApplyToAnyPassiveHand) {
   DesignProblem request = arm(12, 4000);
   request.hand.translation = {.any_passive = true};
   const Design damped = design_coupling(request);
-  EXPECT_EQ(damped.spec, without_floors(request).spec);
-  EXPECT_EQ(damped.floors.cost_n_per_m, 0.0);
+  EXPECT_EQ(damped.spec, without_minimum(request).spec);
+  EXPECT_EQ(damped.min_damping.cost_n_per_m, 0.0);
 }
 
 /// The residual damping of a bounded damper in an oscillation that leaves the contact, integrated.
@@ -265,11 +265,12 @@ TEST(BoundedDamper, KeepsItsResidualDampingInLargeMotion) {
 /// bound.
 TEST(BoundedDamper, IsCertifiedWithItsBoundAndInTheTable) {
   DesignProblem request = arm(12, 4000);
-  request.goals.floors = {0.0, 0.0}, request.goals.damping_force_ratio = kDefaultDampingForceRatio;
+  request.goals.min_damping = {0.0, 0.0},
+  request.goals.damping_force_ratio = kDefaultDampingForceRatio;
   const Design bounded = design_coupling(request);
   ASSERT_GT(bounded.translation.injected_damping, 0.0);
   EXPECT_EQ(bounded.spec.damping_force_ratio, kDefaultDampingForceRatio);
-  request = stylus(), request.goals.floors = {0.0, 0.0},
+  request = stylus(), request.goals.min_damping = {0.0, 0.0},
   request.goals.damping_force_ratio = kDefaultDampingForceRatio;
   AxisProblem problem = axis_problems(request)[0];
   LoopController law = law_of({60.0, 0.707});
@@ -324,7 +325,7 @@ TEST(BoundedDamper, HasTheSmallestSufficientRatio) {
     DesignProblem request = testing::random_request(random);
     request.goals.damping_force_ratio.reset();
     if (i % 2 == 0)
-      request.goals.floors = DampingFloors{};
+      request.goals.min_damping = MinDampingRatios{};
     const auto with = [&](double fraction) {
       DesignProblem asked = request;
       asked.goals.damping_force_ratio = fraction;
@@ -381,7 +382,7 @@ TEST(BoundedDamper, HasTheSmallestSufficientRatio) {
 TEST(MinimumDampingRatio, IsProposedByATableThatIncludesIt) {
   DesignProblem request = arm(6, 4000);
   std::vector<AxisProblem> problems = axis_problems(request);
-  set_floors(request, problems);
+  set_min_damping(request, problems);
   const FilterSetting shape{60.0, 0.707};
   LoopController law = law_of(shape);
   law.velocity_filter_rad_per_s = 2.0 * std::numbers::pi * 100.0;

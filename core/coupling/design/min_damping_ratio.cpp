@@ -1,4 +1,4 @@
-#include "core/coupling/design/damping_floor.hpp"
+#include "core/coupling/design/min_damping_ratio.hpp"
 
 #include <fmt/format.h>
 
@@ -83,32 +83,32 @@ DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisP
     const Loop loop = loop_of(request, problems[a], spec, displayed[a], 1.0);
     for (const DesignCase& one : problems[a].cases) {
       const double here = ratio(one.plant, loop.law, loop.contact);
-      double& least = one.held ? out.held : out.released;
+      double& least = one.gripped ? out.gripped : out.released;
       if (here >= least)
         continue;
       least = here;
-      (one.held ? out.held_where : out.released_where) =
+      (one.gripped ? out.gripped_where : out.released_where) =
           fmt::format("{}: {}", problems[a].units->name, describe(one, *problems[a].units));
     }
   }
   return out;
 }
 
-std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& problems) {
+std::string set_min_damping(const DesignProblem& request, std::vector<AxisProblem>& problems) {
   const bool may_damp =
       request.goals.allow_injected_damping && request.goals.kind != "spring_damper";
   std::string out_of_reach;
   double worst = 1.0;
-  const auto set = [&](AxisProblem& problem, bool held, double floor) {
+  const auto set = [&](AxisProblem& problem, bool gripped, double minimum) {
     bool forbidden = false;
     for (DesignCase& one : problem.cases) {
-      if (one.held != held)
+      if (one.gripped != gripped)
         continue;
-      one.least_damping_ratio = floor;
-      if (floor <= 0.0)
+      one.least_damping_ratio = minimum;
+      if (minimum <= 0.0)
         continue;
       const double best = best_ratio(problem, one, may_damp, request.goals.velocity_windows);
-      if (best >= floor)
+      if (best >= minimum)
         continue;
       forbidden = true;
       if (best >= worst)
@@ -118,26 +118,27 @@ std::string set_floors(const DesignProblem& request, std::vector<AxisProblem>& p
                                  problem.units->name, describe(one, *problem.units), best);
     }
     for (DesignCase& one : problem.cases)
-      if (forbidden && one.held == held)
+      if (forbidden && one.gripped == gripped)
         one.least_damping_ratio = 0.0;
   };
   for (std::size_t a = 0; a < problems.size(); ++a) {
     if (problems[a].hand.any_passive)
       continue;
-    const DampingFloors& floors = a == 0 ? request.goals.floors : request.goals.rotation_floors;
-    set(problems[a], false, floors.released);
-    set(problems[a], true, floors.held);
+    const MinDampingRatios& min_damping =
+        a == 0 ? request.goals.min_damping : request.goals.rotation_min_damping;
+    set(problems[a], false, min_damping.released);
+    set(problems[a], true, min_damping.gripped);
   }
   return out_of_reach;
 }
 
-bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact) {
+bool meets_min_damping(const AxisProblem& problem, const LoopController& law, double contact) {
   std::size_t first = 0;
-  return keeps_floors(problem, law, contact, first);
+  return meets_min_damping(problem, law, contact, first);
 }
 
-bool keeps_floors(const AxisProblem& problem, const LoopController& law, double contact,
-                  std::size_t& first) {
+bool meets_min_damping(const AxisProblem& problem, const LoopController& law, double contact,
+                       std::size_t& first) {
   const auto keeps = [&](const DesignCase& one) {
     return one.least_damping_ratio <= 0.0 ||
            ratio(one.plant, law, contact) >= one.least_damping_ratio;
@@ -150,12 +151,12 @@ bool keeps_floors(const AxisProblem& problem, const LoopController& law, double 
   return true;
 }
 
-bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                  const CouplingSpec& spec, double fraction) {
+bool meets_min_damping(const DesignProblem& request, const std::vector<AxisProblem>& problems,
+                       const CouplingSpec& spec, double fraction) {
   const std::vector<DisplayedStiffness> displayed = displayed_stiffness(request, problems, spec);
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const Loop loop = loop_of(request, problems[a], spec, displayed[a], fraction);
-    if (!keeps_floors(problems[a], loop.law, loop.contact))
+    if (!meets_min_damping(problems[a], loop.law, loop.contact))
       return false;
   }
   return true;
@@ -164,13 +165,14 @@ bool keeps_floors(const DesignProblem& request, const std::vector<AxisProblem>& 
 double damped_stiffness(const AxisProblem& problem, const LoopController& law, double most) {
   std::size_t first = 0;
   return most * largest([&](double fraction) {
-           return keeps_floors(problem, law, fraction * most, first);
+           return meets_min_damping(problem, law, fraction * most, first);
          });
 }
 
 double damped_fraction(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                        const CouplingSpec& spec) {
-  return largest([&](double fraction) { return keeps_floors(request, problems, spec, fraction); });
+  return largest(
+      [&](double fraction) { return meets_min_damping(request, problems, spec, fraction); });
 }
 
 }  // namespace voxtouch::coupling::design
