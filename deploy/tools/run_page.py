@@ -315,7 +315,6 @@ def design_words(run):
     text += " It is stable with any passive hand.</p>" if d["passive"] else "</p>"
     for title, key in (
         ("Reasons", "reasons"),
-        ("Remedies", "remedies"),
         ("Notes", "notes"),
     ):
         text += f"<h3>{title}</h3>{listed(d[key])}" if d[key] else ""

@@ -136,7 +136,7 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer,
   const coupling::design::Design& design = fitted.design;
   const std::string status = status_word(fitted);
   const std::vector<std::string> notes = notes_on(fitted, use.sample_time_s, external);
-  runtime::StringViews lent_notes(notes), reasons(design.reasons), remedies(design.remedies);
+  runtime::StringViews lent_notes(notes), reasons(design.reasons);
   msg::CouplingDesign m{};
   write_coupling(use, m);
   m.status = runtime::lend(status);
@@ -157,7 +157,6 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer,
   m.passive = design.translation.passive;
   m.worst_case = runtime::lend(design.translation.worst_case_text);
   reasons.into(m.reasons);
-  remedies.into(m.remedies);
   lent_notes.into(m.notes);
   writer.write(m);
 }

@@ -72,8 +72,7 @@ void Facts::take(const msg::CouplingDesign& d) {
   design_ = {{"sentence", design_sentence(d)},
              {"status", d.status},
              {"worst_case", d.worst_case},
-             {"reasons", texts(d.reasons)},
-             {"remedies", texts(d.remedies)}};
+             {"reasons", texts(d.reasons)}};
 }
 
 void Facts::take(const msg::DeviceDescription& d) {

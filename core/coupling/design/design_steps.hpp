@@ -44,10 +44,4 @@ std::vector<std::string> reasons_of(const DesignProblem& request,
 /// What the minimum damping ratios cost and how to avoid it; empty if they cost nothing.
 std::string min_damping_cost(const std::vector<AxisProblem>& problems, const Design& design);
 
-/// Changes that would meet the goal: device damping, a shorter delay, a cap, a grip. Each was
-/// verified by the same certificates with everything else unchanged. Empty if the goal is met.
-std::vector<std::string> remedies_of(const DesignProblem& request,
-                                     const std::vector<AxisProblem>& problems,
-                                     const Design& design);
-
 }  // namespace voxtouch::coupling::design

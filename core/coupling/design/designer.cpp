@@ -108,7 +108,6 @@ Design finalize(const DesignProblem& request, const std::vector<AxisProblem>& pr
   if (!result.faults.empty() && design.reasons.empty())
     design.reasons = result.faults;
   design.reasons.insert(design.reasons.end(), result.behind.begin(), result.behind.end());
-  design.remedies = remedies_of(request, problems, design);
   return std::move(design);
 }
 
@@ -330,7 +329,6 @@ Design judge_coupling(const DesignProblem& original, const CouplingSpec& spec) {
   result.design.status =
       result.faults.empty() ? DesignStatus::kAsRequested : DesignStatus::kInfeasible;
   result.design.reasons = std::move(result.faults);
-  result.design.remedies = remedies_of(request, problems, result.design);
   return std::move(result.design);
 }
 

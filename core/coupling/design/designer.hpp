@@ -130,8 +130,6 @@ struct Design {
   /// keeps pushing uses force / (K k) of the depth in addition. 0: not computed.
   double max_approach_m_per_s = 0.0;
   std::vector<std::string> reasons;  ///< limiting factors, one sentence each
-  /// Changes that would meet the goal: damping, delay, cap; empty if it is met.
-  std::vector<std::string> remedies;
 };
 
 /// For messages: "a filter of 100 Hz", "a window of 12 samples".

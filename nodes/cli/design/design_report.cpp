@@ -291,7 +291,7 @@ std::string to_text(const DesignReport& r) {
                                 "faster hand moves deeper and is stopped there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper", paper_line(r.paper));
-  return text + list("Limits:", d.reasons) + list("Remedies:", d.remedies) +
+  return text + list("Limits:", d.reasons) +
          list("Not covered by the certificate:", certificate_gaps(r.certificate));
 }
 
@@ -356,7 +356,6 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   verdict("gripped", r.paper.critical_gripped);
   j["certificate"] = certificate_json(r.certificate);
   j["reasons"] = r.design.reasons;
-  j["remedies"] = r.design.remedies;
   j["region"] = region_json(r);
   return j;
 }

@@ -36,7 +36,7 @@
   function showDesign(design) {
     const text = design ? `${design.status.replaceAll('_', ' ')} – ${design.sentence}` : 'not designed yet';
     $('design-text').textContent = text;
-    $('design').title = design ? [text, ...(design.worst_case ? [`Worst case: ${design.worst_case}`] : []), ...design.reasons, ...design.remedies].join('\n') : '';
+    $('design').title = design ? [text, ...(design.worst_case ? [`Worst case: ${design.worst_case}`] : []), ...design.reasons].join('\n') : '';
   }
 
   class Effects {

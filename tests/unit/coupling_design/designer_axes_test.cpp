@@ -86,7 +86,6 @@ TEST(FreeCap, IsWhatADirectCouplingNeeds) {
   r.goals.kind = "direct";
   const Design refused = designed(r);
   EXPECT_EQ(refused.status, DesignStatus::kInfeasible);
-  EXPECT_FALSE(refused.remedies.empty());
   r.goals.free_cap = true;
   const Design capped = designed(r);
   EXPECT_EQ(capped.status, DesignStatus::kStiffnessReduced);

@@ -67,7 +67,7 @@ TEST(PublishedExample, SoftWallIsDisplayedAsRequested) {
   EXPECT_EQ(d.status, DesignStatus::kAsRequested);
   EXPECT_EQ(d.spec.cutoff_hz, 5.0);
   EXPECT_EQ(d.spec.gain, 1.0);
-  EXPECT_TRUE(d.remedies.empty());
+  EXPECT_TRUE(d.reasons.empty());
 }
 
 TEST(PublishedExample, LightlyDampedRobotGetsDamping) {
