@@ -37,8 +37,9 @@ using long_runs::WallLoopOptions;
 constexpr std::array kFamilies{"one_wall", "gentle", "blow",   "slot_tight", "slot_clear",
                                "corner",   "lever",  "timing", "cycle_wall", "cycle_slot",
                                "strokes",  "tremor", "texture"};
-constexpr double kShortestS = 5.0, kLongestS = 40.0;  ///< of a run
-constexpr double kSwingN = 0.2, kBounceN = 0.01;      ///< from peak to peak
+constexpr double kShortestS = 5.0, kLongestS = 40.0;    ///< of a run
+constexpr double kSwingN = 0.2, kBounceN = 0.01;        ///< from peak to peak
+constexpr std::array kTimes{1.25, 1.5, 2.0, 3.0, 4.0};  ///< of the promise, for margins
 
 DeviceDescription draw_device(Random& random) {
   DeviceDescription d;
@@ -402,14 +403,54 @@ void print_run(const Choice& c, const Result& r) {
       r.promise_n_per_m * d.position_resolution_m, r.spec.injected_damping_ns_per_m * speed);
 }
 
+/// The largest tried factor over the promise at which a run does not swing; 1: it swings at the
+/// first.
+double margin(Choice choice) {
+  double holds = 1.0;
+  for (const double times : kTimes) {
+    choice.times = times;
+    if (run(choice).swings)
+      return holds;
+    holds = times;
+  }
+  return holds;
+}
+
 struct Request {
   std::uint64_t seed = 1, devices = 30;
   double times = 1.0;
   std::string family, device;
   std::vector<std::string> files;
   std::optional<std::uint64_t> only;
-  bool every = false;
+  bool every = false, margins = false;
 };
+
+/// Least and median margin of each family in which the hand comes to rest.
+int margins(const Request& ask) {
+  fmt::print(
+      "| family | runs | least | median | swing at {:g} | the least |\n|---|---|---|---|---|---|\n",
+      kTimes.back());
+  for (std::size_t f = 0; f < kFamilies.size(); ++f) {
+    if (hand_goes_on(kFamilies[f]) || (!ask.family.empty() && ask.family != kFamilies[f]))
+      continue;
+    std::vector<std::pair<double, std::uint64_t>> held;
+    for (std::uint64_t n = 0; n < ask.devices; ++n) {
+      const Choice choice{ask.seed, n, f, "", 1.0};
+      if (run(choice).feasible)
+        held.emplace_back(margin(choice), n);
+    }
+    if (held.empty())
+      continue;
+    std::ranges::sort(held);
+    const auto swing =
+        std::ranges::count_if(held, [](const auto& one) { return one.first < kTimes.back(); });
+    fmt::print("| {} | {} | {:g} | {:g} | {} | `--only {} --seed {}` |\n", kFamilies[f],
+               held.size(), held.front().first, held[held.size() / 2].first, swing,
+               held.front().second, ask.seed);
+    std::fflush(stdout);
+  }
+  return 0;
+}
 
 int all(const Request& ask) {
   fmt::print(
@@ -458,8 +499,10 @@ int main(int argc, char** argv) {
   app.add_option("--family", ask.family, "one alone");
   app.add_option("--only", ask.only, "one run of each");
   app.add_flag("--every", ask.every, "print every run, not only the flagged ones");
+  app.add_flag("--margins", ask.margins,
+               "least and median factor over the promise at which no run swings, by family");
   app.add_option("--device", ask.device,
                  "with --only: this device file instead of a random device");
   CLI11_PARSE(app, argc, argv);
-  return voxtouch::families::all(ask);
+  return ask.margins ? voxtouch::families::margins(ask) : voxtouch::families::all(ask);
 }
