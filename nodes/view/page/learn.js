@@ -117,10 +117,12 @@
     }
   }
 
-  // Loudness by the force, a click at contact, and what the force does within 8 ms: a texture, a chatter. Off until it is switched on.
+  const ROW_S = 0.008, FREE_S = 0.1;  // a contact that clicks follows so long in free space
+
+  // Loudness by the force, a click at contact, and what the force does from row to row: a texture, a chatter. Off until it is switched on.
   class Sound {
     constructor() {
-      this.on = false, this.touches = false;
+      this.on = false, this.end = this.force = this.free = 0;
       $('sound').addEventListener('click', () => this.setOn(!this.on));
     }
     setOn(on) {
@@ -152,21 +154,26 @@
       this.out.connect(ear);
       return ear;
     }
-    // `ratio`: of the device's largest force; `sizes`: of the force in each 8 ms [N].
-    take(ratio, sizes) {
+    // `rows`: of charts.js, each played for as long as it lasted, however late its frame is; `largest`: force of the device [N].
+    take(rows, largest) {
       if (!this.on) return;
       const now = this.context.currentTime;
-      this.hum.setTargetAtTime(0.25 * Math.min(1, ratio), now, 0.02);
-      let change = 0;
-      for (let n = 1; n < sizes.length; ++n) change = Math.max(change, Math.abs(sizes[n] - sizes[n - 1]));
-      this.rough.setTargetAtTime(ratio > 0.01 ? Math.min(0.2, 2 * change) : 0, now, 0.01);
-      const touches = ratio > 0.01;
-      if (touches && !this.touches) this.click(now, ratio);
-      this.touches = touches;
+      let at = Math.min(Math.max(now + 0.01, this.end), now + 0.1);
+      for (const gain of [this.hum, this.rough]) gain.cancelScheduledValues(at);
+      for (const [, , , , force, contact] of rows) {
+        const ratio = Math.min(1, force / largest), change = contact > 0 ? Math.abs(force - this.force) : 0;
+        this.hum.setTargetAtTime(0.25 * ratio, at, 0.02);
+        this.rough.setTargetAtTime(Math.min(0.2, 2 * change), at, 0.003);
+        if (contact > 0 && this.free > FREE_S) this.click(at, ratio);
+        this.free = contact > 0 ? 0 : this.free + ROW_S;
+        this.force = force, at += ROW_S;
+      }
+      this.end = at;
+      this.rough.setTargetAtTime(0, at, 0.003), this.hum.setTargetAtTime(0, at + 0.3, 0.05);  // if no frame comes any more
     }
     click(now, ratio) {
       const source = Object.assign(this.context.createBufferSource(), {buffer: this.noise}), level = this.context.createGain();
-      level.gain.setValueAtTime(0.1 + 0.3 * Math.min(1, ratio), now), level.gain.exponentialRampToValueAtTime(1e-3, now + 0.03);
+      level.gain.setValueAtTime(0.3 + 0.3 * ratio, now), level.gain.exponentialRampToValueAtTime(1e-3, now + 0.03);
       source.connect(level).connect(this.out);
       source.start(now, Math.random(), 0.03);
     }

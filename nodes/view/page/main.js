@@ -123,7 +123,7 @@
       if (hand) hand.position = hand.aimed = null;
     }
     state.frame = frame;
-    if (frame.force && state.facts && state.facts.device) sound.take(Math.hypot(...frame.force) / state.facts.device.max_force_n, frame.rows.map(row => row[4]));
+    if (state.facts && state.facts.device) sound.take(frame.rows, state.facts.device.max_force_n);
     if (paused && !isBag()) return;
     waiting = frame;
     charts.add(frame.rows);
