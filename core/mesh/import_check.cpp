@@ -226,8 +226,14 @@ class StlText {
     return word;
   }
 
-  /// The rest of the line.
-  void pass_name() { at_ = std::min(bytes_.find_first_of("\r\n", at_), bytes_.size()); }
+  /// The rest of the line. assimp passes over facets in it.
+  void pass_name() {
+    const std::size_t end = std::min(bytes_.find_first_of("\r\n", at_), bytes_.size());
+    if (in_lower_case(std::string_view(bytes_).substr(at_, end - at_)).contains("facet normal"))
+      refuse(file_.path, "has a facet on the line of 'solid' or 'endsolid', whose rest is a name",
+             "put a line break before the facet");
+    at_ = end;
+  }
 
   void mend_normal() {
     bool mended = false;

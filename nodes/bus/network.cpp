@@ -103,27 +103,6 @@ std::vector<Card> cards_of_this_host(const std::vector<Card>& cards) {
 
 namespace {
 
-/// Whether `holds` is true for the XML in this text or for a file that it names.
-template <class Holds>
-bool any_part(std::string_view configuration, Holds holds) {
-  constexpr std::string_view kFile = "file://";
-  if (holds(configuration))
-    return true;
-  while (!configuration.empty()) {
-    std::string_view part = configuration.substr(0, configuration.find(','));
-    configuration.remove_prefix(std::min(configuration.size(), part.size() + 1));
-    if (part.starts_with(kFile))
-      part.remove_prefix(kFile.size());
-    std::error_code error;
-    if (part.empty() || part.starts_with('<') || !std::filesystem::is_regular_file(part, error))
-      continue;
-    std::ifstream file{std::string(part)};
-    if (holds(std::string(std::istreambuf_iterator<char>(file), {})))
-      return true;
-  }
-  return false;
-}
-
 /// Position behind the tag, comment or section that begins at `at`; npos if the text ends within
 /// it.
 std::size_t tag_end(std::string_view xml, std::size_t at) {
@@ -144,22 +123,84 @@ std::size_t tag_end(std::string_view xml, std::size_t at) {
   return std::string_view::npos;
 }
 
-/// Whether this XML ends within an element, a tag or a comment. Cyclone DDS 0.10.2 accepts most of
-/// such texts silently and ignores what is missing. It reports all other syntax errors.
-bool is_cut(std::string_view xml) {
+/// Position behind the element, comment or section that begins at `at`; npos if the text ends
+/// within it.
+std::size_t element_end(std::string_view xml, std::size_t at) {
   int depth = 0;
-  for (std::size_t at = xml.find('<'); at != std::string_view::npos; at = xml.find('<', at)) {
+  do {
     const std::size_t end = tag_end(xml, at);
     if (end == std::string_view::npos)
-      return true;
+      return end;
     const std::string_view tag = xml.substr(at, end - at);
     if (tag.starts_with("</"))
       --depth;
     else if (!tag.starts_with("<!") && !tag.starts_with("<?") && !tag.ends_with("/>"))
       ++depth;
-    at = end;
+    at = depth > 0 ? xml.find('<', end) : end;
+  } while (depth > 0 && at != std::string_view::npos);
+  return at;
+}
+
+/// Whether this XML ends within an element, a tag or a comment. Cyclone DDS 0.10.2 accepts most of
+/// such texts silently and ignores what is missing. It reports all other syntax errors.
+bool is_cut(std::string_view xml) {
+  for (std::size_t at = xml.find('<'); at != std::string_view::npos; at = xml.find('<', at))
+    if (at = element_end(xml, at); at == std::string_view::npos)
+      return true;
+  return false;
+}
+
+/// The files in a list of XML texts and files, separated by commas.
+std::vector<std::string> named_files(std::string_view configuration) {
+  constexpr std::string_view kFile = "file://";
+  std::vector<std::string> files;
+  constexpr std::string_view kBetween = " \t\r\n,";
+  for (std::size_t at = 0, end = 0;
+       (at = configuration.find_first_not_of(kBetween, end)) != std::string_view::npos;) {
+    if (configuration[at] == '<') {
+      end = element_end(configuration, at);
+      continue;
+    }
+    end = std::min(configuration.find(',', at), configuration.size());
+    std::string_view part = configuration.substr(at, end - at);
+    if (part.starts_with(kFile))
+      part.remove_prefix(kFile.size());
+    files.emplace_back(part);
   }
-  return depth > 0;
+  return files;
+}
+
+std::string content_of(const std::string& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error))  // a pipe would block
+    return {};
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Whether `holds` is true for the XML in this text or for a file that it names.
+template <class Holds>
+bool any_part(std::string_view configuration, Holds holds) {
+  return holds(configuration) ||
+         std::ranges::any_of(named_files(configuration),
+                             [&](const std::string& file) { return holds(content_of(file)); });
+}
+
+/// Why this file configures nothing; empty if it has an element <CycloneDDS>. Cyclone DDS 0.10.2
+/// ignores a folder and an empty file, and waits for the writer of a pipe.
+std::string file_fault(const std::string& file) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(file, error);
+  if (!std::filesystem::exists(status))
+    return "does not exist";
+  if (!std::filesystem::is_regular_file(status))
+    return std::filesystem::is_directory(status) ? "is a folder" : "is not a regular file";
+  if (!std::ifstream(file))
+    return "cannot be read";
+  const std::string xml = content_of(file);
+  if (xml.empty())
+    return "is empty";
+  return xml.contains("<CycloneDDS") ? "" : "has no element <CycloneDDS>";
 }
 
 /// Whether an element SharedMemory of this XML is enabled.
@@ -190,6 +231,12 @@ Network network_of(std::string_view interface_name, const std::vector<std::strin
         fmt::format("--discovery-peer {} is another host, unreachable from --interface {}. Choose "
                     "the network card of that network",
                     peers.front(), kThisHost));
+  for (const std::string& file : named_files(added))
+    if (const std::string fault = file_fault(file); !fault.empty())
+      throw Error(fmt::format(
+          "CYCLONEDDS_URI names {}, which {}. Name a file with an element <CycloneDDS>, "
+          "or unset CYCLONEDDS_URI",
+          file, fault));
   if (any_part(added, is_cut))
     throw Error(
         "CYCLONEDDS_URI is incomplete: its XML, or that of a file that it names, ends within an "

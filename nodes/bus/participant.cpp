@@ -136,8 +136,7 @@ std::string start_remedy(std::string_view cause) {
   if (cause.contains("receive buffer"))
     return "allow larger socket buffers (`sysctl net.core.rmem_max`) or request less in "
            "CYCLONEDDS_URI";
-  if (cause.contains("config: ") || cause.contains("CycloneDDS/") ||
-      cause.contains("configuration file"))
+  if (cause.contains("config: ") || cause.contains("CycloneDDS/"))
     return "correct CYCLONEDDS_URI, or unset it";
   if (cause.contains("out of range"))
     return "choose a smaller --domain, or set its ports in CYCLONEDDS_URI (Discovery/Ports)";

@@ -61,9 +61,9 @@ class LoggerNode {
       console::log("error: logger: {}\n", error);
     for (const bag::TopicReport& t : final_.topics)
       if (t.dropped + t.lost > 0)
-        console::log(
-            "warning: logger: {} of {} messages of {} dropped: the disk is too slow or full\n",
-            t.dropped + t.lost, t.received, t.name);
+        console::log("warning: logger: {} of {} messages of {} dropped: {}\n", t.dropped + t.lost,
+                     t.received, t.name,
+                     final_.errors.empty() ? "the disk is too slow" : "see the error above");
     return lost_messages(final_) == 0 && final_.errors.empty() ? peer_lost : 1;
   }
 

@@ -139,7 +139,13 @@ class Rows:
                 "a settings file that is not there",
                 {"CYCLONEDDS_URI": "file:///nowhere.xml"},
                 (),
-                ("can't open configuration file", "correct CYCLONEDDS_URI"),
+                ("does not exist", "unset CYCLONEDDS_URI"),
+            ),
+            (
+                "a settings file that is a folder",
+                {"CYCLONEDDS_URI": "file:///tmp"},
+                (),
+                ("is a folder", "unset CYCLONEDDS_URI"),
             ),
             (
                 "a receive buffer that is refused",

@@ -5,7 +5,9 @@
 
 #include <fstream>
 #include <regex>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "nodes/bus/reader.hpp"
 #include "tests/ring/ring_run.hpp"
@@ -76,6 +78,19 @@ TEST(Verdict, FailsAtOnceIfTheBagIsRemoved) {
   EXPECT_GT(reported.summary["recording"]["dropped"], 0) << reported.end.out;
 }
 
+TEST(Verdict, NamesAMovedFolderAsTheCauseOfLosses) {
+  const TemporaryFolder folder;
+  Process up(up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "4",
+                                                   "--record", (folder / "bag").string()}));
+  ASSERT_TRUE(is_running(up)) << up.err();
+  std::filesystem::rename(folder / "bag", folder / "moved");
+  EXPECT_TRUE(comes([&] { return up.err().contains("removed or replaced"); })) << up.err();
+  const Ended reported = finish(up);
+  EXPECT_EQ(reported.end.status, 1) << reported.end.out;
+  EXPECT_TRUE(reported.end.err.contains("see the error above")) << reported.end.err;
+  EXPECT_FALSE((reported.end.err + reported.end.out).contains("too slow")) << reported.end.err;
+}
+
 TEST(Verdict, NamesForeignContactsAndDescriptions) {
   Process up(
       up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "5", "--no-record"}));
@@ -96,43 +111,88 @@ TEST(Verdict, NamesForeignContactsAndDescriptions) {
       << reported.end.out;
 }
 
-/// A coupling that hangs for longer than its lease is lost. An unauthorised participant that claims
-/// its role in the session gets no force through.
-TEST(Roles, OfALostCouplingAreNotGrantedToOthers) {
-  Process up(
-      up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "8", "--no-record"}));
-  ASSERT_TRUE(is_running(up)) << up.err();
-  Adversary unauthorised(domain(), "haptic");
-  bus::Reader<msg::DeviceState> states(unauthorised.participant(), qos::kDeviceState, "haptic",
-                                       qos::profile(qos::ProfileId::kTap));
-  msg::DeviceState newest{};
-  ASSERT_TRUE(comes([&] { return states.take(newest); }));
-  const pid_t coupling = child_called(up.pid(), "voxtouch_coupling");
-  ASSERT_NE(coupling, 0);
-  const auto push = [&](int samples) {
+/// A node that hangs for longer than its lease is lost. An unauthorised participant claims its role
+/// in the session and answers the device's samples with 3 N.
+class LostRole : public testing::TestWithParam<const char*> {
+ protected:
+  LostRole() {
+    // It has a writer on every topic that a binding requires.
+    unauthorised.writer<msg::EffectChanged>(), unauthorised.writer<msg::ExternalSample>();
+    unauthorised.writer<msg::CouplingDesign>();
+  }
+  /// Takes the newest samples of the device and of the rendering; notes samples with force.
+  void look() {
+    msg::DeviceState state{};
+    while (states.take(state)) {
+      newest = state;
+      with_force += (state.flags & msg::device_state::kFlagForceOn) != 0;
+    }
+    contacts.take_each([this](const msg::ContactState& contact, const dds_sample_info_t&) {
+      if (contact.session_id == newest.session_id && contact.wrench.force.x < 3.0)
+        answer = contact;
+    });
+    plans.take_each([this](const msg::ScenePlan& plan, const dds_sample_info_t&) {
+      if (!std::exchange(has_plan, true))
+        unauthorised.write(plan);
+    });
+  }
+  /// One sample a millisecond, ten statuses a second.
+  void play(int samples) {
     for (int i = 0; i < samples; ++i, std::this_thread::sleep_for(milliseconds(1))) {
-      while (states.take(newest)) {
-      }
+      look();
       if (i % 100 == 0)
-        unauthorised.claim("coupling", newest.session_id);
+        unauthorised.claim(GetParam(), newest.session_id);
+      answer.session_id = newest.session_id, answer.sequence_number = newest.sequence_number;
+      answer.sample_time_ns = newest.sample_time_ns;
+      answer.wrench.force.x = answer.contact_wrench.force.x = 3.0;
       msg::ForceCommand command{};
       command.session_id = newest.session_id, command.sequence_number = newest.sequence_number;
       command.sample_time_ns = newest.sample_time_ns,
       command.valid_until_ns = newest.sample_time_ns + 10'000'000;
       command.wrench.force.x = 3.0;
-      unauthorised.write(command);
+      if (GetParam() == std::string_view("rendering"))
+        unauthorised.write(answer);
+      if (GetParam() == std::string_view("coupling"))
+        unauthorised.write(command);
     }
-  };
-  push(200);
-  ASSERT_EQ(::kill(coupling, SIGSTOP), 0);
-  push(3500);
-  ::kill(coupling, SIGCONT);
+  }
+
+  Adversary unauthorised{domain(), "haptic"};
+  bus::Reader<msg::DeviceState> states{unauthorised.participant(), qos::kDeviceState, "haptic",
+                                       qos::profile(qos::ProfileId::kTap)};
+  bus::Reader<msg::ContactState> contacts{unauthorised.participant(), qos::kContactState, "haptic",
+                                          qos::profile(qos::ProfileId::kTap)};
+  bus::Reader<msg::ScenePlan> plans{unauthorised.participant(), qos::kScenePlan, "haptic",
+                                    qos::profile(qos::ProfileId::kLatched)};
+  msg::DeviceState newest{};
+  msg::ContactState answer{};
+  bool has_plan = false;
+  int with_force = 0;
+};
+
+TEST_P(LostRole, IsNotGrantedToAnotherParticipant) {
+  Process up(
+      up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "8", "--no-record"}));
+  ASSERT_TRUE(is_running(up)) << up.err();
+  ASSERT_TRUE(comes([&] { return look(), has_plan && answer.session_id != 0; }));
+  const pid_t node = child_called(up.pid(), "voxtouch_" + std::string(GetParam()));
+  ASSERT_NE(node, 0);
+  play(200);
+  ASSERT_EQ(::kill(node, SIGSTOP), 0);
+  play(100);
+  with_force = 0;
+  play(3400);
+  EXPECT_EQ(with_force, 0) << "samples with force while the role was vacant";
+  ::kill(node, SIGCONT);
   const Ended reported = finish(up);
   EXPECT_EQ(reported.end.status, 1) << reported.end.out;
   ASSERT_TRUE(reported.summary.is_object()) << reported.end.out << reported.end.err;
   EXPECT_LT(reported.summary["max_force_n"], 1.0) << "the unauthorised 3 N reached the device";
   EXPECT_TRUE(reported.problem("another writer")) << reported.end.out;
+  EXPECT_TRUE(reported.problem("elsewhere")) << reported.end.out;
 }
+INSTANTIATE_TEST_SUITE_P(Ring, LostRole, testing::Values("rendering", "coupling"),
+                         [](const auto& role) { return std::string(role.param); });
 
 }  // namespace
 }  // namespace voxtouch::test

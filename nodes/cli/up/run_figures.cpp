@@ -62,6 +62,7 @@ RunFigures figures_of(const RunRecord& s) {
   f.first_judged = find(r, "validator", "first_checked");
   f.judged = number(r, "validator", "checked"), f.excused = number(r, "validator", "excused");
   f.compared = number(r, "validator", "compared");
+  f.latched = number(r, "rendering", "latched_samples");
   f.recording = !s.bag.empty();
   f.streams = {stream(r, qos::kDeviceState), stream(r, qos::kContactState),
                stream(r, qos::kForceCommand)};

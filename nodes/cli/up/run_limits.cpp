@@ -46,11 +46,9 @@ constexpr Limit kLimits[] = {
      "earlier samples are not checked"},
     {"validated_ratio", "1", true, 0.9, true, "fraction of due samples validated since the first",
      "the validator did not keep up; increase --validate-every"},
-    {"compared_ratio", "1", true, 0.5, true,
-     "fraction of validated samples compared with the reference",
-     "the reference has no depth or direction for the others; declare the shapes of tool and "
-     "meshes "
-     "(parts), or accept it with --limit compared_ratio=0"},
+    {"compared_ratio", "1", true, 0.5, true, "fraction of due samples compared with the reference",
+     "the others have no depth or direction to compare; declare the shapes of tool and meshes "
+     "(parts), if latched use a stiffer contact, or accept it with --limit compared_ratio=0"},
     {"first_recorded_s", "s", false, 3.0, true, "time to the first recorded sample",
      "earlier samples are missing in the recording"},
     {"recorded_ratio", "1", true, 0.99, true, "fraction of sent samples recorded since the first",
@@ -145,7 +143,9 @@ Measured measure(std::string_view name, const RunFigures& run) {
   if (name == "not_initialised_ratio")
     return {run.not_initialised / run.samples, ""};
   if (name == "compared_ratio")
-    return {fraction(run.compared, run.judged), ""};
+    return {
+        fraction(run.compared, due(run) - run.excused),
+        run.latched > 0.0 ? fmt::format("{:.0f} samples with latched depths", run.latched) : ""};
   if (name == "silence_s")
     return {run.silence_s, run.silent};
   if (name == "force_losses")

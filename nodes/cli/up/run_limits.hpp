@@ -45,6 +45,7 @@ struct RunFigures {
   double judged = 0.0, compared = 0.0,
          excused = 0.0;  ///< samples; compared: with the reference; excused: due, but of a kind
                          ///< that is not evaluated
+  double latched = 0.0;  ///< samples of the rendering with latched depths, which are not compared
   struct Stream {
     std::string name;
     std::optional<double> first;  ///< number of the first sample in the bag

@@ -4,6 +4,7 @@
 
 #include <arpa/inet.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <fstream>
@@ -102,6 +103,38 @@ TEST(Network, RefusesATruncatedEnvironment) {
        {whole, whole + whole, "<?xml version='1.0'?>" + whole + ",", "file://" + file,
         file + "," + whole, std::string("<CycloneDDS a='>\"'><![CDATA[<]]></CycloneDDS>")})
     EXPECT_NO_THROW(network_of(kThisHost, {}, added)) << added;
+}
+
+TEST(Network, RefusesFilesOfTheEnvironmentThatConfigureNothing) {
+  const test::TemporaryFolder folder;
+  const auto path = [&](const char* name) { return (folder / name).string(); };
+  const std::string none = path("none.xml");
+  std::ofstream(path("empty.xml")).flush();
+  std::ofstream(path("space.xml")) << " \n";
+  std::ofstream(path("other.xml")) << "<profiles/>";
+  std::ofstream(path("text.xml")) << "CycloneDDS";
+  std::ofstream(path("good.xml")) << "<CycloneDDS/>";
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  for (const auto& [file, why] : {std::pair{none, "does not exist"},
+                                  {path("empty.xml"), "is empty"},
+                                  {path("space.xml"), "has no element"},
+                                  {path("other.xml"), "has no element"},
+                                  {path("text.xml"), "has no element"},
+                                  {path("pipe"), "is not a regular file"},
+                                  {folder.path().string(), "is a folder"}})
+    for (const std::string& added :
+         {file, "file://" + file, "<CycloneDDS/>," + file, path("good.xml") + "," + file})
+      try {
+        network_of(kThisHost, {}, added);
+        ADD_FAILURE() << added;
+      } catch (const Error& error) {
+        EXPECT_TRUE(std::string(error.what()).contains(file + ", which " + why)) << error.what();
+      }
+  // A comma within an element separates nothing.
+  const std::string listed =
+      "<CycloneDDS><Domain><Tracing><Category>a,b</Category></Tracing></Domain></CycloneDDS>";
+  EXPECT_NO_THROW(
+      network_of(kThisHost, {}, " " + listed + ",\n," + path("good.xml") + "," + listed));
 }
 
 TEST(Network, PollsPeersOverACardAndRefusesThemWithout) {

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <random>
@@ -171,6 +172,15 @@ TEST_F(Refusal, OfTruncatedFiles) {
   expect_refused("header.stl", binary.substr(0, 60), "truncated");
   expect_refused("text.stl", text.substr(0, text.size() - 20), "truncated");
   expect_refused("inner.stl", text.substr(0, text.size() - 20) + "\nendsolid", "4 facets|3");
+  std::string line = text;
+  std::ranges::replace(line, '\n', ' ');
+  expect_refused("one_line.stl", line, "line of 'solid'|line break");
+  std::string first = text, second = text + text;
+  first[first.find('\n')] = ' ';
+  expect_refused("first_facet.stl", first, "line of 'solid'|line break");
+  second.replace(second.find("endsolid"),
+                 second.find("facet", text.size()) - second.find("endsolid"), "endsolid ");
+  expect_refused("second_solid.stl", second, "line of 'solid'|line break");
   expect_refused("rows.ply", ply("4", "3", "0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 1 2\n3 0 1"),
                  "after 1");
   expect_refused("binary.ply",
