@@ -3,9 +3,9 @@
 
 usage: tidy.py BUILD [FILE or FOLDER ...]
 
-BUILD has a compile_commands.json without unity files. Prints each finding once, and one line of
-progress a file on stderr. Exit status 1 with findings. CLANG_TIDY names another program. JOBS sets
-how many run at once (1).
+BUILD has a compile_commands.json of clang. A unity file there is checked as a whole, which parses
+its headers once. Prints each finding once, and one line of progress a command on stderr. Exit
+status 1 with findings. CLANG_TIDY names another program. JOBS sets how many run at once (1).
 """
 
 import concurrent.futures
@@ -19,28 +19,42 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("core", "devices", "nodes", "qos")
 # clang 14 cannot read std::expected of libstdc++. GCC reports the compiler's warnings.
+# The sources of a unity file count like headers.
 MORE = (
     f"--extra-arg-before=-isystem{ROOT / 'tests/fuzz/clang14'}",
+    f"--config-file={ROOT / '.clang-tidy'}",
     "--extra-arg=-Wno-everything",
+    f"--header-filter=^{re.escape(str(ROOT))}/({'|'.join(FOLDERS)})/[^.]*\\.(cpp|hpp|h)$",
+    "--checks=-bugprone-suspicious-include",
 )
+UNITY = re.compile(r'^#include "(.*)"$', re.MULTILINE)
 FINDING = re.compile(r"^(/[^:]+:\d+:\d+): (?:warning|error): (.*)$", re.MULTILINE)
 # clang 14 refuses some templates of libstdc++ 12; GCC compiles each file.
 COMPILER = "[clang-diagnostic-"
 
 
+def contents(file):
+    """The sources that a file of the compilation database compiles."""
+    if file.parent.name != "Unity":
+        return [file]
+    return [pathlib.Path(name) for name in UNITY.findall(file.read_text())]
+
+
 def sources(build, chosen):
-    """Files of the compilation database below FOLDERS, limited to `chosen` if there are any."""
+    """(file of the compilation database, its sources) below FOLDERS, limited to those with a source
+    in `chosen` if there are any."""
     below = [ROOT / name for name in FOLDERS]
-    limits = [pathlib.Path(name).resolve() for name in chosen]
+    limits = [pathlib.Path(name).resolve() for name in chosen] or below
     files = {
         (pathlib.Path(entry["directory"]) / entry["file"]).resolve()
         for entry in json.loads((build / "compile_commands.json").read_text())
     }
+    found = [(file, contents(file)) for file in files]
     return sorted(
-        file
-        for file in files
-        if any(file.is_relative_to(folder) for folder in below)
-        and (not limits or any(file.is_relative_to(limit) for limit in limits))
+        (file, inside)
+        for file, inside in found
+        if any(source.is_relative_to(folder) for source in inside for folder in below)
+        and any(source.is_relative_to(limit) for source in inside for limit in limits)
     )
 
 
@@ -61,14 +75,16 @@ def main(build, *chosen):
         sys.exit("No source matches. Valid: files and folders of " + ", ".join(FOLDERS))
     shown = set()
     with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("JOBS", "1"))) as pool:
-        results = pool.map(lambda file: check(build, file), files)
-        for number, (file, found) in enumerate(zip(files, results), 1):
-            print(f"{number}/{len(files)} {file.relative_to(ROOT)}", file=sys.stderr, flush=True)
+        results = pool.map(lambda one: check(build, one[0]), files)
+        for number, ((_, inside), found) in enumerate(zip(files, results), 1):
+            names = " ".join(str(source.relative_to(ROOT)) for source in inside)
+            print(f"{number}/{len(files)} {names}", file=sys.stderr, flush=True)
             for place, text in found.items():
                 if (place, text) not in shown:
                     print(f"{os.path.relpath(place, ROOT)}: {text}", flush=True)
                     shown.add((place, text))
-    print(f"tidy: {len(files)} files, {len(shown)} findings", file=sys.stderr)
+    count = sum(len(inside) for _, inside in files)
+    print(f"tidy: {count} files, {len(shown)} findings", file=sys.stderr)
     return 1 if shown else 0
 
 
