@@ -393,7 +393,7 @@ class Pictures(unittest.TestCase):
 
     def test_undrawable_data_is_refused_with_a_message(self):
         (self.at / "words.json").write_text("not json")
-        (self.at / "refused.json").write_text(
+        (self.at / "problems.json").write_text(
             '{"ok": false, "problems": ["the scene is not there"]}'
         )
         (self.at / "empty").mkdir(exist_ok=True)
@@ -407,7 +407,7 @@ class Pictures(unittest.TestCase):
             tool("design", self.at / "words.json", picture), "is not JSON", "voxtouch design"
         )
         self.refused(tool("design", self.at / "run.json", picture), "voxtouch design --json")
-        self.refused(tool("accuracy", self.at / "refused.json", picture), "the scene is not there")
+        self.refused(tool("accuracy", self.at / "problems.json", picture), "the scene is not there")
         (self.at / "old.json").write_text('{"rows": [], "request": null}')
         self.refused(tool("accuracy", self.at / "old.json", picture), "version")
         self.refused(tool("forces", self.at / "empty", picture), str(self.at / "empty"))
