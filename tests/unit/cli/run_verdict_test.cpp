@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"more_samples_recorded_than_were_sent", RunFact::kRatioAboveOne,
              [](RunRecord& r) {
                set(r, "device", "samples", 9'000), set(r, "logger", "device_state_recorded", 9'000),
-                   set(r, "device", "answered", 8'000);
+                   set(r, "device", "answered", 8'000), set(r, "validator", "compared", 400);
              },
              "validated_ratio"},
         Case{"a_rate_of_another_clock", RunFact::kRatioAboveOne,
