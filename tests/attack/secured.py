@@ -27,6 +27,7 @@ LIFTED = [
     "deadline_miss_ratio=inf",
     "first_validation_s=inf",
     "validated_ratio=0",
+    "compared_ratio=0",
     "first_recorded_s=inf",
     "recorded_ratio=0",
     "silence_s=inf",

@@ -12,8 +12,8 @@ std::vector<std::string> on_a_busy_machine() {
   for (const char* limit :
        {"first_answer_s=inf", "answered_ratio=0", "rate_ratio=0", "overrun_ratio=inf",
         "deadline_miss_ratio=inf", "clamped_ratio=inf", "tunnelling_suspected_samples=inf",
-        "first_validation_s=inf", "validated_ratio=0", "first_recorded_s=inf", "recorded_ratio=0",
-        "silence_s=inf", "force_losses=inf"})
+        "first_validation_s=inf", "validated_ratio=0", "compared_ratio=0", "first_recorded_s=inf",
+        "recorded_ratio=0", "silence_s=inf", "force_losses=inf"})
     a.insert(a.end(), {"--limit", limit});
   return a;
 }

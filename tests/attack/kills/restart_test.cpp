@@ -148,9 +148,8 @@ void expect_a_ramp(const std::filesystem::path& bag) {
       << "the coupling ramps in over 0.2 s";
 }
 
-/// Without a rendering or a validator there is nothing to compare.
 TEST_P(Restart, GivesZeroForceUntilReadyThenRamps) {
-  PressedRing pressed({"--restart", "1", "--limit", "restarts=1", "--limit", "compared_ratio=0"});
+  PressedRing pressed({"--restart", "1", "--limit", "restarts=1"});
   ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   pressed.kill(GetParam());
   const std::int64_t lost_ns = pressed.ring().lost_at_ns(),
@@ -210,7 +209,7 @@ TEST(RestartOfUp, NeverStartsADeviceAgain) {
 }
 
 TEST(RestartOfUp, LeavesTheForceIfAListenerRestarts) {
-  PressedRing pressed({"--restart", "2", "--limit", "restarts=2", "--limit", "compared_ratio=0"});
+  PressedRing pressed({"--restart", "2", "--limit", "restarts=2"});
   ASSERT_TRUE(pressed.reach_contact()) << pressed.ring().refusal();
   for (const char* role : {"validator", "logger"}) {
     pressed.kill(role);
