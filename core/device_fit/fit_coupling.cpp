@@ -19,8 +19,8 @@ std::string refusal_of(const coupling::design::Design& design, const scene::Scen
   if (design.status != coupling::design::DesignStatus::kInfeasible || scene.design->run_infeasible)
     return "";
   return fmt::format(
-      "No stable coupling for {} with this scene: {} Or set "
-      "coupling.run_infeasible: true to run the best found ({:.3g} N/m).",
+      "No stable coupling for {} with this scene: {} Set coupling.run_infeasible: true to run the "
+      "best found ({:.3g} N/m).",
       device.name, fmt::join(design.reasons, " "), design.translation.displayed_stiffness);
 }
 
