@@ -36,9 +36,9 @@ mesh::ImportedMesh import(const scene::MeshSpec& spec, const scene::Scene& scene
 void warn(BuildCounts& counts, const scene::MeshSpec& spec, const mesh::ImportedMesh& imported) {
   const std::string name = spec.path.filename().string();
   for (const std::string& sentence : imported.warnings)
-    counts.mesh_warnings.push_back(name + ": " + sentence);
+    counts.mesh_warnings.push_back(fmt::format("{}: {}", name, sentence));
   for (const std::string& sentence : imported.report.sentences())
-    counts.mesh_warnings.push_back(name + ": " + sentence);
+    counts.mesh_warnings.push_back(fmt::format("{}: {}", name, sentence));
 }
 
 void append(mesh::TriangleMesh& all, const mesh::TriangleMesh& mesh) {

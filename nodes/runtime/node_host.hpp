@@ -63,7 +63,7 @@ class NodeHost {
   using Report = std::function<void(NodeRegistry&, NodeReport&, StatusText&)>;
 
   /// `options` must outlive the host. Throws bus::Error and security::Error.
-  NodeHost(std::string node, const NodeOptions& options, Kind kind = Kind::kLoop)
+  NodeHost(const std::string& node, const NodeOptions& options, Kind kind = Kind::kLoop)
       : NodeHost(node, options, bus::Participant(options.participant(node)), kind) {}
   NodeHost(std::string node, const NodeOptions& options, bus::Participant participant,
            Kind kind = Kind::kLoop)

@@ -208,9 +208,10 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
 
   /// Samples that were due between the last due one and `sequence`.
   void count_skipped(std::uint64_t sequence) noexcept {
-    if (!std::isnan(counters_[ValidatorCounter::kFirstChecked]) && sequence > last_due_)
-      counters_.note(ValidatorCounter::kSkipped,
-                     static_cast<double>((sequence - last_due_) / options_.every - 1));
+    if (!std::isnan(counters_[ValidatorCounter::kFirstChecked]) && sequence > last_due_) {
+      const std::uint64_t periods = (sequence - last_due_) / options_.every;
+      counters_.note(ValidatorCounter::kSkipped, static_cast<double>(periods - 1));
+    }
     last_due_ = sequence;
   }
 

@@ -1,5 +1,6 @@
 #include "nodes/view/hand_lead.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -63,7 +64,7 @@ void HandLead::set_target(std::uint64_t page, const json& target, std::int64_t n
   const std::lock_guard lock(mutex_);
   if (controlling_page_ && *controlling_page_ != page && now_ns - target_time_ns_ < kIdleTimeoutNs)
     return;
-  if (!frames_ || !state_)
+  if (!frames_ || !state_ || !is_within_rate(now_ns))
     return;
   controlling_page_ = page, target_ = pose, target_time_ns_ = now_ns;
   Motion rest;
@@ -75,6 +76,16 @@ void HandLead::set_target(std::uint64_t page, const json& target, std::int64_t n
   message.sample_time_ns = state_->sample_time_ns;
   message.pose = runtime::to_msg(Pose{rest.path.front(), rest.orientation});
   targets_.write(message);
+}
+
+bool HandLead::is_within_rate(std::int64_t now_ns) {
+  const double elapsed_s = 1e-9 * static_cast<double>(now_ns - allowance_time_ns_);
+  allowance_ = std::min(allowance_ + kTargetsPerS * elapsed_s, kBurst);
+  allowance_time_ns_ = now_ns;
+  if (allowance_ < 1.0)
+    return false;
+  allowance_ -= 1.0;
+  return true;
 }
 
 void HandLead::close(std::uint64_t page) {

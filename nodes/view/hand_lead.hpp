@@ -18,6 +18,9 @@ namespace voxtouch::view {
 class HandLead {
  public:
   static constexpr std::int64_t kIdleTimeoutNs = 10'000'000'000;
+  /// A page sends 60 targets a second. Of a client that sends more, the others are ignored.
+  static constexpr double kTargetsPerS = 66.0;
+  static constexpr double kBurst = 6.0;  ///< targets that may arrive at once
 
   /// Throws bus::Error.
   HandLead(const bus::Participant& participant, const runtime::NodeOptions& options);
@@ -40,6 +43,8 @@ class HandLead {
   nlohmann::json to_json() const;
 
  private:
+  bool is_within_rate(std::int64_t now_ns);
+
   struct DeviceFrames {
     Pose pose_WD, pose_PT;
     double position_scale = 1.0;
@@ -52,6 +57,8 @@ class HandLead {
   std::optional<std::uint64_t> controlling_page_;
   std::optional<Pose> target_;  ///< T in W
   std::int64_t target_time_ns_ = 0;
+  double allowance_ = kBurst;  ///< targets that may be sent at allowance_time_ns_
+  std::int64_t allowance_time_ns_ = 0;
   std::uint64_t sequence_ = 0;
 };
 

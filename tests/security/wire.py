@@ -115,7 +115,7 @@ def listen_to(build, domain, more):
         )
     finally:
         seen = capture.end()
-    if " answered, latency" not in up.stdout:
+    if "answered ratio" not in up.stdout:
         sys.exit(f"the ring did not run: {up.stdout[-300:]} {up.stderr[-600:]}")
     return seen
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/coupling/design/status_words.hpp"
+#include "nodes/cli/up/figure_table.hpp"
 #include "nodes/cli/up/verdict_text.hpp"
 
 namespace voxtouch::cli {
@@ -137,64 +138,19 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   return j;
 }
 
-namespace {
-
-std::string latency_text(const RunSummary& s) {
-  const Reports& r = s.reports;
-  if (!measures_latency(s))
-    return "latency not measured (lockstep)";
-  return fmt::format("latency p50 {:.0f} us, p99 {:.0f} us, max {:.0f} us",
-                     number(r, "device", "latency_p50_us"), number(r, "device", "latency_p99_us"),
-                     number(r, "device", "latency_max_us"));
-}
-
-std::string figures(const RunSummary& s) {
-  const Reports& r = s.reports;
-  std::string text = fmt::format(
-      "  device      {} samples at {:.1f} Hz, {} overruns, largest force {:.2f} N\n"
-      "  ring        {} answered, {}, {} deadlines missed\n"
-      "  contact     {} samples with force, {} latched, {} faster than half a voxel per sample\n"
-      "  coupling    {}, {}: certified {:.4g} N/m, gain margin {:.3g}; oscillated {:.3g} s\n"
-      "  guard       {} commands refused ({} too late), {} clamped\n"
-      "  validator   {} checked, {} skipped: {} compared, {} agree, {} in band, {} disagree\n",
-      count(r, "device", "samples"), number(r, "device", "rate_hz"), count(r, "device", "overruns"),
-      number(r, "device", "max_force_n"), count(r, "device", "answered"), latency_text(s),
-      count(r, "device", "deadline_misses"), count(r, "rendering", "contact_samples"),
-      count(r, "rendering", "latched_samples"), count(r, "rendering", "fast_samples"),
-      word(r, "coupling", "design_kind"), word(r, "coupling", "design_status"),
-      number(r, "coupling", "design_displayed_n_per_m"),
-      number(r, "coupling", "design_gain_margin"), number(r, "coupling", "swing_s"),
-      count(r, "device", "refused"), count(r, "device", "refused_late"),
-      count(r, "device", "clamped"), count(r, "validator", "checked"),
-      count(r, "validator", "skipped"), count(r, "validator", "compared"),
-      count(r, "validator", "agree"), count(r, "validator", "in_band"),
-      count(r, "validator", "disagree"));
-  if (const std::string_view means =
-          coupling::design::sentence_of(word(r, "coupling", "design_status"));
-      !means.empty())
-    text += fmt::format("  {}: {}\n", word(r, "coupling", "design_status"), means);
-  if (has_virtual_tool(s))
-    text += fmt::format(
-        "  virtual     spring {:.4g} N/m; residual max {:.3g} mm\n"
-        "              samples: {} at the work limit, {} not converged, {} not initialised\n",
-        number(r, "rendering", "spring_n_per_m"), 1e3 * number(r, "rendering", "most_residual_m"),
-        count(r, "rendering", "samples_at_work_limit"),
-        count(r, "rendering", "not_converged_samples"),
-        count(r, "rendering", "not_initialised_samples"));
-  if (!s.bag.empty())
-    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
-                        count(r, "logger", "written"), count(r, "logger", "dropped"));
-  return text;
-}
-
-}  // namespace
-
 std::string to_text(const RunSummary& s) {
   std::string text = "\n  " + verdict_line(s, s.verdict) + "\n";
   for (const std::string& problem : problems_of(s, s.verdict))
     text += "  PROBLEM     " + problem + "\n";
   if (count(s.reports, "device", "samples") > 0)
-    text += figures(s);
+    text += figure_table(s, s.verdict);
+  const std::string design = word(s.reports, "coupling", "design_status");
+  if (const std::string_view means = coupling::design::sentence_of(design); !means.empty())
+    text += fmt::format("  coupling    {}: {}\n", design, means);
+  if (!s.bag.empty())
+    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
+                        count(s.reports, "logger", "written"),
+                        count(s.reports, "logger", "dropped"));
   for (const std::string& note : notes_of(s, s.verdict))
     text += "  NOTE        " + note + "\n";
   return text;
