@@ -4,10 +4,10 @@
 #include <signal.h>
 
 #include <fstream>
+#include <map>
 #include <regex>
 #include <string_view>
 #include <thread>
-#include <utility>
 
 #include "nodes/bus/reader.hpp"
 #include "tests/ring/ring_run.hpp"
@@ -112,49 +112,81 @@ TEST(Verdict, NamesForeignContactsAndDescriptions) {
 }
 
 /// A node that hangs for longer than its lease is lost. An unauthorised participant claims its role
-/// in the session and answers the device's samples with 3 N.
+/// in the session and sends a force of 3 N, or samples of another device.
 class LostRole : public testing::TestWithParam<const char*> {
  protected:
+  static constexpr int kLeaseMs = 2600;  ///< the DDS lease, and the time until its end is noticed
+  static constexpr std::uint64_t kForeign = 1'000'000'000;  ///< first number of foreign samples
+
   LostRole() {
     // It has a writer on every topic that a binding requires.
     unauthorised.writer<msg::EffectChanged>(), unauthorised.writer<msg::ExternalSample>();
-    unauthorised.writer<msg::CouplingDesign>();
+    unauthorised.writer<msg::CouplingDesign>(), unauthorised.writer<msg::DeviceDescription>();
+    unauthorised.writer<msg::DeviceState>();
   }
-  /// Takes the newest samples of the device and of the rendering; notes samples with force.
+  static bool plays(std::string_view role) { return role == GetParam(); }
+  bool is_complete() {
+    look();
+    return plans.matched_count() > 0 && answer.session_id != 0;
+  }
+  /// Takes the newest samples of the device and of the rendering; counts samples with force and
+  /// contacts of foreign samples.
   void look() {
     msg::DeviceState state{};
     while (states.take(state)) {
+      if (state.sequence_number >= kForeign)
+        continue;
       newest = state;
       with_force += (state.flags & msg::device_state::kFlagForceOn) != 0;
     }
     contacts.take_each([this](const msg::ContactState& contact, const dds_sample_info_t&) {
-      if (contact.session_id == newest.session_id && contact.wrench.force.x < 3.0)
+      if (contact.sequence_number >= kForeign)
+        ++foreign_rendered;
+      else if (contact.session_id == newest.session_id && contact.wrench.force.x < 3.0)
         answer = contact;
     });
+  }
+  /// A rendering is followed only after its plan.
+  void send_plan() {
     plans.take_each([this](const msg::ScenePlan& plan, const dds_sample_info_t&) {
-      if (!std::exchange(has_plan, true))
-        unauthorised.write(plan);
+      unauthorised.write(plan);
     });
   }
+  void send_sample(int i) {
+    answer.session_id = newest.session_id, answer.sequence_number = newest.sequence_number;
+    answer.sample_time_ns = newest.sample_time_ns;
+    answer.wrench.force.x = answer.contact_wrench.force.x = 3.0;
+    msg::ForceCommand command{};
+    command.session_id = newest.session_id, command.sequence_number = newest.sequence_number;
+    command.sample_time_ns = newest.sample_time_ns,
+    command.valid_until_ns = newest.sample_time_ns + 10'000'000;
+    command.wrench.force.x = 3.0;
+    msg::DeviceState state = newest;
+    state.sequence_number = kForeign + static_cast<std::uint64_t>(i);
+    if (plays("rendering"))
+      unauthorised.write(answer);
+    if (plays("coupling"))
+      unauthorised.write(command);
+    if (plays("device"))
+      unauthorised.write(state);
+  }
   /// One sample a millisecond, ten statuses a second.
-  void play(int samples) {
+  void play(int samples, bool role_is_vacant = false) {
     for (int i = 0; i < samples; ++i, std::this_thread::sleep_for(milliseconds(1))) {
       look();
       if (i % 100 == 0)
         unauthorised.claim(GetParam(), newest.session_id);
-      answer.session_id = newest.session_id, answer.sequence_number = newest.sequence_number;
-      answer.sample_time_ns = newest.sample_time_ns;
-      answer.wrench.force.x = answer.contact_wrench.force.x = 3.0;
-      msg::ForceCommand command{};
-      command.session_id = newest.session_id, command.sequence_number = newest.sequence_number;
-      command.sample_time_ns = newest.sample_time_ns,
-      command.valid_until_ns = newest.sample_time_ns + 10'000'000;
-      command.wrench.force.x = 3.0;
-      if (GetParam() == std::string_view("rendering"))
-        unauthorised.write(answer);
-      if (GetParam() == std::string_view("coupling"))
-        unauthorised.write(command);
+      if (role_is_vacant && i == kLeaseMs)
+        send_plan();
+      send_sample(i);
     }
+  }
+  void play_while_vacant() {
+    play(100);
+    with_force = foreign_rendered = 0;
+    play(kLeaseMs + 1300, true);
+    EXPECT_EQ(with_force, 0) << "samples with force while the role was vacant";
+    EXPECT_EQ(foreign_rendered, 0) << "contacts of another device's samples";
   }
 
   Adversary unauthorised{domain(), "haptic"};
@@ -166,23 +198,19 @@ class LostRole : public testing::TestWithParam<const char*> {
                                     qos::profile(qos::ProfileId::kLatched)};
   msg::DeviceState newest{};
   msg::ContactState answer{};
-  bool has_plan = false;
-  int with_force = 0;
+  int with_force = 0, foreign_rendered = 0;
 };
 
 TEST_P(LostRole, IsNotGrantedToAnotherParticipant) {
-  Process up(
-      up_arguments(shipped_scene("plane"), {"--motion", "free", "--duration", "8", "--no-record"}));
+  Process up(up_arguments(shipped_scene("plane"),
+                          {"--motion", "free", "--duration", "10", "--no-record"}));
   ASSERT_TRUE(is_running(up)) << up.err();
-  ASSERT_TRUE(comes([&] { return look(), has_plan && answer.session_id != 0; }));
+  ASSERT_TRUE(comes([&] { return is_complete(); }));
   const pid_t node = child_called(up.pid(), "voxtouch_" + std::string(GetParam()));
   ASSERT_NE(node, 0);
   play(200);
   ASSERT_EQ(::kill(node, SIGSTOP), 0);
-  play(100);
-  with_force = 0;
-  play(3400);
-  EXPECT_EQ(with_force, 0) << "samples with force while the role was vacant";
+  play_while_vacant();
   ::kill(node, SIGCONT);
   const Ended reported = finish(up);
   EXPECT_EQ(reported.end.status, 1) << reported.end.out;
@@ -191,7 +219,32 @@ TEST_P(LostRole, IsNotGrantedToAnotherParticipant) {
   EXPECT_TRUE(reported.problem("another writer")) << reported.end.out;
   EXPECT_TRUE(reported.problem("elsewhere")) << reported.end.out;
 }
-INSTANTIATE_TEST_SUITE_P(Ring, LostRole, testing::Values("rendering", "coupling"),
+
+/// No claim names the nodes of a ring that is started by hand: a lost role ends its session.
+TEST_P(LostRole, EndsTheSessionOfARingStartedByHand) {
+  const auto start = [&](const std::string& node, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {VOXTOUCH_BIN "/voxtouch_" + node, "--scene",
+                                          shipped_scene("plane"), "--domain", fresh_domain()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return std::make_unique<Process>(arguments);
+  };
+  std::map<std::string, std::unique_ptr<Process>> nodes;
+  for (const char* node : {"rendering", "coupling"})
+    nodes[node] = start(node, {});
+  nodes["device"] = start("device", {"--motion", "free", "--duration", "20"});
+  ASSERT_TRUE(comes([&] { return is_complete() && with_force > 100; })) << nodes["device"]->err();
+  play(200);
+  Process& lost = *nodes[GetParam()];
+  lost.signal(SIGSTOP);
+  play_while_vacant();
+  lost.signal(SIGCONT);
+  with_force = 0;
+  play(1500);
+  EXPECT_EQ(with_force, 0) << "the session went on with the node that had been lost";
+  for (const char* node : {"device", "rendering", "coupling"})
+    nodes[node]->signal(SIGINT);
+}
+INSTANTIATE_TEST_SUITE_P(Ring, LostRole, testing::Values("device", "rendering", "coupling"),
                          [](const auto& role) { return std::string(role.param); });
 
 }  // namespace
