@@ -146,11 +146,11 @@ class LostRole : public testing::TestWithParam<const char*> {
         answer = contact;
     });
   }
-  /// A rendering is followed only after its plan.
+  /// A rendering is followed only after its plan. The reader also receives what is written here.
   void send_plan() {
-    plans.take_each([this](const msg::ScenePlan& plan, const dds_sample_info_t&) {
-      unauthorised.write(plan);
-    });
+    plans.take_each(
+        [this](const msg::ScenePlan& plan, const dds_sample_info_t&) { unauthorised.write(plan); },
+        1);
   }
   void send_sample(int i) {
     answer.session_id = newest.session_id, answer.sequence_number = newest.sequence_number;
@@ -176,7 +176,7 @@ class LostRole : public testing::TestWithParam<const char*> {
       look();
       if (i % 100 == 0)
         unauthorised.claim(GetParam(), newest.session_id);
-      if (role_is_vacant && i == kLeaseMs)
+      if (role_is_vacant && plays("rendering") && i == kLeaseMs)
         send_plan();
       send_sample(i);
     }
