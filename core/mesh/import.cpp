@@ -115,7 +115,14 @@ ImportedMesh import_mesh(const std::filesystem::path& path, std::string bytes,
   if (read.lines > 0)
     result.warnings.push_back(skipped(read.lines, "line"));
   // Welded before scaling, because only the file's numbers coincide exactly.
-  const TriangleMesh welded = weld(read.mesh);
+  TriangleMesh welded = weld(read.mesh);
+  if (const std::size_t count = remove_collapsed(welded))
+    result.warnings.push_back(fmt::format(
+        "{} with two equal corners {} skipped",
+        count == 1 ? "1 triangle" : fmt::format("{} triangles", count), count == 1 ? "is" : "are"));
+  if (welded.empty())
+    import::refuse(path, "has only triangles with two equal corners",
+                   "export the surface, with faces");
   const Eigen::AlignedBox3d box = bounds(welded);
   const double extent_m = options.scale * box.sizes().maxCoeff();
   for (const std::string& warning :

@@ -1,5 +1,7 @@
 /// glTF: checks that positions and indices have the form and range that assimp expects, and that no
 /// node occurs twice. Counts the faces, because assimp skips those with invalid indices.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -156,6 +158,24 @@ void add_scene(MeshFile& file, Json& doc, const std::set<Json>& children) {
   file.warnings.push_back("it has no default scene: all its nodes are read");
 }
 
+/// Refuses a file whose default scene has no mesh: assimp reads no faces then.
+void check_scene(const MeshFile& file, const Json& doc) {
+  const std::size_t scene = doc.value("scene", std::size_t{0});
+  const Json nodes = doc.value("nodes", Json::array());
+  std::vector<std::size_t> open =
+      doc.at("scenes").at(scene).value("nodes", std::vector<std::size_t>());
+  while (!open.empty()) {
+    const Json& node = nodes.at(open.back());
+    open.pop_back();
+    if (node.contains("mesh"))
+      return;
+    const auto children = node.value("children", std::vector<std::size_t>());
+    open.insert(open.end(), children.begin(), children.end());
+  }
+  refuse(file.path, fmt::format("its default scene, number {}, contains no mesh", scene),
+         "set \"scene\" to a scene with meshes, or export it again");
+}
+
 }  // namespace
 
 void check_gltf(MeshFile& file) {
@@ -178,6 +198,7 @@ void check_gltf(MeshFile& file) {
       *file.faces += faces(doc, primitive);
   }
   add_scene(file, doc, children);
+  check_scene(file, doc);
 }
 
 }  // namespace voxtouch::mesh::import

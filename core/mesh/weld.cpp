@@ -206,6 +206,11 @@ TriangleMesh weld(const TriangleMesh& mesh, double tolerance) {
   return welded;
 }
 
+std::size_t remove_collapsed(TriangleMesh& welded) {
+  return std::erase_if(welded.triangles,
+                       [](const auto& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+}
+
 TriangleMesh transform(const TriangleMesh& mesh, double scale, const Pose& pose) {
   TriangleMesh moved = mesh;
   for (Vec3& x : moved.vertices)

@@ -24,6 +24,11 @@ std::vector<std::uint32_t> standing_vertices(const TriangleMesh& mesh,
 /// if a triangle names a vertex that is not there.
 TriangleMesh weld(const TriangleMesh& mesh, double tolerance = kWeldTolerance);
 
+/// Removes triangles with two equal vertex indices: they bound nothing, and those that link the
+/// parts of a triangle strip may cross its inside. Returns their number. Other triangles without
+/// area stay.
+std::size_t remove_collapsed(TriangleMesh& welded);
+
 /// x -> pose * (scale * x), in double, for every vertex. `scale` > 0 (otherwise triangles would be
 /// inverted), `pose` unit.
 TriangleMesh transform(const TriangleMesh& mesh, double scale, const Pose& pose);

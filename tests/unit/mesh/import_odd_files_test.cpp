@@ -232,6 +232,27 @@ TEST_F(OddFile, OfGltfWithoutASceneUsesItsNodes) {
                      "no default scene");
 }
 
+TEST_F(OddFile, OfGltfWithoutAMeshInItsSceneIsRefused) {
+  const std::string scene = R"("scene":0,"scenes":[{"nodes":[0]}],)";
+  expect_refused("empty.glb.gltf",
+                 replaced(Gltf().json(), scene, R"("scene":1,"scenes":[{"nodes":[0]},{}],)"),
+                 "default scene, number 1, contains no mesh");
+}
+
+/// Strips of triangles are linked by triangles without area, which may cross the inside.
+TEST_F(OddFile, OfGltfMayLinkTheStripsOfItsTriangles) {
+  const std::string strip = samples::little<std::uint16_t>(
+      {0, 2, 1, 1, 1, 0, 0, 1, 3, 3, 3, 0, 0, 3, 2, 2, 2, 1, 1, 2, 3});
+  folder_.write("strip.bin", samples::gltf_buffer().substr(0, 48) + strip);
+  Gltf linked;
+  linked.buffer = R"({"byteLength":90,"uri":"strip.bin"})";
+  linked.indices = R"({"bufferView":1,"componentType":5123,"count":21,"type":"SCALAR"})";
+  const std::string json =
+      replaced(replaced(linked.json(), R"("byteLength":24)", R"("byteLength":42)"),
+               R"("indices":1})", R"("indices":1,"mode":5})");
+  expect_tetrahedron("strip.gltf", json, "with two equal corners are skipped");
+}
+
 TEST_F(OddFile, OfGltfMayNameItsBufferInPercentCode) {
   Gltf two;
   folder_.write("my mesh \xc3\xa4.bin", samples::gltf_buffer());
