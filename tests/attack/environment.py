@@ -312,7 +312,7 @@ def main():
         "address_gone",
     ):
         getattr(rows, name)()
-    print("Not well." if rows.faults else "All is well.")
+    print("FAILED" if rows.faults else "PASSED")
     return 1 if rows.faults else 0
 
 

@@ -151,7 +151,7 @@ def main():
         and plain["with a sample in clear text"] > 1000
         and plain["enciphered"] == 0
     )
-    print("All is well." if good else "Not well.")
+    print("PASSED" if good else "FAILED")
     return 0 if good else 1
 
 

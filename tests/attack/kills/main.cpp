@@ -120,7 +120,7 @@ int run(int argc, char** argv) {
       "{}(least / median / most; machine: how long it kept a thread on any CPU waiting; gap: "
       "without a sample of the device)\n",
       table);
-  fmt::print("{}\n", bad == 0 ? "All is well." : "Not well.");
+  fmt::print("{}\n", bad == 0 ? "PASSED" : "FAILED");
   return bad == 0 ? 0 : 1;
 }
 

@@ -278,7 +278,7 @@ def main():
         faults += play(ask, "two domains", ask.domains)
     for fault in faults:
         print("FAULT:", fault)
-    print("Not well." if faults else "All is well.")
+    print("FAILED" if faults else "PASSED")
     return 1 if faults else 0
 
 

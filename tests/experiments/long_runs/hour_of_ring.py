@@ -287,7 +287,7 @@ def main():
     faults += judge(watch, args)
     for fault in faults:
         print("FAULT:", fault)
-    print("Not well." if faults else "All is well.")
+    print("FAILED" if faults else "PASSED")
     return 1 if faults else 0
 
 

@@ -33,7 +33,7 @@ int print_findings(const Findings& f) {
         f.slow_down, f.resident_growth, f.heap_growth);
   for (const std::string& fault : f.faults)
     fmt::print("FAULT: {}\n", fault);
-  fmt::print("{}\n", f.faults.empty() ? "All is well." : "Not well.");
+  fmt::print("{}\n", f.faults.empty() ? "PASSED" : "FAILED");
   return f.faults.empty() ? 0 : 1;
 }
 
