@@ -241,7 +241,7 @@ class Bag:
 
     def __init__(self, path, rig="", requested=None, progress=lambda fraction: None):
         self.path = pathlib.Path(path)
-        self.unread = False  # whether a part of a file could not be read
+        self.unreadable = []  # sentences on parts of files that could not be read
         self.notes = []  # sentences on irregularities that did not prevent reading
         self.require_same_layout()
         kinds = {**{name: kind for name, (kind, _) in self.STREAMS.items()}, **self.MESSAGES}
@@ -333,8 +333,8 @@ class Bag:
                     for one in rows.values():
                         one.take()
         except FileError as error:
-            self.unread = True
-            self.notes.append(f"{file.file.name} is only partly readable: {error}.")
+            self.unreadable.append(f"{file.file.name} is only partly readable: {error}.")
+            self.notes.append(self.unreadable[-1])
         except BagError as error:
             raise BagError(f"{self.path}: {error}") from None
 

@@ -93,7 +93,7 @@ class Run:
                 f" /{self.bag.rig}/device/state and no contact. "
                 + (
                     ""
-                    if self.bag.unread
+                    if self.bag.unreadable
                     else "The ring was stopped before its first sample, or was not recorded. "
                 )
                 + " ".join(self.bag.notes)

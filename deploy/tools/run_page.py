@@ -118,7 +118,7 @@ def kind_of_run(run):
 
 def verdict(run):
     """Whether the run passed, and why not."""
-    summary, lost = run.bag.summary(), losses(run.bag.path)
+    summary, lost = run.bag.summary(), losses(run.bag.path) + run.bag.unreadable
     ratios = [
         name
         for name, one in summary.get("limits", {}).items()

@@ -598,6 +598,17 @@ class Reports(unittest.TestCase):
         page = self.report_of(self.copy("cut", half))
         self.says(page, "FAILED", "recorded messages; the others are lost")
 
+    def test_a_damaged_chunk_fails(self):
+        bag = self.at / "damaged"
+        run = up("--motion", "slide", "--duration", "1", "--lockstep", "--record", bag)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        (file,) = bag.glob("*.mcap")
+        data = bytearray(file.read_bytes())
+        middle = len(data) // 2
+        data[middle : middle + 64] = bytes(255 - byte for byte in data[middle : middle + 64])
+        file.write_bytes(data)
+        self.says(self.report_of(bag), "FAILED", "is only partly readable")
+
     def test_missing_contact_latency_or_messages_are_reported(self):
         still = self.at / "still"
         self.assertEqual(
