@@ -247,14 +247,14 @@ class PairLists {
           (box.low - centre).cwiseMax(centre - box.high).cwiseMax(0.0).norm() - node.ball.radius;
       return distance <= range && away(cone) ? kInfinity : distance;
     };
-    const auto look = [&](std::uint32_t item) {
+    const auto visit = [&](std::uint32_t item) {
       work.add(Work::kPair);
       const double distance = Probe::distance(object_, item, centre) - node.ball.radius;
       if (distance < range && !away(Probe::cone(object_, item)))
         range = distance;
       return range > near;
     };
-    const auto walked = items_.walk(bound, range, look, work, entry);
+    const auto walked = items_.walk(bound, range, visit, work, entry);
     const double beyond = std::min(range, walked.beyond_m);
     if (!walked.whole || !(beyond > near)) {
       plane.retry_away_m = renewal.path_m + limits::kPlaneRetryM;
@@ -313,7 +313,7 @@ class PairLists {
     const Probe probe(tool_, object_, posed, tree_.nodes()[at].element);
     double nearest = plane_range(renewal.need_m);
     Vec3 apart = Vec3::Zero();
-    const auto look = [&](std::uint32_t item) {
+    const auto visit = [&](std::uint32_t item) {
       const Vec3 way = probe.apart(item);
       const double distance = way.norm();
       work.add(Work::kPair);
@@ -324,7 +324,7 @@ class PairLists {
       return nearest > limits::kPlaneReaches * renewal.room_m;
     };
     const auto bound = [&](const Box& box) { return probe.bound(box); };
-    const auto walked = items_.walk(bound, nearest, look, work, entry);
+    const auto walked = items_.walk(bound, nearest, visit, work, entry);
     return walked.whole && make_plane(at, apart, probe, entry, posed, renewal, work);
   }
 
@@ -344,7 +344,7 @@ class PairLists {
     const double spread = tree_.nodes()[at].spread_m;
     const double near = limits::kPlaneReaches * renewal.need_m;
     double range = plane_range(renewal.need_m);
-    const auto look = [&](std::uint32_t item) {
+    const auto visit = [&](std::uint32_t item) {
       work.add(1);
       if (Probe::highest(object_, item, n) <= height)
         return true;
@@ -356,7 +356,7 @@ class PairLists {
       const double top = n.dot(box.centre()) + 0.5 * n.cwiseAbs().dot(box.high - box.low);
       return top <= height ? kInfinity : probe.bound(box) - spread;
     };
-    const auto walked = items_.walk(bound, range, look, work, entry);
+    const auto walked = items_.walk(bound, range, visit, work, entry);
     const double beyond = std::min(range, walked.beyond_m);
     if (!walked.whole || !(beyond > near))
       return false;

@@ -151,11 +151,11 @@ Projection project(std::span<const Halfspace> rows, const Vec6& target, Work& wo
   Projection out;
   ActiveSet active;
   Vec6 delta = target;
-  const std::uint64_t look = 1 + Work::kRows16 * (rows.size() / 16);
+  const std::uint64_t scan = 1 + Work::kRows16 * (rows.size() / 16);
   for (;;) {
     double missing = 0.0;
     const std::size_t entering = most_violated(rows, delta, missing);
-    work.add(look);
+    work.add(scan);
     if (entering == rows.size())
       break;
     if (out.iterations >= limits::kMaxIterations || work.done()) {

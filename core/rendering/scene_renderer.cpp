@@ -64,8 +64,8 @@ void SceneRenderer::add_effects_at_both(const ToolState& hand, const Twist& tool
                                         double time_s, double dt_s, SceneFrame& frame) noexcept {
   ToolState tool = hand;
   tool.pose = frame.object, tool.twist = tool_twist;
-  const effects::EffectFrame surface = look(tool, dt_s, time_s, parts);
-  add(effects_at(hand, look(hand, dt_s, time_s, parts), &surface), frame);
+  const effects::EffectFrame surface = effect_frame(tool, dt_s, time_s, parts);
+  add(effects_at(hand, effect_frame(hand, dt_s, time_s, parts), &surface), frame);
 }
 
 /// The tool at the equilibrium of spring and contact, with about one query.
@@ -97,7 +97,8 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
   ToolState at_balance = tool;
   at_balance.pose = frame.object;
   if (!effects_.empty())
-    add(effects_at(tool, look(at_balance, dt_s, time_s, contact_.parts(frame.touch)), nullptr),
+    add(effects_at(tool, effect_frame(at_balance, dt_s, time_s, contact_.parts(frame.touch)),
+                   nullptr),
         frame);
   supply(frame.object, dt_s * contact_.power_w(), frame);
   return frame;
@@ -135,7 +136,8 @@ void SceneRenderer::add_rest(const ToolState& tool, double time_s, SceneFrame& f
   if (!effects_.empty() && body_)
     add_effects(object, time_s, dt_s, frame);
   if (!effects_.empty() && !body_)
-    add(effects_at(object, look(object, dt_s, time_s, contact_.parts(frame.touch)), nullptr),
+    add(effects_at(object, effect_frame(object, dt_s, time_s, contact_.parts(frame.touch)),
+                   nullptr),
         frame);
   if (body_) {
     move_body(tool, dt_s, frame);
@@ -152,7 +154,7 @@ double SceneRenderer::step_to(double time_s) noexcept {
 
 void SceneRenderer::add_effects(const ToolState& object, double time_s, double dt_s,
                                 SceneFrame& frame) noexcept {
-  add(effects_.apply(look(object, dt_s, time_s, contact_.parts(frame.touch))), frame);
+  add(effects_.apply(effect_frame(object, dt_s, time_s, contact_.parts(frame.touch))), frame);
 }
 
 /// The effects in `frame`. Position-dependent forces act behind their spring to the hand, if there
@@ -190,7 +192,7 @@ void SceneRenderer::add(const effects::EffectForce& effects, SceneFrame& frame) 
   frame.stiffness_bound_n_per_m += frame.effects.stiffness_bound_n_per_m;
 }
 
-effects::EffectFrame SceneRenderer::look(
+effects::EffectFrame SceneRenderer::effect_frame(
     const ToolState& object, double step_s, double time_s,
     std::span<const effects::ObjectContact> contacts) const noexcept {
   effects::EffectFrame in;

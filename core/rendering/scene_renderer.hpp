@@ -100,8 +100,9 @@ class SceneRenderer {
 
   /// The input of the effects for a sample `step_s` after the last one; refers to `contacts`.
   /// Real-time safe.
-  effects::EffectFrame look(const ToolState& object, double step_s, double time_s,
-                            std::span<const effects::ObjectContact> contacts) const noexcept;
+  effects::EffectFrame effect_frame(
+      const ToolState& object, double step_s, double time_s,
+      std::span<const effects::ObjectContact> contacts) const noexcept;
 
   effects::EffectChain& effects() noexcept { return effects_; }
   const effects::EffectChain& effects() const noexcept { return effects_; }

@@ -23,7 +23,7 @@ std::string differing(const identification::StartFindings& findings) {
 
 }  // namespace
 
-void LateCommands::look(const Progress& progress, double rate_hz) {
+void LateCommands::poll(const Progress& progress, double rate_hz) {
   using enum DeviceCounter;
   const double refused = progress.counters[kRefusedLate], samples = progress.counters[kSamples];
   if (samples - samples_ < rate_hz)
@@ -153,7 +153,7 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
   const End end = progress_.end.load(std::memory_order_acquire);
   watch(session, registry);
   note_error(end);
-  late_.look(progress_, driver_.description().rate_hz);
+  late_.poll(progress_, driver_.description().rate_hz);
   if (host_.options().lockstep && end == End::kNone)
     late_peer_ = find_late_peer(registry);
   const bool running = progress_.started_ns.load() != 0, ended = end != End::kNone;
@@ -214,7 +214,7 @@ void DeviceMonitor::fill(runtime::NodeReport& report) {
   const auto latency_us = [&](double us) {
     return runtime::Figure(timed ? std::round(us) : 0.0, "us");
   };
-  last_second_.look(runtime::monotonic_ns(), static_cast<std::uint64_t>(samples),
+  last_second_.poll(runtime::monotonic_ns(), static_cast<std::uint64_t>(samples),
                     progress_.latency.count(),
                     progress_.counters.take(DeviceCounter::kRecentForce));
   report.figures = {{"nominal_rate_hz", {own_rate_hz, "Hz"}},

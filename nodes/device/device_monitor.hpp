@@ -17,7 +17,7 @@ class LateCommands {
   LateCommands(double designed_ms, bool lockstep)
       : designed_ms_(designed_ms),
         lockstep_(lockstep) {}
-  void look(const Progress& progress, double rate_hz);
+  void poll(const Progress& progress, double rate_hz);
   /// Why no force is displayed, if more than half of a second's commands were late; else empty.
   const std::string& reason() const noexcept { return reason_; }
   /// The measured delay, if the coupling is designed for one; begins with "; ".

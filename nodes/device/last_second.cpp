@@ -4,7 +4,7 @@
 
 namespace voxtouch::device_node {
 
-void LastSecond::look(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered,
+void LastSecond::poll(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered,
                       double largest_n) {
   looks_.push_back({now_ns, samples, answered, largest_n});
   while (looks_.size() > 1 && now_ns - looks_[1].at_ns >= 1'000'000'000)

@@ -10,7 +10,7 @@ class LastSecond {
  public:
   /// `samples` and `answered` count from the start. `largest_n`: largest force since the last call
   /// [N].
-  void look(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered, double largest_n);
+  void poll(std::int64_t now_ns, std::uint64_t samples, std::uint64_t answered, double largest_n);
   /// Largest force of the last second [N].
   double largest_force_n() const;
   /// Ratio of answered samples in the last second; 1 without samples.

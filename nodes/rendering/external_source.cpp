@@ -126,7 +126,7 @@ std::optional<Wrench> ExternalSource::take(const msg::DeviceState& next) noexcep
   return arrived.wrench;
 }
 
-void ExternalSource::look() {
+void ExternalSource::poll() {
   const std::uint64_t session = session_.load(std::memory_order_acquire);
   if (session != bound_for_ || (bound_ && !following_->has_writer())) {
     following_->follow_none();
@@ -166,7 +166,7 @@ void ExternalSource::look_for_writer(const std::set<bus::Guid>& matched) {
 
 void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::NodeReport& report,
                                runtime::StatusText& status) {
-  look();
+  poll();
   report.values["external"] = about_;
   report.values["external_topic"] = topic_;
   report.values["external_writer"] = bound_ ? registry.name_of(*bound_) : "";

@@ -84,7 +84,7 @@ class ExternalSource {
 
   void run();
   void receive(const msg::geometry_msgs_WrenchStamped& message);
-  void look();
+  void poll();
   /// Describes refused writers or a refused frame; empty if there are none.
   std::string diagnostic(const runtime::NodeRegistry& registry) const;
   void look_for_writer(const std::set<bus::Guid>& matched);

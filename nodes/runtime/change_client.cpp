@@ -147,7 +147,7 @@ std::optional<ChangeClient::Message> ChangeClient::request_one(
     const std::function<void(const std::string&)>& waits, const std::function<bool()>& leave) {
   const std::uint64_t request = request_number();
   std::optional<Message> answer;
-  const auto look = [&] {
+  const auto poll = [&] {
     answers_.take_each([&](const msg::EffectChanged& m) {
       if (m.request == request)
         answer = Message{m.result, m.session_id, m.from_sample, m.sentence};
@@ -158,7 +158,7 @@ std::optional<ChangeClient::Message> ChangeClient::request_one(
   // repeated request is answered and not applied again.
   for (int tries = 0; !answer && tries < 10 && !leave(); ++tries) {
     send(change, words, request);
-    until(kPatience / 10, [&] { return look() || answer; });
+    until(kPatience / 10, [&] { return poll() || answer; });
   }
   if (!answer)
     return answer;
@@ -166,7 +166,7 @@ std::optional<ChangeClient::Message> ChangeClient::request_one(
     waits(answer->sentence);
   while (answer->result == msg::effect_changed::kResultPending && changes_.matched_count() > 0 &&
          !leave())
-    until(milliseconds(200), look);
+    until(milliseconds(200), poll);
   return answer;
 }
 

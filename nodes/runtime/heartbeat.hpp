@@ -20,7 +20,7 @@ inline constexpr std::int64_t kGivenUpNs = 5'000'000'000;
 class WatchClock {
  public:
   /// Call at least every 20 ms, and first in each poll; then note new signs of life.
-  void look(std::int64_t now_ns) noexcept {
+  void poll(std::int64_t now_ns) noexcept {
     const std::int64_t gap_ns = last_look_ns_ ? now_ns - *last_look_ns_ : 0;
     last_look_ns_ = now_ns;
     watched_ns_ += std::min(gap_ns, kLateNs);

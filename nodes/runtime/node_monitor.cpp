@@ -38,14 +38,14 @@ std::vector<RosParameter> settings_of(const NodeOptions& options) {
 
 NodeMonitor::NodeMonitor(const bus::Participant& participant, std::string node,
                          const NodeOptions& options,
-                         std::function<void(NodeRegistry&, NodeReport&)> look,
+                         std::function<void(NodeRegistry&, NodeReport&)> poll,
                          std::vector<Watched> watched)
     : options_(options),
       node_(node),
       writer_(participant, std::move(node), options.rig),
       registry_(participant, options.rig, options.up),
       ros_log_(participant, node_, options.rig),
-      look_(std::move(look)),
+      poll_(std::move(poll)),
       stalls_(std::move(watched)),
       own_(participant.guid()),
       rate_line_(node_, options.announce && !console::stderr_is_journal()) {
@@ -101,8 +101,8 @@ void NodeMonitor::compare_scenes(NodeReport& report) const {
   }
 }
 
-void OwnStalls::look(NodeReport& report) {
-  clock_.look(monotonic_ns());
+void OwnStalls::poll(NodeReport& report) {
+  clock_.poll(monotonic_ns());
   double longest_s = 0.0;
   for (Watched& watched : watched_) {
     const double stalled_s =
@@ -184,7 +184,7 @@ void NodeMonitor::cycle() {
   registry_.update(
       [this](const NodeReport& report) { return lockstep_peers_.contains(report.participant); });
   NodeReport report = last_;
-  look_(registry_, report);
+  poll_(registry_, report);
   lockstep_peers_ = report.lockstep_peers;
   report.figures["refused_statuses"] = {registry_.refused(), "statuses"};
   for (std::size_t i = 0; i < options_.warnings.size(); ++i)
@@ -192,7 +192,7 @@ void NodeMonitor::cycle() {
   compare_scenes(report);
   if (const std::uint64_t lost = console::texts_lost())
     report.figures["lost_texts"] = {lost, "texts"};
-  stalls_.look(report);
+  stalls_.poll(report);
   watch_reception(report);
   watch_others(report);
   set_publishing(report);

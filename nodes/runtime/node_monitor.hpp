@@ -30,7 +30,7 @@ class OwnStalls {
  public:
   explicit OwnStalls(std::vector<Watched> watched) : watched_(std::move(watched)) {}
   /// A part that has ended is not reported as stalled.
-  void look(NodeReport& report);
+  void poll(NodeReport& report);
   /// Time spent watching [ns].
   std::int64_t watched_ns() const noexcept { return clock_.now_ns(); }
 
@@ -42,13 +42,13 @@ class OwnStalls {
 
 class NodeMonitor {
  public:
-  /// `look` is called about every 20 ms, and every 5 ms in the first second. It fills the report
+  /// `poll` is called about every 20 ms, and every 5 ms in the first second. It fills the report
   /// (state, session, message, values) from the loop's atomics. The report is published ten times a
   /// second, and when state, session or message change.
   NodeMonitor(const bus::Participant& participant, std::string node, const NodeOptions& options,
-              std::function<void(NodeRegistry&, NodeReport&)> look,
+              std::function<void(NodeRegistry&, NodeReport&)> poll,
               std::vector<Watched> watched = {});
-  /// Calls `look` again, publishes a last report and waits until readers have received it.
+  /// Calls `poll` again, publishes a last report and waits until readers have received it.
   ~NodeMonitor();
   NodeMonitor(const NodeMonitor&) = delete;
   NodeMonitor& operator=(const NodeMonitor&) = delete;
@@ -75,7 +75,7 @@ class NodeMonitor {
   /// Absent in a rendering, which serves its own parameters.
   std::optional<ParameterServices> parameters_;
   RosLog ros_log_;
-  std::function<void(NodeRegistry&, NodeReport&)> look_;
+  std::function<void(NodeRegistry&, NodeReport&)> poll_;
   OwnStalls stalls_;
   std::atomic<bool> peer_lost_{false};
   bus::Guid own_;
@@ -83,7 +83,7 @@ class NodeMonitor {
   std::int64_t last_publish_ns_ = 0, last_ros_ns_ = 0;
   RateLine rate_line_;
   bool had_session_ = false;
-  /// Participants that this node waits for, as last set by `look`.
+  /// Participants that this node waits for, as last set by `poll`.
   std::set<bus::Guid> lockstep_peers_;
   bool has_received_ = false;
   std::string reception_fault_;  ///< message about missing reception; empty if no fault is known

@@ -182,7 +182,7 @@ void NodeRegistry::take(const msg::NodeStatus& status) {
 
 void NodeRegistry::update(const std::function<bool(const NodeReport&)>& keep) {
   constexpr int kMaxTakes = 256;
-  clock_.look(monotonic_ns());
+  clock_.poll(monotonic_ns());
   update_participants();
   if (roles_)
     roles_->update();

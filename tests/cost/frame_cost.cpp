@@ -156,7 +156,7 @@ int run(const std::string& file, const std::string& motion, int frames, const st
       rendering::SceneRenderer& renderer = built->scene_renderer();
       counted_frame([&] {
         frame.effects = renderer.effects().apply(
-            renderer.look(tool, rendering::SceneRenderer::kDefaultStepS, time_s, contacts));
+            renderer.effect_frame(tool, rendering::SceneRenderer::kDefaultStepS, time_s, contacts));
       });
     }
     sum += frame.wrench.force.norm() + frame.effects.wrench.force.norm();

@@ -24,7 +24,7 @@ class Announced {
       : reader_(dds_create_reader(participant.get(), builtin_topic, nullptr, nullptr),
                 "a reader of announcements could not be made") {}
 
-  void look() {
+  void poll() {
     void* lent[1] = {nullptr};
     dds_sample_info_t info;
     while (dds_take(reader_.get(), lent, &info, 1, 1) == 1) {
@@ -69,10 +69,10 @@ TEST(TopicTable, ListsWritersAndReadersOfARunningRing) {
       readers(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
   std::map<bus::Guid, std::string> node_of;
   int running = 0;
-  for (int look = 0; look < 100 && up.running() && running < 20;
-       ++look) {  // two seconds after all run
+  for (int poll = 0; poll < 100 && up.running() && running < 20;
+       ++poll) {  // two seconds after all run
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    registry.update(), writers.look(), readers.look();
+    registry.update(), writers.poll(), readers.poll();
     for (const runtime::NodeReport& report : registry.reports())
       if (set_of(qos::kEveryNode).contains(report.node))
         node_of[report.participant] = report.node;

@@ -126,12 +126,12 @@ class LostRole : public testing::TestWithParam<const char*> {
   }
   static bool plays(std::string_view role) { return role == GetParam(); }
   bool is_complete() {
-    look();
+    poll();
     return plans.matched_count() > 0 && answer.session_id != 0;
   }
   /// Takes the newest samples of the device and of the rendering; counts samples with force and
   /// contacts of foreign samples.
-  void look() {
+  void poll() {
     msg::DeviceState state{};
     while (states.take(state)) {
       if (state.sequence_number >= kForeign)
@@ -173,7 +173,7 @@ class LostRole : public testing::TestWithParam<const char*> {
   /// One sample a millisecond, ten statuses a second.
   void play(int samples, bool role_is_vacant = false) {
     for (int i = 0; i < samples; ++i, std::this_thread::sleep_for(milliseconds(1))) {
-      look();
+      poll();
       if (i % 100 == 0)
         unauthorised.claim(GetParam(), newest.session_id);
       if (role_is_vacant && plays("rendering") && i == kLeaseMs)

@@ -78,15 +78,15 @@ struct RunNextToUnauthorised {
     bus::Reader<msg::DeviceState> states(observer, qos::kDeviceState, kRig,
                                          qos::profile(qos::ProfileId::kTap));
     msg::DeviceState newest{};
-    const auto look = [&] {
+    const auto poll = [&] {
       registry.update();
       while (states.take(newest)) {
       }
     };
-    started = wait_until([&] { return look(), !up->running() || runs(*up); }) && up->running();
+    started = wait_until([&] { return poll(), !up->running() || runs(*up); }) && up->running();
     const auto until = std::chrono::steady_clock::now() + milliseconds(2500);
     while (up->running() && std::chrono::steady_clock::now() < until) {
-      look();
+      poll();
       foreign_samples = std::max(foreign_samples, foreign(registry));
       seen = std::max(seen, registry.reports().size());
       said = text_of(registry);

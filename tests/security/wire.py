@@ -51,10 +51,10 @@ class Capture:
             "with signed permissions": 0,
         }
         self.over = threading.Event()
-        self.thread = threading.Thread(target=self.look)
+        self.thread = threading.Thread(target=self.poll)
         self.thread.start()
 
-    def look(self):
+    def poll(self):
         while not self.over.is_set():
             try:
                 frame, address = self.socket.recvfrom(70000)

@@ -198,7 +198,7 @@ class Measurement {
     samples_.tested.push_back(tested);
     samples_.hits.push_back(hits);
     const effects::EffectFrame in =
-        built_.scene_renderer().look(tool, kDefaultS, time_s, contacts.parts(touch));
+        built_.scene_renderer().effect_frame(tool, kDefaultS, time_s, contacts.parts(touch));
     for (std::size_t e = 0; e < alone_.size(); ++e)
       samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
     rendering::SceneFrame all;
@@ -226,8 +226,8 @@ class Measurement {
     double effects = 0.0;
     if (counts) {
       rendering::ObjectContacts& contacts = built_.contacts();
-      const effects::EffectFrame in =
-          renderer.look(hand, kDefaultS, time_s_, contacts.parts(contacts.render(hand.pose, 0.0)));
+      const effects::EffectFrame in = renderer.effect_frame(
+          hand, kDefaultS, time_s_, contacts.parts(contacts.render(hand.pose, 0.0)));
       for (std::size_t e = 0; e < alone_.size(); ++e) {
         samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
         effects += samples_.effects[e].back();

@@ -44,7 +44,7 @@ void ProcessSupervisor::start_device() {
   device_is_started_ = true;
 }
 
-bool ProcessSupervisor::look(const RunMonitor& monitor) {
+bool ProcessSupervisor::poll(const RunMonitor& monitor) {
   bool goes_on = true;
   std::erase_if(nodes_, [&](const auto& node) {
     const auto status = node->ended();

@@ -29,7 +29,7 @@ class ProcessSupervisor {
   void start_device();
   bool device_is_started() const noexcept { return device_is_started_; }
   /// Handles nodes that have ended. Returns false if the run ends; the reason is then in `events`.
-  bool look(const RunMonitor& monitor);
+  bool poll(const RunMonitor& monitor);
   /// Nodes that are to be started again. Call RunMonitor::forget for each.
   std::vector<std::string> take_restarting();
   /// Starts each of these once DDS has taken out its last process: until then others are bound to

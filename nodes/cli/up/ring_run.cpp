@@ -112,7 +112,7 @@ void RingRun::watch() {
     const std::optional<std::string> lost = monitor_.watch(nodes_);
     if (lost)
       summary_.events.push_back({RunFact::kNodeSilent, *lost, 1e-9 * runtime::kGivenUpNs});
-    bool over = lost || !nodes_.look(monitor_);
+    bool over = lost || !nodes_.poll(monitor_);
     for (const std::string& node : nodes_.take_restarting())
       monitor_.forget(node);
     if (!over)

@@ -89,7 +89,7 @@ def family(root):
     return {pid: names[pid] for pid in found if pid in names}
 
 
-def look(pid):
+def poll(pid):
     """Resident memory [kB] and CPU time [s] of a process; None if it has ended."""
     try:
         pages = int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1])
@@ -144,7 +144,7 @@ class Watch:
             if text.strip():
                 print(text.rstrip(), file=sys.stderr)
             return
-        seen = {f"{name} {pid}": look(pid) for pid, name in family(self.root).items()}
+        seen = {f"{name} {pid}": poll(pid) for pid, name in family(self.root).items()}
         self.rows.append(
             (int(match[1]), float(match[2]), int(match[3]), {k: v for k, v in seen.items() if v})
         )

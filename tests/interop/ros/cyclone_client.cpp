@@ -74,7 +74,7 @@ template <class T>
 struct Stream : Read {
   Stream(const Entity& participant, const char* name)
       : Read(participant, name, msg::Type<T>::descriptor, Kind::kBestEffort) {}
-  void look(double now_s) {
+  void poll(double now_s) {
     take<T>(reader(), [&](const T& sample) {
       if (received++ == 0)
         first = sample.sequence_number, first_s = now_s;
@@ -91,7 +91,7 @@ struct Stream : Read {
 
 struct Counted : Read {
   using Read::Read;
-  void look() {
+  void poll() {
     take<std::byte>(reader(), [&](const std::byte&) { ++received; });
   }
   std::size_t received = 0;
@@ -155,9 +155,9 @@ int main(int argc, char** argv) {
 
   const auto begin = steady_clock::now();
   std::map<std::string, double> topics;  // and when each was found
-  const auto look = [&] {
+  const auto poll = [&] {
     for (Counted& one : standard)
-      one.look();
+      one.poll();
     take<dds_builtintopic_endpoint_t>(writers.get(), [&](const auto& writer) {
       if (std::string_view(writer.topic_name).starts_with("rt/"))
         topics.try_emplace(writer.topic_name, since(begin));
@@ -165,13 +165,13 @@ int main(int argc, char** argv) {
   };
   for (; since(begin) < std::stod(argv[3]); sleep(0.005)) {
     const double now_s = since(begin);
-    states.look(now_s), contacts.look(now_s), commands.look(now_s);
-    look();
+    states.poll(now_s), contacts.poll(now_s), commands.poll(now_s);
+    poll();
   }
   std::vector<double> answers_ms;
   if (argc == 5)
     answers_ms = ask_for_changes(participant, std::stoi(argv[4]));
-  look();
+  poll();
   std::vector<std::string> found, counted;
   for (const auto& [name, when_s] : topics)
     found.push_back(fmt::format(R"("{}": {})", name, when_s));

@@ -199,7 +199,7 @@ T number_at(const Bytes& bytes, std::size_t place) {
 /// One of the loop's topics: received samples, with the device's number after the session's.
 struct Stream : Read {
   using Read::Read;
-  void look(double now_s) {
+  void poll(double now_s) {
     take([&](const Bytes& bytes) {
       last = number_at<std::uint64_t>(bytes, 4 + 8);
       if (received == 1)
@@ -314,20 +314,20 @@ int main(int argc, char** argv) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   };
   std::set<std::string> graphs;
-  const auto look = [&] {
+  const auto poll = [&] {
     for (Read& one : standard)
       one.take([](const Bytes&) {});
     graph.take([&](const Bytes& bytes) { graphs.insert(hex(bytes.data(), bytes.size())); });
   };
   for (; now_s() < std::stod(argv[3]); std::this_thread::sleep_for(std::chrono::milliseconds(5))) {
     for (Stream& one : streams)
-      one.look(now_s());
-    look();
+      one.poll(now_s());
+    poll();
   }
   std::vector<double> answers_ms;
   if (argc == 5)
     answers_ms = ask_for_changes(participant, subscriber, std::stoi(argv[4]));
-  look();
+  poll();
   const std::lock_guard lock(announcements.mutex);
   std::printf("{\"samples\": %zu, \"first_s\": %f, \"endpoints\": [", streams[0].received,
               streams[0].first_s);

@@ -69,7 +69,7 @@ numbers, counts = {path: [] for path in STREAMS}, dict.fromkeys(STANDARD, 0)
 begin, topics, first_s = time.monotonic(), {}, -1.0
 
 
-def look():
+def poll():
     for writer in valid(writers):
         if writer.topic_name.startswith("rt/"):
             topics.setdefault(writer.topic_name, time.monotonic() - begin)
@@ -81,10 +81,10 @@ while (now_s := time.monotonic() - begin) < seconds:
     for path, tap in taps.items():
         numbers[path] += [sample.sequence_number for sample in valid(tap)]
     first_s = now_s if numbers["device/state"] and first_s < 0 else first_s
-    look()
+    poll()
     time.sleep(0.005)
 answers_ms = ask_for_changes(participant, int(sys.argv[5])) if len(sys.argv) > 5 else []
-look()
+poll()
 print(
     json.dumps(
         {

@@ -60,7 +60,7 @@ class Looker:
             path: [] for path in paths
         }  # (seconds of this process's clock, seconds of the writer's wall clock, message)
 
-    def look(self, seconds, keeps_on=lambda: True):
+    def poll(self, seconds, keeps_on=lambda: True):
         end = time.monotonic() + seconds
         while time.monotonic() < end and keeps_on():
             for path, reader in self.readers.items():
@@ -89,6 +89,6 @@ if __name__ == "__main__":
     looker = Looker(join(int(sys.argv[2])), sys.argv[3])
     print("reads", flush=True)
     while True:
-        looker.look(1.0)
+        looker.poll(1.0)
         for messages in looker.seen.values():
             messages.clear()

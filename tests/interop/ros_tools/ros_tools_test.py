@@ -77,7 +77,7 @@ class Pictures(unittest.TestCase):
 
         with ring(DEPLOY / "scenes" / "objects.yaml", "--motion", "under") as up:
             until_it_runs(up)
-            looker.look(14.0, listen)
+            looker.poll(14.0, listen)
         self.assertEqual(looker.errors(), [])
         self.assertEqual(
             set(looker.frames.of), {"haptic/device", "haptic/tool", "haptic/object/roller"}
@@ -156,17 +156,17 @@ class Pictures(unittest.TestCase):
                 shown = lambda looker: {
                     key for key, (m, _) in looker.markers.shown.items() if m.type == TRIANGLES
                 }
-                first.look(
+                first.poll(
                     20.0,
                     lambda: (
                         {ns for ns, _ in shown(first)}
                         < {"scene", "object/cup", "object/roller", "tool"}
                     ),
                 )
-                first.look(4.0)
+                first.poll(4.0)
                 late = Looker(join(DOMAIN), paths=("tf", "tf_static", "markers"))
                 begin = time.monotonic()
-                late.look(10.0, lambda: shown(late) != shown(first))
+                late.poll(10.0, lambda: shown(late) != shown(first))
                 self.assertEqual(shown(late), shown(first))
                 self.assertLess(time.monotonic() - begin, 3.0)
                 self.assertEqual(late.errors(), [])
@@ -185,7 +185,7 @@ class Pictures(unittest.TestCase):
                 while time.monotonic() < end and any(
                     ns == "object/roller" for looker in (first, late) for ns, _ in shown(looker)
                 ):
-                    first.look(0.03), late.look(0.03)
+                    first.poll(0.03), late.poll(0.03)
         for looker in (first, late):
             self.assertEqual({ns for ns, _ in shown(looker)}, {"scene", "object/cup", "tool"})
             self.assertIn(("object/roller", 0), looker.markers.deleted)
@@ -198,8 +198,8 @@ class Pictures(unittest.TestCase):
             looker = Looker(self.participant)
             with ring(scene, "--motion", "free") as up:
                 until_it_runs(up)
-                looker.look(60.0, lambda: not looker.markers.of("note"))
-                looker.look(1.0)
+                looker.poll(60.0, lambda: not looker.markers.of("note"))
+                looker.poll(1.0)
         count = sum(len(m.points) // 3 for m in looker.markers.of("scene"))
         self.assertGreater(count, 1000)
         self.assertLessEqual(count, 20_000)
@@ -213,7 +213,7 @@ class Pictures(unittest.TestCase):
         with ring(
             DEPLOY / "scenes" / "plane.yaml", "--motion", "slide", "--lockstep", "--duration", "6"
         ) as up:
-            looker.look(60.0, lambda: up.process.poll() is None)
+            looker.poll(60.0, lambda: up.process.poll() is None)
             self.assertEqual(up.process.returncode, 0, up.output())
         clock = [seconds(m.clock) for _, _, m in looker.seen["clock"]]
         self.assertGreater(len(clock), 20)
@@ -250,7 +250,7 @@ class Stopped(unittest.TestCase):
             self.addCleanup(other.wait)
             self.addCleanup(other.kill)
             self.assertEqual(other.stdout.readline(), "reads\n")
-            looker.look(4.0)
+            looker.poll(4.0)
             until(lambda: looker.markers.of("tool"), 10, "meshes")
             latencies = {"runs": [], "stands": []}
             for how, number in (("runs", signal.SIGCONT), ("stands", signal.SIGSTOP)) * 2:
@@ -259,8 +259,8 @@ class Stopped(unittest.TestCase):
                 output = len(up.output())
                 for _n in range(3):
                     more = Looker(join(DOMAIN), paths=("markers",))
-                    looker.look(2.0)
-                    more.look(0.01)
+                    looker.poll(2.0)
+                    more.poll(0.01)
                 latencies[how] += [
                     int(x) for x in re.findall(r"latency p50 +(\d+)", up.output()[output:])
                 ]

@@ -73,7 +73,7 @@ class Attacked : public testing::Test {
     device.emplace(std::move(o), device_node::run);
   }
   /// Receives from the ring's nodes only.
-  void look() {
+  void poll() {
     registry.update();
     follow("rendering", contacts);
     follow("coupling", commands);
@@ -100,7 +100,7 @@ class Attacked : public testing::Test {
         reader.following().follow(report.participant);
   }
   bool sees(const std::function<bool()>& holds, milliseconds patience = std::chrono::seconds(15)) {
-    return wait_until([&] { return look(), holds(); }, patience);
+    return wait_until([&] { return poll(), holds(); }, patience);
   }
   const runtime::NodeReport* report_of(const std::string& role) {
     for (const auto& report : registry.reports())
@@ -139,7 +139,7 @@ class Attacked : public testing::Test {
     Adversary adversary(kDomain, rig);
     const auto until = std::chrono::steady_clock::now() + milliseconds(700);
     while (std::chrono::steady_clock::now() < until) {
-      look();
+      poll();
       write(adversary);
       std::this_thread::sleep_for(milliseconds(1));
     }

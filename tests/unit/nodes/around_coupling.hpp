@@ -176,7 +176,7 @@ class Around {
     runtime::to_msg(stiffness, c.stiffness);
     contacts.write(c);
     std::this_thread::sleep_for(milliseconds(1));
-    look();
+    poll();
   }
   /// The same in lockstep, with its answer. The node computes the coupling of each contact,
   /// whatever the load of the machine. In real time it skips contacts that a newer one has
@@ -185,11 +185,11 @@ class Around {
     const std::size_t before = forces.size();
     touch(z_m, force_n);
     return wait_until([&] {
-      look();
+      poll();
       return forces.size() > before;
     });
   }
-  void look() {
+  void poll() {
     msg::ForceCommand command;
     while (commands.take(command))
       forces.push_back(command.wrench.force.z);

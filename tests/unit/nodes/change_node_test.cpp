@@ -79,11 +79,11 @@ class RenderingLive : public testing::Test {
     describe(id);
     sequence = 0;
     ASSERT_TRUE(wait_until([&] {
-      look();
+      poll();
       return planned == id && states.matched_count() == 1 && contacts.matched_count() == 1;
     }));
   }
-  void look() {
+  void poll() {
     plans.take_each([this](const msg::ScenePlan& p) {
       planned = p.session_id, demanded_ns_per_m = p.effects_damping_ns_per_m,
       plan_from_sample = p.from_sample, voxel_size_m = p.voxel_size_m, model = p.contact_model,
@@ -112,7 +112,7 @@ class RenderingLive : public testing::Test {
     m.twist.linear.x = kSpeed;
     states.write(m);
     std::this_thread::sleep_for(milliseconds(1));
-    look();
+    poll();
   }
   void samples(int count) {
     for (int i = 0; i < 5000 && seen.empty(); ++i)

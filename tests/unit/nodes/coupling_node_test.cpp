@@ -20,15 +20,15 @@ TEST(CouplingNode, WaitsForDeviceAndPlanThenDesignsOnce) {
   Around around("{design: auto, kind: shaping_filter}");
   around.describe(2.0);
   std::this_thread::sleep_for(milliseconds(200));
-  around.look();
+  around.poll();
   EXPECT_TRUE(around.seen.empty()) << "nothing is known of the contact yet";
   around.plan();
   ASSERT_TRUE(wait_until([&] {
-    around.look();
+    around.poll();
     return !around.seen.empty();
   }));
   std::this_thread::sleep_for(milliseconds(200));
-  around.look();
+  around.poll();
   ASSERT_EQ(around.seen.size(), 1U);
   EXPECT_NE(around.seen[0].status, "infeasible");
   EXPECT_EQ(around.seen[0].kind, "shaping_filter");
@@ -45,7 +45,7 @@ TEST(CouplingNode, RedesignsWithoutAForceStep) {
   around.describe(20.0);
   around.plan();
   ASSERT_TRUE(wait_until([&] {
-    around.look();
+    around.poll();
     return around.seen.size() == 1;
   }));
   for (int i = 0; i < 800; ++i)
@@ -78,7 +78,7 @@ TEST(CouplingNode, IsSilentWithoutAFeasibleCoupling) {
   around.describe(0.005);
   around.plan();
   ASSERT_TRUE(wait_until([&] {
-    around.look();
+    around.poll();
     return !around.seen.empty();
   }));
   EXPECT_EQ(around.seen[0].status, "infeasible");
@@ -97,7 +97,7 @@ TEST(CouplingNode, RunsAnInfeasibleDesignIfTheSceneAllows) {
   around.describe(0.005);
   around.plan();
   ASSERT_TRUE(wait_until([&] {
-    around.look();
+    around.poll();
     return !around.seen.empty();
   }));
   EXPECT_EQ(around.seen[0].status, "infeasible");
@@ -112,7 +112,7 @@ TEST(CouplingNode, StopsIfAChangedDeviceLeavesNoDesign) {
   around.describe(20.0);
   around.plan();
   ASSERT_TRUE(wait_until([&] {
-    around.look();
+    around.poll();
     return !around.seen.empty();
   }));
   for (int i = 0; i < 100; ++i)
@@ -139,7 +139,7 @@ TEST(CouplingNode, EvaluatesAndRunsAManualCoupling) {
   around.describe(0.005);
   around.plan(3.0);
   ASSERT_TRUE(wait_until([&] {
-    around.look();
+    around.poll();
     return !around.seen.empty();
   }));
   EXPECT_EQ(around.seen[0].status, "configured");
@@ -158,7 +158,7 @@ TEST(CouplingNode, RefusesInvalidDevicesAndKeepsItsDesign) {
   around.describe(20.0);
   around.plan();
   ASSERT_TRUE(wait_until([&] {
-    around.look();
+    around.poll();
     return around.seen.size() == 1;
   }));
   for (int i = 0; i < 300; ++i)

@@ -31,14 +31,14 @@ TEST(CouplingNode, AnswersAContactThatComesTwiceOnceInLockstep) {
   a.describe(20.0), a.plan();
   ASSERT_TRUE(a.force_comes()) << a.message();
   std::this_thread::sleep_for(milliseconds(200));
-  a.look(), a.forces.clear();
+  a.poll(), a.forces.clear();
   for (int n = 0; n < 50; ++n) {
     a.touch();
     --a.sequence;
     a.touch();
   }
   std::this_thread::sleep_for(milliseconds(200));
-  a.look();
+  a.poll();
   EXPECT_EQ(a.forces.size(), 50U);
 }
 

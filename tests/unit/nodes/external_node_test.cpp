@@ -97,11 +97,11 @@ class ExternalLive : public testing::Test {
     device.say(id);
     sequence = 0, planned = 0;
     ASSERT_TRUE(wait_until([&] {
-      look();
+      poll();
       return planned == id && states.matched_count() == 1 && contacts.matched_count() == 1;
     })) << node.error();
   }
-  void look() {
+  void poll() {
     plans.take_each([this](const msg::ScenePlan& p) {
       planned = p.session_id, may_ask_n = p.external_force_n, asks = p.external_effect;
     });
@@ -132,7 +132,7 @@ class ExternalLive : public testing::Test {
     m.pose.orientation.w = 1.0;
     states.write(m);
     std::this_thread::sleep_for(milliseconds(1));
-    look();
+    poll();
   }
   void samples(int count) {
     for (int n = 0; n < count; ++n)

@@ -10,7 +10,7 @@ TEST(LastSecond, HoldsTheLargestForceForExactlyASecond) {
   LastSecond last;
   for (int ms = 0; ms <= 3000; ms += 20) {
     const bool touches = ms == 1000;
-    last.look(ms * 1'000'000LL, static_cast<std::uint64_t>(ms), static_cast<std::uint64_t>(ms),
+    last.poll(ms * 1'000'000LL, static_cast<std::uint64_t>(ms), static_cast<std::uint64_t>(ms),
               touches ? 0.32 : 0.0);
     EXPECT_EQ(last.largest_force_n(), ms >= 1000 && ms < 2000 ? 0.32 : 0.0) << ms;
   }
@@ -21,7 +21,7 @@ TEST(LastSecond, CountsTheRatioAnsweredInIt) {
   EXPECT_EQ(last.answered_ratio(), 1.0);
   std::uint64_t samples = 0, answered = 0;
   for (int ms = 0; ms <= 4000; ms += 20) {
-    last.look(ms * 1'000'000LL, samples, answered, 0.0);
+    last.poll(ms * 1'000'000LL, samples, answered, 0.0);
     if (ms == 2000) {
       EXPECT_EQ(last.answered_ratio(), 1.0);
     }

@@ -78,12 +78,12 @@ class LedHand : public testing::Test {
       players.emplace_back("page", page->stand_in.participant.guid());
     up.name(players);
   }
-  void look() {
+  void poll() {
     registry.update();
     states.take_each([this](const msg::DeviceState& s) { state = s; });
   }
   bool sees(const std::function<bool()>& holds) {
-    return wait_until([&] { return look(), holds(); }, std::chrono::seconds(20));
+    return wait_until([&] { return poll(), holds(); }, std::chrono::seconds(20));
   }
   std::optional<runtime::NodeReport> report(const char* node) { return registry.find(node); }
   double number(const char* figure) {
@@ -103,7 +103,7 @@ class LedHand : public testing::Test {
     const auto until = std::chrono::steady_clock::now() + duration;
     while (std::chrono::steady_clock::now() < until) {
       page.aim(session, at);
-      look();
+      poll();
       std::this_thread::sleep_for(milliseconds(16));
     }
   }
@@ -171,11 +171,11 @@ TEST_F(LedHand, RestsInContactOnceItsPageHasGone) {
   ASSERT_TRUE(touches);
   page.reset();
   std::this_thread::sleep_for(milliseconds(600));
-  look();
+  poll();
   const Vec3 rest = tip();
   for (int n = 0; n < 20; ++n) {
     std::this_thread::sleep_for(milliseconds(25));
-    look();
+    poll();
     EXPECT_LT((tip() - rest).norm(), 2e-4);
   }
   EXPECT_TRUE(sees([&] { return leader() == "no page"; })) << leader();

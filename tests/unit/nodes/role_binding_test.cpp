@@ -272,30 +272,30 @@ TEST_F(RoleTest, HasItsLatchedValueFromBeforeTheBinding) {
                                              qos::profile(qos::ProfileId::kLatched));
   writer.write(stylus(7));
   std::uint64_t seen = 0;
-  const auto look = [&] {
+  const auto poll = [&] {
     return descriptions.take([&](const msg::DeviceDescription& d) { seen = d.session_id; });
   };
   ASSERT_TRUE(wait_until([&] { return descriptions.matched_count() == 1; }));
   for (int i = 0; i < 20; ++i)
-    look(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    poll(), std::this_thread::sleep_for(std::chrono::milliseconds(10));
   Adversary other(kDomain, rig);
   ASSERT_TRUE(
       wait_until([&] { return other.writer<msg::DeviceDescription>().matched_count() == 1; }));
   for (std::uint64_t i = 0; i < 200; ++i)
-    other.write(stylus(1000 + i)), look();
+    other.write(stylus(1000 + i)), poll();
   EXPECT_EQ(seen, 0U) << "none is followed yet";
   ASSERT_TRUE(descriptions.following().follow(real.participant.guid()));
   EXPECT_FALSE(descriptions.current());
-  EXPECT_TRUE(look());
+  EXPECT_TRUE(poll());
   EXPECT_EQ(seen, 7U);
   EXPECT_TRUE(descriptions.current());
   writer.write(stylus(7));
   other.write(stylus(2000));
   for (int i = 0; i < 20; ++i)
-    EXPECT_FALSE(look()) << "the same again is nothing new",
+    EXPECT_FALSE(poll()) << "the same again is nothing new",
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
   writer.write(stylus(8));
-  EXPECT_TRUE(wait_until(look));
+  EXPECT_TRUE(wait_until(poll));
   EXPECT_EQ(seen, 8U);
 }
 

@@ -42,7 +42,7 @@ TEST(RoleRecordsRule, KeepsRecordsFromBeforeTheBinding) {
   records.take(guid(1), record(1));
   records.take(guid(2), record(2));
   records.take(guid(1), record(3));
-  for (int look = 0; look < 10; ++look)
+  for (int poll = 0; poll < 10; ++poll)
     records.looked(false);
   EXPECT_TRUE(settled(records).empty());
   records.entitle(guid(1));

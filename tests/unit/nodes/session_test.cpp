@@ -39,7 +39,7 @@ class Bystander {
         states(participant, qos::kDeviceState, rig, tap()),
         contacts(participant, qos::kContactState, rig, tap()),
         commands(participant, qos::kForceCommand, rig, tap()) {}
-  void look() {
+  void poll() {
     registry.update();
     descriptions.take_each([this](const auto& m) { note(described, m.session_id); });
     plans.take_each([this](const auto& m) { note(planned, m.session_id); });
@@ -65,7 +65,7 @@ class Bystander {
   }
   bool sees(const std::function<bool()>& holds) {
     return wait_until([&] {
-      look();
+      poll();
       return holds();
     });
   }
@@ -223,7 +223,7 @@ TEST(Session, OfARestartedDeviceIsNewAndResetsTheNodes) {
     old_command.valid_until_ns = std::numeric_limits<std::int64_t>::max();
     old_command.wrench.force.x = 8.0;
     repeater.write(old_command);
-    bystander.look();
+    bystander.poll();
     std::this_thread::sleep_for(milliseconds(2));
   }
   double foreign = -1.0, largest = 0.0;
@@ -410,7 +410,7 @@ TEST(Rigs, OnOneDomainAreIsolated) {
   Node left_device(device_options(left, 1.5), device_node::run);
   Node right_device(device_options(right, 1.5), device_node::run);
   ASSERT_TRUE(wait_until([&] {
-    at_left.look(), at_right.look();
+    at_left.poll(), at_right.poll();
     return left_device.thread.status() >= 0 && right_device.thread.status() >= 0;
   }));
   EXPECT_EQ(left_device.thread.status(), 0) << left_device.thread.error();

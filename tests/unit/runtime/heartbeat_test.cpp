@@ -12,7 +12,7 @@ TEST(StallWatch, CountsFromTheLastChangeOn) {
   WatchClock clock;
   StallWatch watch;
   for (int ms = 0; ms <= 1000; ms += 20) {
-    clock.look(5'000'000'000 + ms * kMs);
+    clock.poll(5'000'000'000 + ms * kMs);
     const std::uint64_t sign = ms < 500 ? static_cast<std::uint64_t>(ms) : 500U;
     EXPECT_EQ(watch.stalled_ns(sign, clock), ms < 500 ? 0 : (ms - 500) * kMs) << ms;
   }
@@ -21,13 +21,13 @@ TEST(StallWatch, CountsFromTheLastChangeOn) {
 TEST(StallWatch, IgnoresTimeInWhichItDidNotRun) {
   WatchClock clock;
   StallWatch watch;
-  clock.look(0);
+  clock.poll(0);
   EXPECT_EQ(watch.stalled_ns(7, clock), 0);
-  clock.look(20 * kMs);
-  clock.look(3'000 * kMs);  // stopped itself
+  clock.poll(20 * kMs);
+  clock.poll(3'000 * kMs);  // stopped itself
   EXPECT_LE(watch.stalled_ns(7, clock), 120 * kMs);
   for (int n = 1; n <= 15; ++n)
-    clock.look((3'000 + 20 * n) * kMs);
+    clock.poll((3'000 + 20 * n) * kMs);
   EXPECT_GT(watch.stalled_ns(7, clock), kHungNs) << "but now it has looked long enough";
 }
 

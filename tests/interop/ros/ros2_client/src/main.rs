@@ -96,7 +96,7 @@ impl Stream {
     }
 }
 
-/// A topic of a standard type; `look` counts what makes sense.
+/// A topic of a standard type; `poll` counts what makes sense.
 struct Standard {
     topic: &'static str,
     look: Box<dyn Fn() -> usize>,
