@@ -1,5 +1,7 @@
 #include "nodes/cli/force_line.hpp"
 
+#include <utility>
+
 #include <fmt/format.h>
 
 namespace voxtouch::cli {
@@ -42,14 +44,14 @@ std::string contact_line(const device_fit::ForcePreview& p, const std::string& d
   return text;
 }
 
-std::string force_line(const device_fit::ForcePreview& p, const std::string& device) {
-  std::string text = fmt::format(
+std::vector<std::string> force_lines(const device_fit::ForcePreview& p, const std::string& device) {
+  std::vector<std::string> lines{fmt::format(
       "Certified: {:.4g} N/m, gain margin {:.3g}. {} saturates at {:.3g} N, {:.3g} mm deep. "
       "Limited by: {}.",
-      p.stiffness_n_per_m, p.gain_margin, device, p.force_n, 1e3 * p.depth_m, words_for(p.limit));
-  if (const std::string contact = contact_line(p, device); !contact.empty())
-    text += " " + contact;
-  return text;
+      p.stiffness_n_per_m, p.gain_margin, device, p.force_n, 1e3 * p.depth_m, words_for(p.limit))};
+  if (std::string contact = contact_line(p, device); !contact.empty())
+    lines.push_back(std::move(contact));
+  return lines;
 }
 
 }  // namespace voxtouch::cli

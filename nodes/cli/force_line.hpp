@@ -1,7 +1,8 @@
 #pragma once
-/// The force preview as a line.
+/// The force preview as one or two lines.
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/device_fit/force_preview.hpp"
 
@@ -16,8 +17,9 @@ inline constexpr std::string_view kTurnsAreHeld =
 /// and the limit of a body's grip. Empty if neither applies.
 std::string contact_line(const device_fit::ForcePreview& preview, const std::string& device);
 
-/// Both: "Certified: 371 N/m with a gain margin of 2. sim-phantom saturates at 8.5 N, 22.9 mm deep.
-/// Limit: ..."
-std::string force_line(const device_fit::ForcePreview& preview, const std::string& device);
+/// "Certified: 371 N/m, gain margin 2. sim-phantom saturates at 8.5 N, 22.9 mm deep. Limited by:
+/// ..."; then `contact_line`, unless it is empty.
+std::vector<std::string> force_lines(const device_fit::ForcePreview& preview,
+                                     const std::string& device);
 
 }  // namespace voxtouch::cli

@@ -143,7 +143,8 @@ std::vector<std::string> findings(const scene::Scene& scene,
     sentences.push_back("Correct by hand: " + fitted.refusal);
   if (const auto preview =
           device_fit::force_preview(fitted, scene, device, bounds, built->plan().tool_reach_m))
-    sentences.push_back(force_line(*preview, device.name));
+    for (const std::string& line : force_lines(*preview, device.name))
+      sentences.push_back(line);
   return sentences;
 }
 

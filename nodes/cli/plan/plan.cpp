@@ -54,7 +54,8 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
   }
   const rendering::StiffnessBounds bounds{plan.contact_n_per_m, plan.contact_nm_per_rad};
   if (const auto preview = device_fit::force_preview(fit, scene, device, bounds, plan.tool_reach_m))
-    out.notes.push_back(force_line(*preview, device.name));
+    for (const std::string& line : force_lines(*preview, device.name))
+      out.notes.push_back(line);
   fitted = scene.design ? fit.spec : scene.coupling;
   return out;
 }

@@ -68,7 +68,8 @@ std::vector<std::string> StartReport::poll(const Reports& reports) {
         .rotation_nm_per_rad = figure("spring_nm_per_rad"),
         .reach_m = number(reports, "rendering", "tool_reach_m"),
         .grip_n_per_m = figure("requested_grip_n_per_m")};
-    lines.push_back("note: " + force_line(preview, device_));
+    for (const std::string& line : force_lines(preview, device_))
+      lines.push_back("note: " + line);
     if (word(reports, "coupling", "returns_torque") == "no")
       lines.push_back(fmt::format("note: {}", kTurnsAreHeld));
   }

@@ -57,7 +57,8 @@ TEST(ForceLine, HasTheStiffnessAtALongToolsReachAndALimitedGrip) {
   for (const char* fact : {"150 mm", "518 N/m along", "259 N/m across"})
     EXPECT_TRUE(contact_line(p, "stylus").contains(fact)) << contact_line(p, "stylus");
   p.grip_n_per_m = 5000.0;
-  EXPECT_TRUE(force_line(p, "stylus")
+  EXPECT_TRUE(force_lines(p, "stylus")
+                  .at(1)
                   .contains("grip stiffness of 5000 N/m is limited to the certified 518 N/m"));
 }
 
