@@ -19,6 +19,7 @@ import time
 
 PERIOD = 30.0  # [s] between two reports
 FIRST = 15.0  # [s] until the first one
+KNOWN = 0.03  # fraction of the work from which on its rate is known
 STEP = re.compile(r"^\[(\d+)/(\d+)\] ")
 COMPILES = re.compile(STEP.pattern + r"Building C(?:XX)? object (\S+)")
 ROOT = pathlib.Path(__file__).parents[2]
@@ -58,8 +59,8 @@ def duration(seconds):
 
 
 def remaining(elapsed, done, total):
-    """Seconds that the rest takes at the mean rate; None before the first unit."""
-    return elapsed * (total - done) / done if done else None
+    """Seconds that the rest takes at the mean rate; None before KNOWN of the work is done."""
+    return elapsed * (total - done) / done if done > KNOWN * total else None
 
 
 def units_to_compile(build, targets):
@@ -99,12 +100,12 @@ def main(build, *targets):
             done.append(weights.get(unit, 0.0))
         elapsed = time.monotonic() - begin
         rest = remaining(elapsed, sum(done), whole)
-        if rest and elapsed - last >= PERIOD:
+        if unit and elapsed - last >= PERIOD:
             last = elapsed
             print(
                 (
-                    f"  {len(done)} of {len(units)} units, {duration(elapsed)};"
-                    f" about {duration(rest)} left"
+                    f"  {len(done)} of {len(units)} units, {duration(elapsed)}"
+                    f"{f'; about {duration(rest)} left' if rest else ''}"
                 ),
                 file=sys.stderr,
                 flush=True,

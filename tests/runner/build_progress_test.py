@@ -26,6 +26,7 @@ class BuildProgress(unittest.TestCase):
     def test_remaining_time_is_the_mean_rate(self):
         self.assertEqual(build_progress.remaining(60.0, 30, 120), 180.0)
         self.assertIsNone(build_progress.remaining(5.0, 0, 120))
+        self.assertIsNone(build_progress.remaining(60.0, 1, 278), "one unit says little")
 
     def test_durations_are_minutes_and_seconds(self):
         self.assertEqual(
