@@ -14,17 +14,17 @@ namespace voxtouch::devices {
 namespace {
 
 constexpr double kSecondsPerNs = 1e-9;
-// An hour: everything is over by then, and sums cannot overflow.
+// One hour: longer than hold, fade and ramps. Sums cannot overflow.
 constexpr std::int64_t kLongestGapNs = 3'600'000'000'000;
 
-/// From `earlier` to `later`, an hour at most. Unsigned: the difference of two far stamps does not
-/// fit the signed type.
+/// Time from `earlier` to `later`, at most kLongestGapNs. Unsigned arithmetic: the difference of
+/// two stamps may not fit the signed type.
 std::int64_t gap_ns(std::int64_t earlier, std::int64_t later) noexcept {
   const std::uint64_t gap = static_cast<std::uint64_t>(later) - static_cast<std::uint64_t>(earlier);
   return static_cast<std::int64_t>(std::min(gap, static_cast<std::uint64_t>(kLongestGapNs)));
 }
 
-/// Moves `from` towards `target` by at most `step`; true if that cut it short.
+/// Moves `from` towards `target` by at most `step`; true if that limit applied.
 bool slew(Vec3& from, const Vec3& target, double step) noexcept {
   Vec3 change = target - from;
   const bool cut = clamp_length(change, step);
@@ -79,7 +79,7 @@ bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
   }
   if (phase_ == Phase::kLive) {
     raise(static_cast<double>(dt_ns) *
-          kSecondsPerNs);  // no gap: a longer one than the hold is a fade
+          kSecondsPerNs);  // at most the hold: a longer gap begins a fade
     return false;
   }
   fade_ = std::min(fade_, 1.0 - static_cast<double>(over_ns) * kSecondsPerNs / config_.fade_s);
@@ -124,8 +124,7 @@ void ForceGuard::lead(double dt_s) noexcept {
   if (phase_ == Phase::kIdle)
     return;
   if (phase_ == Phase::kFading) {
-    // Starts at the output and is never steeper than limit / fade_s, which `validate` holds under
-    // the slew limit.
+    // No steeper than limit / fade_s, which `validate` requires to be within the slew limit.
     output_ = {fade_from_.force * fade_, fade_from_.torque * fade_};
   } else {
     const double force_step = config_.max_force_rate_n_per_s * dt_s;
@@ -135,8 +134,7 @@ void ForceGuard::lead(double dt_s) noexcept {
     if (force_cut || torque_cut)
       ++counts_.clamped_slew;
   }
-  // Both ends of a slew are within the limits, and so is the segment between them, except for
-  // rounding.
+  // Against rounding: both ends of a slew are within the limits, so all between them is too.
   clamp_wrench(output_, config_.max_force_n, config_.max_torque_nm);
 }
 

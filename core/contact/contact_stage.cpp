@@ -13,7 +13,7 @@ namespace voxtouch::contact {
 /// Intermediate values of one call of `apply`.
 struct ContactStage::Frame {
   double moved_m = 0.0;  ///< bound on the path of every point since the last pose
-  /// Of the surface law; its fraction is 1 if only the mean normal is used.
+  /// Force direction of surface points: mean_weight 1 is the mean normal, 0 each point's own.
   PushDirection direction;
   std::uint32_t common_points = 0;  ///< number of points with force along g in this frame
   StiffnessSum stiffness;           ///< of the points that the model has not summed
@@ -178,11 +178,10 @@ void ContactStage::add_stiffness(Direction direction, const Hit& hit, Frame& fra
   }
 }
 
-/// Recomputes the forces of the surface layer if their directions are blended.
+/// Recomputes the forces of the surface layer if their directions are between own and mean normal;
+/// the model's result holds for both ends.
 void ContactStage::surface_points(const HitList& hits, Frame& frame,
                                   StageResult& result) const noexcept {
-  // At both ends of the blend the model has already computed this sum; only in between it is
-  // recomputed.
   const bool blended = frame.direction.mean_weight > 0.0 && frame.direction.mean_weight < 1.0;
   ContactResult& contact = result.contact;
   if (blended) {
@@ -213,7 +212,7 @@ void ContactStage::returning_point(const HitList& hits, const Hit& hit, const La
   returning_.push_back({hit.point, before.direction, latched});
 }
 
-/// Latched force of a point that has just passed through.
+/// Depth and force direction of a point that has just passed through.
 ContactStage::LatchedHit ContactStage::latch(const HitList& hits, const Hit& hit) const noexcept {
   if (const std::size_t n = last_surface_.find(hit.point); n < last_surface_.size())
     return {hit.point, choose_direction(hits, hit),
@@ -221,8 +220,7 @@ ContactStage::LatchedHit ContactStage::latch(const HitList& hits, const Hit& hit
   return {hit.point, Direction::kOwnNormal, limits::kUnseenDepthEdges * config_.edge_m};
 }
 
-/// Handles the points in interior voxels, and those of the last frame that have returned to the
-/// surface layer.
+/// Handles the points in interior voxels, and latched points that are in the surface layer again.
 void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept {
   inside_.clear(), returning_.clear();
   std::size_t next = 0, back = 0;  // in latched_ and in the surface hits, which are both ascending
@@ -262,7 +260,7 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
   handle_returning(std::numeric_limits<std::uint32_t>::max());
 }
 
-/// Forces of the latched points of a block, which are those of inside_ from `first` on.
+/// Forces of the points of a block; their depths and directions are in inside_, from `first` on.
 void ContactStage::add_latched_forces(const HitBlock& block, std::size_t first, Pushes& pushes,
                                       PushLanes& lanes) const noexcept {
   pushes.add_all(block);

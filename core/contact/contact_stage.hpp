@@ -1,6 +1,5 @@
 #pragma once
-/// The stage after the contact model in the ring. It keeps state from frame to frame, while the
-/// models are memoryless.
+/// The stage after the contact model. It keeps state from frame to frame; the models do not.
 #include <cstdint>
 #include <vector>
 
@@ -16,10 +15,9 @@ struct StageResult {
   /// Points have passed through (or just returned): latched depths give force.
   bool latched = false;
   bool fast = false;  ///< a point may have moved more than half a voxel since the last pose
-  /// ContactRenderer: fast near the scene, so a wall may have been passed undetected.
+  /// Set by ContactRenderer: fast near the scene, so a wall may have been passed undetected.
   bool tunnelling_suspected = false;
-  /// ContactRenderer, memoryless: the tool's centre is in an object, and no force prevents it from
-  /// passing.
+  /// Set by ContactRenderer if memoryless: the tool's centre is in an object, so it may pass.
   bool passed_through = false;
 };
 
@@ -28,34 +26,33 @@ struct StageConfig {
   std::size_t points = 0;  ///< number of shell points
   double reach_m = 0.0;    ///< largest distance of a shell point from the tool's origin
   double edge_m = 0.0;     ///< voxel edge e of the static grid
-  double stiffness = 0.0;  ///< K of unit weight, as ContactParameters
+  double stiffness = 0.0;  ///< K of ContactParameters [N/m, or N/m^3 for area weights]
   ContactModelKind model = ContactModelKind::kAdapted;
-  bool memoryless = false;  ///< as ContactParameters: only the fast flag is set
+  bool memoryless = false;  ///< of ContactParameters: the stage sets only the fast flag
 };
 
-/// Whether the stage latches a depth for each point: for the contact models without depth beyond
-/// the surface layer.
+/// Whether the stage latches depths: for models without a depth below the surface layer.
 constexpr bool remembers(ContactModelKind model) noexcept {
   return model == ContactModelKind::kOriginal || model == ContactModelKind::kAdapted;
 }
 
-/// Adds memory to a contact model. The model gives no force to a point inside the solid, below the
-/// surface layer of voxels. The stage therefore latches the depth that a point had when it passed
-/// through the layer, until it returns. Its force acts along g, the last coherent mean normal of
-/// all points, or along the point's own normal.
+/// Adds memory to a contact model: blends directions (`adapted` only), latches depths, and sets the
+/// fast flag. Formulas are in laws.md.
 ///
-/// Blends directions (`adapted` only), latches the depths of points that have passed through, and
-/// sets the fast flag; formulas in laws.md. If no depth is latched and no direction is blended, the
-/// cost per point is a copy of its number. `field` and memoryless models set the fast flag only:
-/// `field` has neither a fallback to blend nor a layer to pass through. The constructor allocates
-/// all memory; `apply` and `reset` are real-time safe. One thread at a time.
+/// `original` and `adapted` give no force to a point below the surface layer of voxels. The stage
+/// therefore latches the depth that the point had in the layer, until it returns. Its force acts
+/// along g, the last coherent mean normal of all points, or along the point's own normal. `field`
+/// needs neither, so only its fast flag is set.
+///
+/// The constructor allocates all memory; `apply` and `reset` are real-time safe. One thread at a
+/// time.
 class ContactStage {
  public:
   /// Allocates all memory for a shell of `config.points` points.
   explicit ContactStage(const StageConfig& config);
 
-  /// `plain` is the model's result for `hits`. An invalid pose passes through and leaves the memory
-  /// unchanged.
+  /// `plain` is the model's result for `hits`. For an invalid pose it is returned unchanged, and so
+  /// is the memory.
   StageResult apply(const HitList& hits, const ContactResult& plain) noexcept {
     return apply(hits, plain,
                  hits.pose_status == PoseStatus::kUsable ? motion_to(hits.pose_WT) : 0.0);
@@ -69,13 +66,13 @@ class ContactStage {
     return has_last_pose_ ? motion_bound(pose) : 0.0;
   }
 
-  /// For the members of one solid, with disjoint voxels of one grid: a point that moves from one to
-  /// the next stays latched. Adds the memory of `other` to this one. Once per frame, before
-  /// `apply`: merge all into the first member, then copy that to the others. Real-time safe.
+  /// Shares memory between the members of one solid (disjoint voxels of one grid), so that a point
+  /// stays latched when it moves between them. Once per frame, before `apply`: merge the memory of
+  /// each other member into the first, then copy that to the others. Real-time safe.
   void merge_memory(const ContactStage& other) noexcept;
   void copy_memory(const ContactStage& other) noexcept;
 
-  /// Forgets all state, including the last pose.
+  /// Clears all state, including the last pose.
   void reset() noexcept;
 
  private:

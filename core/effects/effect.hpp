@@ -16,10 +16,10 @@ struct ObjectContact {
   Twist twist;  ///< of the object, about the tool's origin; zero at rest
 };
 
-/// Distance to the static surface, smoothed over a length h: twice differentiable except for jumps
-/// of the curvature.
+/// Distance to the static surface, smoothed over a length h. Distance and gradient are continuous;
+/// the curvature may jump.
 struct ProximitySample {
-  double distance_m = 0.0;        ///< signed, negative inside; never above the built range
+  double distance_m = 0.0;        ///< negative inside; at most the cut-off of the built field
   Vec3 gradient = Vec3::Zero();   ///< of that distance, W; at most sqrt(3), and 1 away from edges
   Mat3 curvature = Mat3::Zero();  ///< second derivatives [1/m], W; symmetric, norm at most 6 / h
 };
@@ -28,15 +28,15 @@ struct ProximitySample {
 class Proximity {
  public:
   virtual ~Proximity() = default;
-  /// Sample at `x` in W. Below the requested range the distance is valid and continuous with its
-  /// gradient. Elsewhere it is only a lower bound.
+  /// Sample at `x` in W [m]. Below the range that the effects of the scene request, the distance is
+  /// valid; elsewhere it is only a lower bound.
   virtual ProximitySample at(const Vec3& x) const noexcept = 0;
 };
 
 /// A point that represents a part of the tool's surface.
 struct ToolPoint {
   Vec3 position = Vec3::Zero();  ///< T
-  double fraction = 0.0;         ///< of the tool's area; the fractions sum to 1
+  double fraction = 0.0;         ///< of the tool's area; all sum to 1
 };
 
 /// The wrench requested by a program outside the ring.
@@ -46,25 +46,25 @@ struct ExternalWrench {
       0.0;  ///< time of the first sample that used it, on the clock of EffectFrame::time_s
 };
 
-/// Input of one sample, in W. Refers to storage of the caller that is valid during the call.
+/// Input of one sample, in W. Pointers and spans are valid during the call only.
 struct EffectFrame {
   Pose tool;                                ///< T in W
   Twist twist;                              ///< of the tool's origin; zero if no effect needs it
   double dt_s = 0.0;                        ///< since the last sample, > 0
-  double time_s = 0.0;                      ///< of the sample, since the start of the session
+  double time_s = 0.0;                      ///< since the start of the session
   std::span<const ObjectContact> contacts;  ///< empty if no effect needs them
   const Proximity* proximity = nullptr;     ///< null if no effect needs it
   std::span<const ToolPoint> tool_points;   ///< empty if `proximity` is null
   const ExternalWrench* external =
-      nullptr;  ///< the newest one taken; null without one, or if no writer is followed
+      nullptr;  ///< the newest one received in this session; null if there is none
   double fraction =
-      1.0;  ///< 0..1, remaining after gain and region; used by EffectKind::scales_inside
+      1.0;  ///< product of gain and region weight, 0 to 1; see EffectKind::scales_inside
 };
 
 /// Sum of the effects of one sample. W axes; torque and stiffness about the tool's origin.
 struct EffectForce {
   Wrench wrench;
-  /// Symmetric positive semidefinite, at least that of the force law.
+  /// At least -d(wrench)/d(pose); symmetric positive semidefinite [N/m, N, Nm/rad].
   Mat6 stiffness = Mat6::Zero();
   /// Upper bound of the spectral norm of its translational part.
   double stiffness_bound_n_per_m = 0.0;
@@ -74,12 +74,11 @@ struct EffectForce {
   double energy_generated_j = 0.0;
 };
 
-/// State of an effect, if it has any. The chain owns its parameters and ramps them when they
-/// change.
+/// An effect with its state. EffectChain owns its parameters and ramps their changes.
 class Effect {
  public:
   virtual ~Effect() = default;
-  /// Adds this effect's wrench to `push`. All values in `frame` are finite. Real-time safe.
+  /// Adds wrench, stiffness and energy to `push`. All values in `frame` are finite. Real-time safe.
   virtual void apply(const EffectFrame& frame, const EffectValues& values,
                      EffectForce& push) noexcept = 0;
   /// Clears the state, for a new session or an intended jump. Real-time safe.

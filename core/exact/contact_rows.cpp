@@ -89,7 +89,7 @@ void ContactRows::renew_closes() noexcept {
     row.closes_m = closes(row);
 }
 
-/// How far the row's object closes its gap on the way to where it is planned [m].
+/// Decrease of a row's gap by the planned motion of its object [m].
 double ContactRows::closes(const Row& row) const noexcept {
   const Pose &from = objects_[row.object], &to = planned_[row.object];
   if (same(from, to))

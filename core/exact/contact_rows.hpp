@@ -1,5 +1,5 @@
 #pragma once
-/// The tool against all objects: where they meet, which features are near, and the rows of these.
+/// The tool against all objects: poses, near pairs of features, and their rows.
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -17,17 +17,17 @@ struct Row {
   Vec3 arm = Vec3::Zero();        ///< from the tool's origin to its point, W [m]
   Vec3 on_object = Vec3::Zero();  ///< the object's point, in its frame [m]
   double gap_m = 0.0;
-  double closes_m = 0.0;  ///< gap that the object's motion closes in this step
-  double missed_m = 0.0;  ///< gap that the straight row missed in a rejected step
+  double closes_m = 0.0;  ///< decrease of the gap by the object's motion in this step
+  double missed_m = 0.0;  ///< error of the straight row's gap in a rejected step
   std::uint32_t object = 0;
   std::uint32_t owner = 0;  ///< numbered over all objects
 };
 
-/// State: the poses at which tool and objects meet, and lists that are a cache. All memory is taken
-/// at construction; everything else is real-time safe. Bodies must outlive it.
+/// State: the poses of tool and objects, and lists that are a cache. The constructor allocates all
+/// memory; all else is real-time safe. Bodies must outlive it.
 class ContactRows {
  public:
-  /// `lever_m` weighs rotations against shifts in the jacobians.
+  /// `lever_m`: converts rotations to displacements in the jacobians.
   ContactRows(const ToolBody& tool, std::span<const ObjectBody* const> objects,
               std::size_t pair_capacity, double lever_m);
 
@@ -36,37 +36,37 @@ class ContactRows {
   std::size_t bytes() const noexcept;
 
   const Pose& tool() const noexcept { return tool_; }
-  /// Where the tool meets the objects; they may have gone on to their targets.
+  /// Poses of the objects in the contact; may lag behind their targets.
   std::span<const Pose> objects() const noexcept { return objects_; }
   std::span<Opposite> opposites() noexcept { return opposites_; }
-  /// Puts all there without a step: forgets all lists. `objects` as at construction.
+  /// Places all without a step, which discards all lists. `objects` in the order of construction.
   void put(const Pose& tool, std::span<const Pose> objects) noexcept;
 
   void set_targets(std::span<const Pose> objects) noexcept;
   /// Whether an object is not at its target.
   bool objects_move() const noexcept;
-  /// What the objects still have to go, seen from the tool [m].
+  /// Largest remaining path of an object to its target, relative to the tool [m].
   double object_path() noexcept;
-  /// In the next step the objects go this ratio of the way to their targets.
+  /// Sets the fraction of the remaining motion that the objects make in the next step.
   void plan_objects(double ratio) noexcept;
-  /// After `plan_objects`, where rows are kept.
+  /// Updates Row::closes_m after `plan_objects`, if the rows are used again.
   void renew_closes() noexcept;
 
-  /// Makes the rows of all pairs within `reach_m`; false, and incomplete, where there are more than
-  /// there is room for, or at the limit of work.
+  /// Makes the rows of all pairs within `reach_m`. Returns false, incomplete, without room for all
+  /// of them or at the limit of work.
   bool collect(double reach_m, Work& work) noexcept;
   std::span<const Row> rows() const noexcept { return rows_; }
   /// One a row; the caller sets `least_m`.
   std::span<Halfspace> halfspaces() noexcept { return halfspaces_; }
   std::size_t pairs() const noexcept { return near_.size(); }
 
-  /// The step that is tried: the tool goes to `tool`, the objects where they are planned.
+  /// Sets the step to try: the tool moves to `tool`, the objects to their planned poses.
   void try_step(const Pose& tool) noexcept;
-  /// Whether a pair passes through each other on that step. Adds a row for each that does, with
-  /// what a straight row missed of its gap: second-order correction (Nocedal and Wright 2006,
-  /// 18.3). `delta` is the step, as the jacobians count. True where it is not known.
+  /// Whether the features of a pair pass through each other on that step; also true at the limit of
+  /// work. Adds a row for each such pair, with the error of its straight row as second-order
+  /// correction (Nocedal and Wright 2006, 18.3). `delta`: the step in the units of the jacobians.
   bool passes_something(const Vec6& delta, Work& work) noexcept;
-  /// Takes that step.
+  /// Takes the tried step.
   void accept() noexcept;
 
  private:
@@ -78,13 +78,13 @@ class ContactRows {
   std::vector<std::uint32_t> first_owners_;  ///< of each object
   std::size_t owners_ = 0;
   Pose tool_, tried_;
-  std::vector<Pose> objects_, targets_, planned_;  ///< now; where they are; after the step
+  std::vector<Pose> objects_, targets_, planned_;  ///< in the contact; real; after the step
   std::vector<NearPair> near_;
   std::vector<Row> rows_;
   std::vector<Halfspace> halfspaces_;
 };
 
-/// Bit for bit.
+/// Whether both poses are equal in each number, without tolerance.
 bool same(const Pose& a, const Pose& b) noexcept;
 
 }  // namespace voxtouch::exact

@@ -6,7 +6,7 @@
 
 namespace voxtouch::exact {
 
-/// An active row and what it pushes with.
+/// An active row and its contact force.
 struct FrictionContact {
   Vec3 normal = Vec3::Zero();  ///< unit, W, from the object to the tool
   Vec3 arm = Vec3::Zero();     ///< from the tool's origin, W [m]
@@ -15,21 +15,20 @@ struct FrictionContact {
 
 struct FrictionStep {
   Vec6 delta = Vec6::Zero();
-  /// What friction does not hold: a projector, which fades to all where friction is near its limit.
+  /// Projector on the motions that friction does not prevent; fades to identity near its limit.
   Mat6 loose = Mat6::Identity();
 };
 
-/// The part of the step `free` that friction lets happen; `contacts` are its active rows, `rows`
-/// all of them.
+/// The part of the step `free` that friction allows; `contacts` are its active rows, `rows` all
+/// rows.
 ///
-/// The contact slips by the shift of its centre of force across the mean normal m, and by radius
-/// times the rotation about m; friction holds both together (an ellipsoid as limit surface: Howe
-/// and Cutkosky 1996). Two steps are compared: `free`, and one that does not slip, in which the
-/// tool goes along m only and turns across it as it does in `free`. Where the friction f that the
-/// second needs is at most mu N, the tool sticks: the tool itself is the anchor, and nothing
-/// creeps. Else the step lies between both, as far from sticking as leaves mu N. Both keep the
-/// rows, and so does what lies between; where no step sticks, `free` stays. N is the sum of all
-/// forces. Real-time safe.
+/// Slip is the displacement of the centre of force across the mean normal m, and radius times the
+/// rotation about m. One limit holds for both together (an ellipsoid as limit surface: Howe and
+/// Cutkosky 1996). A second step has no slip: the tool moves along m only and rotates across it as
+/// in `free`. With N the sum of all forces, the tool sticks if that step needs friction of at most
+/// mu N. The tool's pose is then the anchor, so it does not creep. Otherwise the result is the step
+/// between both at which friction is mu N. It satisfies the rows, since both do. If there is no
+/// second step, the result is `free`. Real-time safe.
 FrictionStep with_friction(std::span<const FrictionContact> contacts,
                            std::span<const Halfspace> rows, const Vec6& spring, const Vec6& free,
                            double lever_m, double friction) noexcept;

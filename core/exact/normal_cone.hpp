@@ -74,13 +74,14 @@ class NormalCone {
   double half_rad_ = -1.0, cosine_ = 1.0, sine_ = 0.0;
 };
 
-/// Features of the tool, rotated into an object's frame. Real-time safe.
+/// How far the tool must rotate before its normals face those of an object. Real-time safe.
 class TurnBound {
  public:
-  /// Edges make rows where their normals are this far from turn_bound each other [rad], or less.
+  /// Edges may make rows while their normals miss facing each other by up to this angle [rad].
   static constexpr double kSlackRad = 0.02;
 
-  /// `reach_m`: of the tool; a path includes its rotation times this.
+  /// `rotation`: of the tool in the object's frame. `reach_m`: of the tool; a rotation by an angle
+  /// is a path of that angle times this.
   TurnBound(const NormalCone& of_tool, const Mat3& rotation, double reach_m) noexcept
       : axis_(-(rotation * of_tool.axis())),
         half_rad_(of_tool.half_rad() + kSlackRad),
@@ -104,7 +105,7 @@ class TurnBound {
   double half_rad_, cosine_, sine_, reach_m_;
 };
 
-/// Of features that may touch along any direction.
+/// For features that may touch along any direction.
 class NoTurnBound {
  public:
   NoTurnBound(const NormalCone&, const Mat3&, double) noexcept {}

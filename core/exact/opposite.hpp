@@ -1,5 +1,5 @@
 #pragma once
-/// The tool against one object: their relative pose, the lists of near pairs and how far they hold.
+/// The tool against one object: their relative pose and the lists of near pairs.
 #include <algorithm>
 
 #include "core/exact/pair_lists.hpp"
@@ -7,8 +7,7 @@
 
 namespace voxtouch::exact {
 
-/// Both bodies must outlive it. All memory is taken at construction; everything else is real-time
-/// safe.
+/// Both bodies must outlive it. The constructor allocates all memory; all else is real-time safe.
 class Opposite {
  public:
   Opposite(const ToolBody& tool, const ObjectBody& object, std::size_t pair_capacity)
@@ -22,12 +21,12 @@ class Opposite {
 
   const ToolBody& tool() const noexcept { return *tool_; }
   const ObjectBody& object() const noexcept { return *object_; }
-  /// The tool's points in the object's frame, as they are and after the step that is tried.
+  /// The tool's points in the object's frame, now and after the tried step.
   PosedPoints& now() noexcept { return now_; }
   PosedPoints& next() noexcept { return next_; }
   StartCheck& start_check() noexcept { return start_check_; }
 
-  /// Puts the tool there without a step: all lists are forgotten.
+  /// Places the tool without a step, which discards all lists.
   void put(const Pose& tool_in_object) noexcept {
     now_.set_pose(tool_in_object);
     vertex_face_.reset();
@@ -74,13 +73,13 @@ class Opposite {
     return verdict;
   }
 
-  /// So far may the tool go before something unlisted can touch it [m].
+  /// Largest step before an unlisted pair can touch [m].
   double allowed_m() const noexcept {
     return std::min({vertex_face_.holds_for_m(path_m_, turn_m_),
                      face_vertex_.holds_for_m(path_m_, turn_m_),
                      edge_edge_.holds_for_m(path_m_, turn_m_)});
   }
-  /// Nothing that is listed is nearer than this [m].
+  /// Further path before which no listed pair can touch [m].
   double nearest_m() const noexcept {
     const double at =
         std::min({vertex_face_.nearest_m(), face_vertex_.nearest_m(), edge_edge_.nearest_m()});
@@ -109,7 +108,7 @@ class Opposite {
   PairLists<FaceProbe> face_vertex_;
   PairLists<EdgeProbe> edge_edge_;
   StartCheck start_check_;
-  double path_m_ = 0.0, turn_m_ = 0.0;  ///< of the tool; of it, by its rotation
+  double path_m_ = 0.0, turn_m_ = 0.0;  ///< path of the tool; part due to rotations
 };
 
 }  // namespace voxtouch::exact

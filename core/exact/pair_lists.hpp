@@ -1,17 +1,17 @@
 #pragma once
-/// Which features of an object are near each feature of the tool, and how long that holds.
+/// Lists of near pairs: a feature of the tool (element) and a feature of the object (item).
 ///
-/// The *path* of the tool is the sum of what each step moves any of its points at most. Each leaf
-/// of the tool's tree (one feature) lists its pairs within a radius, and the path `until` which
-/// nothing unlisted can be nearer than zero: the path at which it was listed and the least distance
-/// of what was left out. A node holds the least of its children, or what its ball's distance from
-/// the object gives. So a frame renews only what expires, renewing may stop after any leaf, and the
-/// root's `until` says how far the tool may go.
+/// The path of the tool is the sum of its steps, each a bound of the displacement of any point. A
+/// leaf of the tool's tree is one element. It lists its pairs within a radius and is valid up to
 ///
-/// A path says nothing of directions: a pin that slides along its hole would expire all lists. So
-/// each pair keeps a plane that separates it, and each leaf or small node a plane that separates it
-/// from all of the object within a range. Before anything is looked for, the height above the plane
-/// is.
+///     until = path when listed + least distance of the pairs that are not listed     [m]
+///
+/// A node has the least value of its children, or that of its ball. A frame renews expired nodes
+/// only and may stop after any leaf. The root's value limits the step.
+///
+/// The path ignores directions: a pin that slides along its hole would expire all lists. So each
+/// pair keeps a separating plane, and a leaf or small node one that has all near items below it.
+/// Heights above planes are checked before any search.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -23,32 +23,32 @@
 
 namespace voxtouch::exact {
 
-/// What a renewal is asked for. All in metres of path.
+/// Input of a renewal.
 struct Renewal {
-  double path_m = 0.0;  ///< of the tool so far
-  double turn_m = 0.0;  ///< likewise, by its rotation alone
-  double need_m = 0.0;  ///< what is nearer than this must be listed
+  double path_m = 0.0;  ///< present path of the tool
+  double turn_m = 0.0;  ///< part of the path that is due to rotations
+  double need_m = 0.0;  ///< lists that are valid for this further path are not renewed
   double radius_m =
-      0.0;  ///< what is nearer than this is listed by a leaf that is renewed; above `need_m`
-  double room_m = 0.0;  ///< so far above a plane must a feature be that needs no list
+      0.0;  ///< a renewed leaf lists the pairs within this distance; greater than `need_m`
+  double room_m = 0.0;  ///< a plane replaces lists if it is kPlaneReaches times this below them
 };
 
-/// A step that is tried. All in metres of path.
+/// A step to be checked.
 struct Step {
-  double path_m = 0.0;    ///< of the tool so far
-  double turn_m = 0.0;    ///< likewise, by its rotation alone
-  double length_m = 0.0;  ///< bound of the displacement of any of its points
-  double seen_m = 0.0;    ///< pairs within it are known to the caller
+  double path_m = 0.0;    ///< path of the tool at its start
+  double turn_m = 0.0;    ///< part of the path that is due to rotations
+  double length_m = 0.0;  ///< bound of the displacement of each point of the tool
+  double seen_m = 0.0;    ///< the caller checks the pairs within this distance itself
 };
 
 enum class StepVerdict : std::uint8_t { kClear, kMayTouch, kUnknown };
 
-/// The pairs of one kind between a tool and an object, which must outlive it. All memory is taken
-/// at construction.
+/// The pairs of one kind (`Probe`) between a tool and an object, which must outlive it. The
+/// constructor allocates all memory. Arguments `path_m` and `turn_m` are those of Renewal.
 template <class Probe>
 class PairLists {
  public:
-  /// `capacity`: all lists together have room for so many pairs, or for more.
+  /// `capacity`: pairs for which all lists together have room, at least.
   PairLists(const ToolBody& tool, const ObjectBody& object, std::size_t capacity)
       : tool_(tool),
         object_(object),
@@ -65,34 +65,35 @@ class PairLists {
            scratch_.capacity() * sizeof(Pair);
   }
 
-  /// Forgets all lists. Real-time safe.
+  /// Discards all lists. Real-time safe.
   void reset() noexcept {
     std::fill(states_.begin(), states_.end(), State{});
     std::fill(planes_.begin(), planes_.end(), Plane{});
     store_.reset();
   }
 
-  /// Renews what does not hold for `need_m` more, as far as `work` lasts. Real-time safe.
+  /// Renews the lists that are not valid for a further path of `need_m`, until the limit of work.
+  /// Real-time safe.
   void renew(PosedPoints& posed, const Renewal& renewal, Work& work) noexcept {
     if (!tree_.nodes().empty() && !items_.empty())
       renew_node(0, {}, posed, renewal, work);
   }
 
-  /// For this much more of the path everything that can touch is listed.
+  /// Further path for which all lists are valid [m].
   double holds_for_m(double path_m, double turn_m) const noexcept {
     if (tree_.nodes().empty() || items_.empty())
       return kInfinity;
     return std::min(states_[0].until_m - path_m, states_[0].turn_until_m - turn_m);
   }
-  /// No listed pair touches before this path.
+  /// Path up to which no listed pair touches [m].
   double nearest_m() const noexcept {
     return tree_.nodes().empty() || items_.empty() ? kInfinity : states_[0].nearest_m;
   }
 
-  /// Calls `visit(element, item, distance, plane)` for each listed pair that may be nearer than
-  /// `reach_m`, after its distance was found exactly and is. False, and incomplete, where `visit`
-  /// returned false or the limit of work was reached; what was evaluated need not be again for a
-  /// smaller reach. Real-time safe.
+  /// Calls `visit(element, item, distance, plane)` for each listed pair that may touch within a
+  /// further path of `reach_m`, with the result of `touches_after`. Returns false, incomplete, if
+  /// `visit` does or at the limit of work. A repetition with a smaller reach skips the pairs found
+  /// beyond it. Real-time safe.
   template <class Visit>
   bool visit_near(PosedPoints& posed, double path_m, double reach_m, Visit&& visit,
                   Work& work) noexcept {
@@ -101,8 +102,9 @@ class PairLists {
     return visit_node(0, posed, path_m, reach_m, visit, work);
   }
 
-  /// Whether a pair that is farther than `step.seen_m` may touch, or come nearer than the margin,
-  /// on the straight step from `posed` to `next`. Lists what is needed to know. Real-time safe.
+  /// Whether a pair that is farther than `step.seen_m` may touch on the straight step from `posed`
+  /// to `next`, or be within the margin at its end. Renews the lists that it needs. kUnknown: the
+  /// limit of work, or no room for a list. Real-time safe.
   StepVerdict check_step(PosedPoints& posed, PosedPoints& next, const Step& step,
                          Work& work) noexcept {
     if (tree_.nodes().empty() || items_.empty())
@@ -115,36 +117,36 @@ class PairLists {
 
   struct State {
     double until_m = -kInfinity, nearest_m = kInfinity;
-    double near_m = -kInfinity;  ///< a path less the ball's distance from some item then
-    /// What is left out as facing away may face the node from this path by rotation on.
+    double near_m = -kInfinity;  ///< an item is within `path_m - near_m` of the node's ball
+    /// Like `until_m`, of `turn_m`: for items that are not listed because they face away.
     double turn_until_m = kInfinity;
 
     bool holds(double path_m, double turn_m, double need_m) const noexcept {
       return until_m >= path_m + need_m && turn_until_m >= turn_m + need_m;
     }
   };
-  /// The item, or all of the object that is nearer than a path `until_m`, lies below a height.
+  /// A plane with all near items below it, in the object's frame.
   struct Plane {
-    Vec3 normal = Vec3::Zero();  ///< unit or zero, from the object to the tool, in its frame
+    Vec3 normal = Vec3::Zero();  ///< unit, from the object to the tool; zero: no plane
     double height_m = 0.0;
-    double until_m = -kInfinity;
-    double retry_m = -kInfinity;       ///< none is looked for before this path
-    double retry_away_m = -kInfinity;  ///< likewise whether all faces away
+    double until_m = -kInfinity;       ///< items above the plane cannot touch before this path
+    double retry_m = -kInfinity;       ///< no new plane is computed before this path
+    double retry_away_m = -kInfinity;  ///< `faces_away` is not repeated before this path
   };
   struct Pair {
-    double touches_m = 0.0;  ///< the path before which it does not touch
+    double touches_m = 0.0;  ///< path up to which the pair does not touch
     std::uint32_t item = 0;
-    Vec3 apart = Vec3::Zero();  ///< the shortest way from the item to the element
+    Vec3 apart = Vec3::Zero();  ///< shortest vector from the item to the element [m]
   };
   using Block = PairStore::Block;
 
-  /// So many blocks hold the pairs that a list has as a rule.
+  /// Blocks for `capacity` pairs, at least for kListedPairs of each element.
   static std::size_t blocks_for(std::size_t elements, std::size_t capacity) noexcept {
     const std::size_t of_one = limits::kListedPairs / PairStore::kBlockPairs + 1;
     return std::max<std::size_t>(of_one * elements, capacity / PairStore::kBlockPairs);
   }
 
-  /// `entry`: where the items within the radius of the node's parent are.
+  /// `entry`: where searches start, with all items near the parent of the node.
   void renew_node(std::uint32_t at, BoxTree::Entry entry, PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
     State& state = states_[at];
@@ -158,7 +160,7 @@ class PairLists {
         renew_leaf(at, entry, true, posed, renewal, work);
       return;
     }
-    // Where a renewal that was cut short goes on, the node itself is known to be near.
+    // If a child is valid, as after a renewal that was cut short, the node is not tested again.
     const double known = std::max(states_[at + 1].until_m, states_[node.next].until_m);
     if (known < renewal.path_m + renewal.need_m) {
       if (is_far(at, entry, posed, renewal.path_m, renewal.radius_m, work))
@@ -176,12 +178,13 @@ class PairLists {
     state.nearest_m = std::min(first.nearest_m, second.nearest_m);
   }
 
-  /// The normals of all elements of a node, in the object's frame.
+  /// Bound of the rotation before which an item's normals face those of the node's elements.
   auto turn_bound_of(std::uint32_t at, const PosedPoints& posed) const noexcept {
     return typename Probe::TurnBoundOf(tree_.nodes()[at].cone, posed.rotation(),
                                        tool_.features().reach_m);
   }
-  /// `distance_m`, or the path before which the item's normals do not face the node's.
+  /// Further path up to which a pair cannot touch [m]: its distance or, within `range_m`, the
+  /// rotation until its normals face each other, if that is larger.
   template <class TurnBoundOf>
   double touches_after(double distance_m, double range_m, const TurnBoundOf& turn_bound,
                        std::uint32_t item) const noexcept {
@@ -190,10 +193,9 @@ class PairLists {
     return std::max(distance_m, turn_bound.path_m(Probe::cone(object_, item)));
   }
 
-  /// Whether nothing of the object is within `radius_m` of the node; it then is kept for that.
-  /// Narrows `entry` to the node's ball.
-  ///
-  /// Of items the distance is exact: boxes of large triangles that lie askew decide nothing.
+  /// Whether no item is within `radius_m` of the node's ball; the node is then valid for the
+  /// distance of the nearest one. Narrows `entry` to the items near the ball. Item distances are
+  /// exact: the box of a large oblique triangle is too large to decide.
   bool is_far(std::uint32_t at, BoxTree::Entry& entry, const PosedPoints& posed, double path_m,
               double radius_m, Work& work) noexcept {
     const Ball& ball = tree_.nodes()[at].ball;
@@ -222,8 +224,8 @@ class PairLists {
     return true;
   }
 
-  /// Whether all of the object near the node has normals that do not face the node's; it then is
-  /// kept for the path to what does, and until the tool has rotated.
+  /// Whether no item within kPlaneReaches * `need_m` has normals that face the node's. If so, the
+  /// node is valid until one is nearer, or may face it by rotation.
   bool faces_away(std::uint32_t at, const BoxTree::Entry& entry, const PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
     if constexpr (std::is_same_v<typename Probe::TurnBoundOf, NoTurnBound>)
@@ -265,7 +267,7 @@ class PairLists {
     return true;
   }
 
-  /// Whether the node's plane holds for what is needed. All elements of the node are above it.
+  /// Whether the node's elements are above its plane for a further path of `need_m`.
   bool kept_by_plane(std::uint32_t at, const PosedPoints& posed, const Renewal& renewal,
                      Work& work) noexcept {
     const Plane& plane = planes_[at];
@@ -279,14 +281,14 @@ class PairLists {
     return true;
   }
 
-  /// Nothing touches the node before the path `until_m`.
+  /// Sets the path up to which the node is valid without lists.
   void keep_until(std::uint32_t at, double until_m) noexcept {
     states_[at].until_m = until_m;
     states_[at].turn_until_m = kInfinity;
     states_[at].nearest_m = std::max(states_[at].nearest_m, until_m);
   }
 
-  /// The least height of the node's elements along `n`, in the object's frame.
+  /// Least height of the node's elements along `n`, in the object's frame [m].
   double lowest(std::uint32_t at, const Vec3& n, const PosedPoints& posed,
                 Work& work) const noexcept {
     const Vec3 n_T = posed.rotation().transpose() * n;
@@ -303,7 +305,8 @@ class PairLists {
     return std::max(limits::kPlaneRangeM, 3.0 * need_m);
   }
 
-  /// A plane between the node and the object, from the nearest item of the element in its middle.
+  /// Sets a plane across the shortest vector from the object to the node's middle element. Returns
+  /// false if there is none.
   bool find_plane(std::uint32_t at, const BoxTree::Entry& entry, PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
     Plane& plane = planes_[at];
@@ -328,7 +331,8 @@ class PairLists {
     return walked.whole && make_plane(at, apart, probe, entry, posed, renewal, work);
   }
 
-  /// A plane across `apart`, the shortest way from the object to the node's middle element.
+  /// The same for a given vector. Fails if the plane leaves less room than `room_m` requires, or if
+  /// an item above it is within kPlaneReaches * `need_m`.
   bool make_plane(std::uint32_t at, const Vec3& apart, const Probe& probe,
                   const BoxTree::Entry& entry, const PosedPoints& posed, const Renewal& renewal,
                   Work& work) noexcept {
@@ -365,7 +369,8 @@ class PairLists {
     return true;
   }
 
-  /// `plane`: instead of a list, where there is one.
+  /// Lists the pairs of the leaf within `radius_m`, halved until they fit. Adds farther ones within
+  /// kListRangeM, up to kListedPairs in all. `plane`: prefers a plane to a list.
   void renew_leaf(std::uint32_t at, const BoxTree::Entry& entry, bool plane, PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
     const std::uint32_t element = tree_.nodes()[at].element;
@@ -422,19 +427,19 @@ class PairLists {
       }
       const bool too_many = !fits || walked.whole;
       if (!too_many || radius < limits::kMarginM || work.done())
-        return;  // what was listed before stays
+        return;  // keeps the present list
     }
   }
 
-  /// The plane across the shortest way from `item` to an element.
+  /// The plane at `item`, across the shortest vector `apart` from it to an element.
   SeparatingPlane plane_between(std::uint32_t item, const Vec3& apart) const noexcept {
     const double distance = apart.norm();
     const Vec3 normal = distance > 0.0 ? Vec3(apart / distance) : Vec3::Zero();
     return {normal, Probe::highest(object_, item, normal)};
   }
 
-  /// Makes what is in `scratch_` the list of `element`; false, and nothing changed, without room
-  /// for it.
+  /// Makes `scratch_` the list of `element`. Returns false if there is no room for it, even without
+  /// the expired lists.
   bool store(std::uint32_t element, double path_m, Work& work) noexcept {
     if (!store_.has_room(scratch_.size(), element)) {
       work.add(states_.size() / 16);
@@ -451,8 +456,8 @@ class PairLists {
     return true;
   }
 
-  /// Lists of leaves that have expired are of no use. A leaf whose own list holds keeps it, however
-  /// far its parent is: it would be taken for complete later.
+  /// Discards the lists of expired leaves. A valid leaf keeps its list even if its parent is far
+  /// from the object, because it counts as complete later.
   void give_back_expired(double path_m) noexcept {
     for (std::size_t at = 0; at < states_.size(); ++at) {
       const ElementTree::Node& node = tree_.nodes()[at];
@@ -505,8 +510,8 @@ class PairLists {
     return whole;
   }
 
-  /// Whether both ends of a step that ends at the path `end_m` are above the plane: so is all that
-  /// goes straight between them.
+  /// Whether the node is above its plane at both ends of a straight step, and thus all along it.
+  /// `end_m`: path at its end.
   bool stays_above(std::uint32_t at, double end_m, const PosedPoints& posed,
                    const PosedPoints& next, Work& work) const noexcept {
     const Plane& plane = planes_[at];
@@ -558,7 +563,7 @@ class PairLists {
     return check_leaf(node.element, posed, next, step, work);
   }
 
-  /// Of the pairs that are listed.
+  /// `check_step` for the listed pairs of one element.
   StepVerdict check_leaf(std::uint32_t element, PosedPoints& posed, PosedPoints& next,
                          const Step& step, Work& work) noexcept {
     const Probe probe(tool_, object_, posed, element), then(tool_, object_, next, element);
@@ -596,8 +601,8 @@ class PairLists {
   const ObjectBody& object_;
   const ElementTree& tree_;
   const BoxTree& items_;
-  std::vector<State> states_;  ///< one a node
-  std::vector<Plane> planes_;  ///< likewise
+  std::vector<State> states_;  ///< of each node
+  std::vector<Plane> planes_;  ///< of each node
   PairStore store_;
   std::vector<Pair> scratch_;
 };

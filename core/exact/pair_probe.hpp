@@ -1,6 +1,6 @@
 #pragma once
-/// A feature of the tool as it looks for features of an object: in the object's frame. All
-/// real-time safe.
+/// Distances from a feature of the tool (element) to those of an object (items), in the object's
+/// frame. All real-time safe.
 #include <algorithm>
 #include <cmath>
 
@@ -24,14 +24,14 @@ class VertexProbe {
   static NormalCone cone(const ObjectBody&, std::uint32_t) noexcept { return {}; }
   static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.vertices(); }
   static const BoxTree& items(const ObjectBody& object) noexcept { return object.faces(); }
-  /// Of a point in the object's frame from an item.
+  /// Distance of a point from an item, in the object's frame [m].
   static double distance(const ObjectBody& object, std::uint32_t item, const Vec3& p) noexcept {
     const FeatureMesh& m = object.features();
     const Vec3 &a = m.corner(item, 0), &b = m.corner(item, 1), &c = m.corner(item, 2);
     return (p - nearest_on_triangle(p, a, b, c).point).norm();
   }
-  /// The least height of an element along `n`, in the tool's frame; the greatest of an item, in the
-  /// object's.
+  /// Least height of an element along `n` in the tool's frame; greatest height of an item in the
+  /// object's frame [m].
   static double lowest(const ToolBody& tool, std::uint32_t element, const Vec3& n) noexcept {
     return n.dot(tool.features().points[tool.features().row_vertices[element]]);
   }
@@ -48,13 +48,13 @@ class VertexProbe {
   double bound(const Box& box) const noexcept {
     return (box.low - point_).cwiseMax(point_ - box.high).cwiseMax(0.0).norm();
   }
-  /// The shortest way from the item to the element.
+  /// Shortest vector from the item to the element [m].
   Vec3 apart(std::uint32_t item) const noexcept {
     const FeatureMesh& m = object_.features();
     const Vec3 &a = m.corner(item, 0), &b = m.corner(item, 1), &c = m.corner(item, 2);
     return point_ - nearest_on_triangle(point_, a, b, c).point;
   }
-  /// The least height of the element along `n`, in the object's frame.
+  /// Least height of the element along `n`, in the object's frame [m].
   double lowest(const Vec3& n) const noexcept { return n.dot(point_); }
 
  private:

@@ -11,14 +11,14 @@
 
 namespace voxtouch::exact {
 
-/// All memory is taken at construction; everything else is real-time safe.
+/// The constructor allocates all memory; all else is real-time safe.
 class PairStore {
  public:
   static constexpr std::size_t kBlockPairs = 7;
 
-  /// Paths first: they are what is read most.
+  /// The paths come first because they are read most often.
   struct Block {
-    std::array<double, kBlockPairs> touches_m{};  ///< the path before which a pair does not touch
+    std::array<double, kBlockPairs> touches_m{};  ///< path up to which the pair does not touch
     std::uint32_t count = 0, next = kNone;
     std::array<std::uint32_t, kBlockPairs> items{};
     std::array<SeparatingPlane, kBlockPairs> planes{};
@@ -47,7 +47,7 @@ class PairStore {
       visit(blocks_[b]);
   }
 
-  /// Whether a list of so many pairs has room in the place of the element's list.
+  /// Whether there is room for a list of `pairs` pairs, if it replaces the element's list.
   bool has_room(std::size_t pairs, std::uint32_t element) const noexcept {
     const std::size_t requested = blocks_for(pairs);
     std::size_t found = 0;
@@ -58,8 +58,8 @@ class PairStore {
     return found >= requested;
   }
 
-  /// Replaces the element's list by so many pairs, for which there must be room; `write(block, k,
-  /// n)` fills place k of a block with pair n.
+  /// Replaces the element's list by `pairs` pairs, for which there must be room. `write(block, k,
+  /// n)` writes pair n to index k of a block.
   template <class Write>
   void replace(std::uint32_t element, std::size_t pairs, Write&& write) noexcept {
     clear(element);

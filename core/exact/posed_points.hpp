@@ -1,5 +1,5 @@
 #pragma once
-/// The tool's points in an object's frame, each turned at most once a pose.
+/// The tool's points in an object's frame, each computed at most once per pose.
 #include <cstdint>
 #include <span>
 #include <vector>

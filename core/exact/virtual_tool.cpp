@@ -73,7 +73,7 @@ void VirtualTool::reset() noexcept {
   last_ = {};
 }
 
-/// Returns a pose of unit norm bit-identically.
+/// Validates the input and normalises the quaternion; one of unit norm stays bit-identical.
 PoseStatus VirtualTool::check(Pose& hand, std::span<const Pose> objects) const noexcept {
   Quat unit = hand.orientation;
   if (objects.size() != contacts_.size() || !hand.position.allFinite() ||
@@ -87,7 +87,7 @@ PoseStatus VirtualTool::check(Pose& hand, std::span<const Pose> objects) const n
   return within ? PoseStatus::kUsable : PoseStatus::kOutOfRange;
 }
 
-/// No point of the tool goes farther in a step `delta` [m].
+/// Bound of the displacement of each point of the tool in a step `delta` [m].
 double VirtualTool::length_of(const Vec6& delta) const noexcept {
   return delta.head<3>().norm() + delta.tail<3>().norm() * reach_m_ / options_.lever_m;
 }
@@ -103,11 +103,10 @@ Vec6 VirtualTool::spring_to(const Pose& hand) const noexcept {
   return spring_between(contacts_.tool(), hand);
 }
 
-/// Whether the spring gets shorter by a fraction of the decrease that a step `taken` predicts
-/// (Armijo's rule).
+/// Whether a step shortens the spring s enough: full steps may oscillate between curved rows.
+/// Armijo's rule (Nocedal and Wright 2006, 3.1); restoring a missing margin m may lengthen s:
 ///
-/// A step does not include the curvature of rows. If it is large, steps of full length oscillate
-/// about the minimum. A step that restores a margin may lengthen the spring.
+///     (|s|^2 - |s'|^2) / 2 + 2 m |s| >= kArmijoRatio |taken|^2     [m^2]
 bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& tool,
                            const Pose& hand) const noexcept {
   double missing = 0.0;
@@ -183,8 +182,8 @@ bool VirtualTool::place(const Pose& tool, std::span<const Pose> objects) noexcep
   return true;
 }
 
-/// Renews the lists for rows within `rows_m` and sets the largest step of this query. It is
-/// `need_m` if pairs beyond the rows can be checked once the step is known.
+/// Renews the lists for rows within `rows_m` and sets the largest step of this query: `need_m` if
+/// all these rows are known, since pairs beyond them are checked once the step is known.
 void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Work& work) noexcept {
   const double rest = 3.0 * limits::kMarginM;  // rows within it beyond the reach push, and rounding
   double allowed = kInfinity, nearest = kInfinity;
@@ -200,9 +199,10 @@ void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Wor
     query.lists_m = std::max(query.lists_m, allowed);
 }
 
-/// Projects `target` on the rows. `push_out`: rows nearer than the margin require the tool to move
-/// out. Otherwise they require only that the gap does not decrease, which the zero step fulfils
-/// unless an object moves.
+/// Projects `target` on the rows. `rotation_rad`: expected rotation of the step; the point of a row
+/// leaves its tangent by at most rotation^2 |arm| / 2 (Taylor). `push_out`: rows nearer than the
+/// margin require the tool to move out. Otherwise their gap must not decrease, which the zero step
+/// fulfils unless an object moves.
 Projection VirtualTool::solve_with(const Vec6& target, double rotation_rad, bool push_out,
                                    VirtualToolFrame& out, Work& work) noexcept {
   const double most = push_out ? limits::kMaxPushOutM : 0.0;
@@ -223,7 +223,7 @@ void VirtualTool::limit_to(double ratio, Work& work) const noexcept {
   work.set_limit(static_cast<std::uint64_t>(ratio * static_cast<double>(options_.max_work)));
 }
 
-/// Computes the step of the straight rows, in `last_`.
+/// Projects `target` on the rows without curvature, in `last_`; a zero step if that fails.
 void VirtualTool::solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept {
   last_ = solve_with(target, 0.0, true, out, work);
   if (!last_.feasible)
@@ -232,9 +232,8 @@ void VirtualTool::solve(const Vec6& target, VirtualToolFrame& out, Work& work) n
     last_.delta.setZero();
 }
 
-/// The nearest step that satisfies all rows, including their curvature by its rotation. A shortened
-/// step restores only a part of the missing margins, so it is projected on the rows again. Returns
-/// `step` unchanged if no step satisfies them.
+/// The step nearest to `step` that satisfies all rows with their curvature; a shortened step would
+/// restore only a part of the missing margins. Returns `step` if there is none.
 Vec6 VirtualTool::kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept {
   const double rotation = step.tail<3>().norm() / options_.lever_m;
   Projection kept = solve_with(step, rotation, true, out, work);
@@ -259,9 +258,8 @@ void VirtualTool::hold_by_friction(const Vec6& spring, double friction) noexcept
   loose_ = held.loose;
 }
 
-/// Whether the tried step, of length `path_m`, cannot touch a pair beyond the rows. If it may touch
-/// one, the query requests more rows. If the check is not conclusive, the query is limited to the
-/// distance of the rows.
+/// Whether the tried step, of length `path_m`, cannot touch a pair without rows. If it may, the
+/// query requests more rows. If that is unknown, the query is limited to the reach of the rows.
 bool VirtualTool::clear_beyond_rows(Opposite& opposite, double path_m, Query& query,
                                     Work& work) noexcept {
   const double seen = query.rows_m + 2.0 * limits::kMarginM;
@@ -276,7 +274,7 @@ bool VirtualTool::clear_beyond_rows(Opposite& opposite, double path_m, Query& qu
   return false;
 }
 
-/// Records the largest decrease of a gap: in the next frame, rows are made up to that distance.
+/// Records the largest decrease of a gap, from which the next frame derives the reach of its rows.
 void VirtualTool::note_closing(const Vec6& taken) noexcept {
   for (const Halfspace& row : contacts_.halfspaces())
     closing_m_ = std::max(closing_m_, -row.jacobian.dot(taken));
@@ -302,8 +300,8 @@ bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, Vi
   return true;
 }
 
-/// Computes the step of the rows and of friction, in `last_`. Returns the fraction of it that the
-/// query allows.
+/// Computes the step with rows and friction, in `last_`. Returns the fraction of it within the
+/// limits of the query.
 double VirtualTool::solve_query(const Query& query, const Vec6& spring, VirtualToolFrame& out,
                                 Work& work) noexcept {
   limit_to(limits::kProjectionRatio, work);

@@ -37,7 +37,7 @@ struct VirtualToolOptions {
 /// Input of one frame: the pose of the device's tool, which the hand moves.
 struct HandSample {
   Pose pose;               ///< T in W
-  double period_s = 1e-3;  ///< since the last frame: for the fade only
+  double period_s = 1e-3;  ///< time since the last frame; used only for the fade-in
   double friction = 0.0;   ///< Coulomb's coefficient, at least 0
 };
 
@@ -50,8 +50,8 @@ struct VirtualToolFrame {
   Vec3 rotation = Vec3::Zero();  ///< likewise, rotation vector [rad]
   double lever_m = 0.0;
   double ratio = 0.0;                  ///< factor of the fade-in on the spring's force, 0 to 1
-  Mat6 displayed = Mat6::Zero();       ///< displayed stiffness over k, in the units of d: 0 to 1
-  double residual_m = 0.0;             ///< remaining path of the last step
+  Mat6 displayed = Mat6::Zero();       ///< displayed stiffness over k, for d; eigenvalues 0 to 1
+  double residual_m = 0.0;             ///< length of the last query's step before it is limited
   Vec3 contact_point = Vec3::Zero();   ///< on the object, of the row with the largest force
   Vec3 contact_normal = Vec3::Zero();  ///< of that row, out of the object; zero without contact
   std::uint32_t contact_owner = 0;     ///< owner of that row, index in `contact_forces`
@@ -61,7 +61,7 @@ struct VirtualToolFrame {
   std::uint32_t pairs_seen = 0;        ///< largest number in a query
   int queries = 0;
   int iterations = 0;           ///< of all projections
-  int void_steps = 0;           ///< rejected: a feature would pass through another
+  int void_steps = 0;           ///< rejected: features would pass, or the lists did not suffice
   std::uint64_t work = 0;       ///< in units of Work
   double object_delay_m = 0.0;  ///< path of the objects that the tool has not followed yet
   PoseStatus pose_status = PoseStatus::kUsable;
@@ -87,7 +87,7 @@ struct VirtualToolFrame {
 /// results. Body and objects must outlive it.
 class VirtualTool {
  public:
-  /// Throws std::invalid_argument without objects, or for options that are not finite.
+  /// Throws std::invalid_argument without objects, or if reach, lever or fade is invalid.
   VirtualTool(const ToolBody& tool, std::span<const ObjectBody* const> objects,
               const VirtualToolOptions& options);
 
@@ -99,8 +99,9 @@ class VirtualTool {
   VirtualToolFrame frame(const HandSample& hand, std::span<const Pose> objects) noexcept;
 
   /// Contact force of each owner on the tool in the last `frame`, over the spring constant k: force
-  /// [m], torque [m^2]. Owners are ordered by object. Times k, they sum to the wrench if the tool
-  /// has converged. Times k and an object's velocity, they are its power.
+  /// [m], torque about the tool's origin [m^2], W axes. Owners are ordered by object. If the tool
+  /// has converged, k times their sum is the wrench before the fade-in. k times a force times the
+  /// object's velocity is the object's power.
   std::span<const Wrench> contact_forces() const noexcept { return forces_; }
 
   /// Removes the tool: for a new session, the clutch or a jump of the device.

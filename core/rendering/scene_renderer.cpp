@@ -24,7 +24,7 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
     constrained_.emplace(contact, *resources.bodies, resources.virtual_tool_lever_m);
 }
 
-/// The contact acts on the tool at the pose of the hand.
+/// The contact is computed at the pose of the hand, or of the body.
 SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) noexcept {
   SceneFrame frame;
   frame.object = body_ ? object_pose(tool.pose) : tool.pose;
@@ -38,7 +38,7 @@ SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) no
   return frame;
 }
 
-/// The contact is the spring between hand and virtual tool. A pressed clutch stops both.
+/// The contact is the spring between hand and virtual tool.
 SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_s) noexcept {
   const double dt_s = step_to(time_s);
   SceneFrame frame;
@@ -68,7 +68,7 @@ void SceneRenderer::add_effects_at_both(const ToolState& hand, const Twist& tool
   add(effects_at(hand, effect_frame(hand, dt_s, time_s, parts), &surface), frame);
 }
 
-/// The tool at the equilibrium of spring and contact, with about one query.
+/// The contact is computed at the equilibrium of spring and contact, mostly with one query.
 SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s) noexcept {
   const double dt_s = step_to(time_s);
   SceneFrame frame;
@@ -92,8 +92,7 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
   frame.stiffness_bound_n_per_m = contact.stiffness_bound_n_per_m;
   if (!has_effects_or_motion_)
     return frame;
-  // At equilibrium, including friction: this tool has no friction itself. Without contact it is at
-  // the hand.
+  // All effects act at the equilibrium, also friction, which the spring itself does not have.
   ToolState at_balance = tool;
   at_balance.pose = frame.object;
   if (!effects_.empty())
@@ -104,7 +103,7 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
   return frame;
 }
 
-/// Processes one query of the contact. Returns true if another is needed.
+/// Queries the contact at the tool's pose. Returns true if another query is needed.
 bool SceneRenderer::settle_in_series(double time_s, contact::StageResult& touch) noexcept {
   const bool fast = touch.fast, tunnelling_suspected = touch.tunnelling_suspected,
              passed_through = touch.passed_through;
@@ -157,8 +156,8 @@ void SceneRenderer::add_effects(const ToolState& object, double time_s, double d
   add(effects_.apply(effect_frame(object, dt_s, time_s, contact_.parts(frame.touch))), frame);
 }
 
-/// The effects in `frame`. Position-dependent forces act behind their spring to the hand, if there
-/// is one.
+/// Sum of the effects for `frame`. A spring between hand and position-dependent forces replaces
+/// their force, softens their stiffness and adds its energy.
 effects::EffectForce SceneRenderer::effects_at(const ToolState& hand,
                                                const effects::EffectFrame& frame,
                                                const effects::EffectFrame* surface) noexcept {
@@ -206,7 +205,8 @@ effects::EffectFrame SceneRenderer::effect_frame(
   return in;
 }
 
-/// `energy_generated_j`: energy from sources other than effects.
+/// Adds the energy of this sample to that supplied. `energy_generated_j`: of sources other than
+/// effects [J].
 void SceneRenderer::supply(const Pose& object, double energy_generated_j,
                            SceneFrame& frame) noexcept {
   const double potential = frame.effects.potential_j;
@@ -219,9 +219,10 @@ void SceneRenderer::supply(const Pose& object, double energy_generated_j,
   frame.supplied_energy_j = supplied_j_;
 }
 
-/// Combines grip and series spring into one spring; the stiffness of each axis is that of both in
-/// series. The weight of a body is still supported in full. If it is gripped off its origin, by
-/// `lever_m`, the force of the grip also rotates the hand.
+/// Combines grip and series spring: each stiffness k becomes k / (1 + c k), c the compliance of the
+/// spring. If the body may be gripped off its origin, by up to `lever_m` [m], the force of the grip
+/// also rotates the hand. The factor for rotations then includes its stiffness and scales both. The
+/// weight of the body is still supported in full.
 void SceneRenderer::soften_grip(const Pose& tool, double dt_s, double lever_m,
                                 effects::BodyParameters& parameters) noexcept {
   series_.begin(tool, dt_s);

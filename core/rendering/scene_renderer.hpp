@@ -1,5 +1,5 @@
 #pragma once
-/// Renders one sample of the whole scene: contact, then the effects of the scene, then their sum.
+/// Renders one sample of a scene: the contact, the effects, and their sum.
 #include <optional>
 #include <span>
 
@@ -13,20 +13,18 @@
 
 namespace voxtouch::rendering {
 
-/// Result of one sample, W axes.
-/// Without a body, all values are about the origin of the tool, which is that of the object. With a
-/// body, `touch` and `effects` act on the body, about its origin; `wrench` and stiffness are those
-/// of the grip, about the tool's origin. With a virtual tool or a series spring, `touch` is the
-/// wrench of the spring, which is equal at both ends. Surface effects at the virtual tool are
-/// displayed to the operator unchanged.
+/// Result of one sample, W axes, torques about the tool's origin.
+///
+/// Virtual tool or series spring: `touch` has the wrench of the spring. Wrenches of surface effects
+/// on the virtual tool are displayed unchanged.
+/// Body: `touch` and `effects` act on the body, about its origin; `wrench` and stiffness are those
+/// of the grip.
 struct SceneFrame {
-  /// Pose of the dynamic object at which the contact was computed: the tool, which a spring or a
-  /// virtual tool may hold off the hand, or the body.
-  Pose object;
+  Pose object;                   ///< of body or tool at the contact; may differ from the hand
   ToolFrame tool;                ///< of a virtual tool; all zero without one
   contact::StageResult touch;    ///< contact only
   effects::EffectForce effects;  ///< effects only; all zero for a scene without effects
-  Wrench wrench;                 ///< for the hand: the sum of both, or the grip
+  Wrench wrench;                 ///< on the hand: the sum of both, or of the grip
   Mat6 stiffness = Mat6::Zero();
   double stiffness_bound_n_per_m = 0.0;
   /// Upper bound of the energy given to the operator since the start of the session [J]. Its
@@ -40,7 +38,7 @@ struct EffectResources {
   const effects::Proximity* proximity = nullptr;
   std::span<const effects::ToolPoint> tool_points = {};
   std::optional<effects::BodyShape> body =
-      {};  ///< of the dynamic object, for scenes with the effect of that name
+      {};  ///< mass properties of the dynamic object, for the effect `body`
   const ExactBodies* bodies = nullptr;  ///< with a virtual tool
   double virtual_tool_lever_m = 0.0;    ///< with a virtual tool, above 0
 };
@@ -48,28 +46,25 @@ struct EffectResources {
 /// Renders a scene. One thread at a time. `contact` and the referenced `resources` must outlive it.
 class SceneRenderer {
  public:
-  /// Range of the time steps for effects. A first sample, or one after a gap, has the step
-  /// `kDefaultStepS`.
+  /// Valid time steps. The first sample, or one with a step out of range, gets `kDefaultStepS`.
   static constexpr double kDefaultStepS = 0.001, kMinStepS = 1e-5, kLongestStepS = 0.05;
 
-  /// Throws std::invalid_argument if the shape of a body is missing.
+  /// Throws std::invalid_argument for invalid effects, or if the shape of a body is missing.
   SceneRenderer(ObjectContacts& contact, std::vector<effects::EffectSpec> effects,
                 const EffectResources& resources = {});
 
   /// Renders one sample; `time_s` counts from the start of the session. An invalid pose gives no
   /// force. Real-time safe.
   SceneFrame render(const ToolState& tool, double time_s) noexcept {
-    // Two functions, so that each constructs its frame in place: a single function with two returns
-    // would copy it.
+    // Separate functions construct the frame in place; one with two returns would copy it.
     if (constrained_)
       return render_constrained(tool, time_s);
     return body_ || series_.rigid() ? render_pushed(tool, time_s) : render_in_series(tool, time_s);
   }
-  /// Forgets all previous samples.
+  /// Clears all state of previous samples.
   void reset() noexcept;
-  /// Samples were missing for longer than the last one is repeated, so the hand may be anywhere. A
-  /// virtual tool is placed at the hand if that is in free space; otherwise it stays in place.
-  /// Real-time safe.
+  /// For a gap in the samples, after which the hand may be anywhere: places a virtual tool at the
+  /// hand if that is in free space; otherwise the tool stays in place. Real-time safe.
   void reset_virtual_tool() noexcept {
     if (constrained_)
       constrained_->lose_hand();
@@ -81,24 +76,23 @@ class SceneRenderer {
     if (constrained_)
       constrained_->set_target(n_per_m);
   }
-  /// Without a virtual tool: sets the spring in series with the contact, or with the grip of a
-  /// body, in W. Real-time safe. Position-dependent forces (guides, magnets, fields) act behind a
-  /// second spring if their stiffness would leave the contact less than half of the certified
-  /// stiffness. Their largest force is then displayed in full, at an additional displacement of the
-  /// hand.
+  /// Sets the spring in series with the contact (without a virtual tool) or a body's grip, in W.
+  /// `effects` is that of a second spring, for position-dependent forces (guides, magnets, fields)
+  /// that would leave the contact less than half of the certified stiffness. Their largest force is
+  /// still displayed, at an additional displacement of the hand. Real-time safe.
   void set_series_target(const Compliance& spring) noexcept {
     series_.set_target({spring.translation, spring.returns_torque() ? spring.rotation : 0.0});
     field_.set_target({spring.effects, 0.0});
   }
-  /// A body is gripped and rotated against its inertia.
+  /// Whether the dynamic object is a body, which the hand grips.
   bool grips_a_body() const noexcept { return body_.has_value(); }
-  /// Sets the wrench that the effect `external` follows from the next sample on. Real-time safe.
+  /// Sets the wrench for the effect `external` from the next sample on. Real-time safe.
   void external_is(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
   /// Takes over the virtual tool of `before`, if both scenes have one and its pose is free in this
   /// one. Real-time safe.
   void start_tool_from(const SceneRenderer& before, double time_s) noexcept;
 
-  /// The input of the effects for a sample `step_s` after the last one; refers to `contacts`.
+  /// Input of the effects for a sample `step_s` [s] after the last one; refers to `contacts`.
   /// Real-time safe.
   effects::EffectFrame effect_frame(
       const ToolState& object, double step_s, double time_s,

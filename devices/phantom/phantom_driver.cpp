@@ -13,11 +13,11 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// A tick is one call of the vendor's servo callback.
-constexpr int kErrorCheckPeriods = 2;  // without a tick for so long the library's errors are read
-constexpr int kStallPeriods = 5;       // without a tick for so long force output is turned off
-constexpr auto kFirstTick = 1s;        // longest wait for the first tick
-constexpr auto kLongSilence = 200ms;   // without a tick for so long `last_error` reports it
+// Times without a tick:
+constexpr int kErrorCheckPeriods = 2;  // after this, `read` polls the library's errors
+constexpr int kStallPeriods = 5;       // after this, force output is turned off
+constexpr auto kFirstTick = 1s;        // at the opening; after this, it fails
+constexpr auto kLongSilence = 200ms;   // after this, `last_error` reports it
 
 }  // namespace
 
@@ -85,8 +85,8 @@ devices::DeviceResult<devices::DeviceSample> PhantomDriver::read(
   return sample_.sample;
 }
 
-/// Real time: waits for a sample of the servo thread. An overdue tick may never occur. The errors
-/// of the library state the reason, and no other thread reads them.
+/// Real time: waits for a sample of the servo thread. While a tick is overdue, reads the library's
+/// errors, since the servo thread, which otherwise does, may have stopped.
 bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   const Clock::time_point deadline = Clock::now() + timeout;
   for (;;) {
@@ -99,7 +99,7 @@ bool PhantomDriver::wait_for_tick(std::chrono::microseconds timeout) noexcept {
   }
 }
 
-/// Virtual time: makes at least one tick, and as many as fit into `timeout` until one has a sample.
+/// Virtual time: makes ticks until one has a sample; as many as fit into `timeout`, at least one.
 bool PhantomDriver::make_ticks(std::chrono::microseconds timeout) noexcept {
   const auto most = std::max<std::int64_t>(1, std::chrono::nanoseconds(timeout) / period_);
   for (std::int64_t i = 0; i < most; ++i) {
@@ -149,7 +149,7 @@ void PhantomDriver::stop() noexcept {
     servo_->force_off();
 }
 
-/// Uses only values that any thread may read.
+/// Any thread: reads only atomic or constant values.
 std::string PhantomDriver::last_error() const {
   const HdErrorLog& last_error = servo_->errors();
   if (const hd::HDerror fatal = last_error.fatal(); fatal != hd::kSuccess) {

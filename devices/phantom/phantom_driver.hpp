@@ -1,5 +1,5 @@
 #pragma once
-/// Driver of a SensAble / 3D Systems Phantom (Premium, Desktop, Omni, Touch) with the vendor's
+/// Driver for a SensAble / 3D Systems Phantom (Premium, Desktop, Omni, Touch). It uses the vendor's
 /// HDAPI or the simulated library.
 #include <array>
 #include <atomic>
@@ -16,38 +16,34 @@
 
 namespace voxtouch::phantom {
 
-/// Owned by one thread. The vendor's servo thread produces the samples and takes the commands
-/// (PhantomServo); `read` waits for it, and neither thread waits for a lock of the other.
+/// One thread owns the driver. The vendor's servo thread calls PhantomServo once per period, which
+/// is a tick: it stores a sample and sets the force of the last command. `read` waits for a tick;
+/// neither thread waits for a lock of the other.
 ///
-/// A tick is one call of the driver's callback in the vendor's servo loop.
+/// Errors of `read`:
+///   kTimeout: no tick in time. After five periods, force output is off until the next command.
+///   kDisconnected: communication lost, or no tick for `silence_s`. Permanent: reopen the device.
+///   kFault: device fault, timer, scheduler or unknown error. Permanent: reopen the device.
+/// Errors of `write`, while samples continue:
+///   kNotFinite, kLimit: see check_command.
+///   kRecoverable: force dropped: motors too warm, moved too fast, force or its change too large.
+///   kProtocol: a refused call, an invalid pose in the sample, or no sample yet.
+/// After an error no command gives force until a `write` has reported it. The next one is accepted.
 ///
-/// Errors of `read`: kTimeout (no tick in time; without a tick for five periods force output is
-/// also turned off until the next command), kDisconnected (communication lost, or no tick for
-/// `silence_s`), kFault (device fault, timer, scheduler, an unknown error). The last two are
-/// permanent: open the device again. Errors that only cost force are returned by `write`, so that
-/// samples continue.
+/// A tick with an error or an invalid pose sets no force, so the motors are at zero within one
+/// period. If the servo loop has stopped, `read` detects an error after two periods and a stall
+/// after five, and turns force output off. Until then only the amplifier's watchdog can do so.
 ///
-/// Errors of `write`: kNotFinite, kLimit (check_command), kRecoverable (the device dropped its
-/// force: motors too warm, moved too fast, force or its change too large), kProtocol (a refused
-/// call, an invalid pose in the sample, or no sample yet). After an error no command gives force
-/// until a `write` has reported it; the following command is accepted.
+/// The orientation is that of the stylus including the gimbal, orthonormalised. The twist has the
+/// lag of TwistEstimate. ThermalClamp reduces the force while motors are warm.
 ///
-/// A tick with an error or an invalid pose sets no force, which the library treats as zero: the
-/// motors are at zero within one period. If the servo loop has stopped, no force can be set. `read`
-/// detects an error after two periods and a stall after five, and turns force output off. Until
-/// then the amplifier depends on its own watchdog.
-///
-/// The orientation is that of the stylus including the gimbal, orthonormalised. The twist is
-/// computed by the driver and has the lag of TwistEstimate. Force is limited further while motors
-/// are warm (ThermalClamp).
-///
-/// Time: from the first sample, by the monotonic clock. In virtual time, which only the simulated
-/// library supports, `read` makes the ticks and `simulated()` is true. The first command acts in
-/// the second tick, as in reality, and equal calls give bit-identical results.
+/// Time is that of the monotonic clock since the first sample. In virtual time, which only the
+/// simulated library supports, `read` makes the ticks and `simulated()` is true. The first command
+/// acts in the second tick, as in real time, and equal calls give bit-identical results.
 class PhantomDriver : public devices::Driver {
  public:
-  /// Throws DeviceOpenError for library, device, calibration or servo loop, with a remedy. While
-  /// the encoders of a device are set to zero, all its links must be held at right angles.
+  /// Throws DeviceOpenError, with a remedy, if library, device, calibration or servo loop fails. If
+  /// it sets encoders to zero (EncoderReset), all links must be held at right angles.
   explicit PhantomDriver(const PhantomOptions& options);
   /// Sets zero force, stops the servo loop, removes the callback and disables the device.
   ~PhantomDriver() override;
@@ -60,16 +56,15 @@ class PhantomDriver : public devices::Driver {
   bool simulated() const noexcept override { return virtual_time_; }
   std::string last_error() const override;
   std::string_view serial() const noexcept override { return session_->facts().serial; }
-  /// For a Premium 1.5 with a gimbal that reports its angles. Its joints are computed from tip and
-  /// stylus: reading them would be an additional call in each tick, and a refused call would cost
-  /// force.
+  /// For a Premium 1.5 with a gimbal that reports its angles. The pose gives the joints: to read
+  /// them would need another call in each tick, and a refused call drops the force.
   const arm::ArmDescription* arm_description() const noexcept override {
     return is_known_arm_ ? &phantom_description() : nullptr;
   }
   std::span<const double> joints() const noexcept override { return joints_; }
 
-  /// For the owning thread: counts of ticks and errors, the last sample with the thermal force
-  /// limit, and the properties of the device. Real-time safe.
+  /// For the owning thread: counts and errors, the last sample with its thermal force limit, and
+  /// the properties of the device. Real-time safe.
   const PhantomServo& servo() const noexcept { return *servo_; }
   const ServoSample& sample() const noexcept { return sample_; }
   const PhantomFacts& facts() const noexcept { return session_->facts(); }

@@ -99,8 +99,8 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
   if (!driver_.simulated()) {
     count_skipped(sample->time_ns);
     deadline_ns_ =
-        runtime::monotonic_ns() - period_ns_ / 4;  // the device's clock sets the pace: the command
-                                                   // is due ahead of its next sample
+        runtime::monotonic_ns() - period_ns_ / 4;  // the command is due 3/4 of a period after the
+                                                   // read, ahead of the device's next sample
   }
   if (!publish(*sample, stop))
     return stop.load(kRelaxed)                  ? End::kStopped
@@ -159,7 +159,7 @@ Vec3 DeviceLoop::next_tones(const devices::DeviceSample& sample) noexcept {
   return tones;
 }
 
-/// Without force the operator alone moves the device, so nothing can be measured.
+/// Passes the force of the device [N] to the start check, which restarts if the guard gives none.
 void DeviceLoop::note_tones(const Vec3& given_n) noexcept {
   identification::StartCheck& check = progress_.start_check;
   if (guard_.fraction() > 0.0)
@@ -168,8 +168,8 @@ void DeviceLoop::note_tones(const Vec3& given_n) noexcept {
     check.restart();
 }
 
-/// The session ends only if the device has disconnected or requires the operator. Any other error
-/// sets the force to zero and then ramps it in again.
+/// Ends the loop if the device has disconnected or requires the operator. After any other error the
+/// force is zero and then ramps in again.
 End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
   progress_.last_error.store(error, kRelaxed);
   if (accepts_force_)
@@ -178,7 +178,7 @@ End DeviceLoop::on_device_error(devices::DeviceError error) noexcept {
     return End::kDeviceGone;
   if (error == devices::DeviceError::kFault)
     return End::kDeviceFault;
-  // The guard passes no command that a driver refuses, so one of the two is faulty.
+  // The guard passes no such command, so guard or driver is faulty.
   if (error == devices::DeviceError::kNotFinite || error == devices::DeviceError::kLimit)
     progress_.latch.latch("the driver refused a command that the force guard accepted");
   stop_force();
@@ -207,8 +207,8 @@ void DeviceLoop::note_loss() noexcept {
   counters.note(DeviceCounter::kLongestLoss, static_cast<double>(loss_.longest_ns()) * 1e-9);
 }
 
-/// Whether this process was suspended. The last force of a simulated device must not continue after
-/// that.
+/// Whether this process was suspended for longer than hold and fade. The caller then stops the
+/// force, since the clock of a simulated device stops with the process.
 bool DeviceLoop::has_stalled() noexcept {
   if (settings_.lockstep)
     return false;
@@ -252,7 +252,7 @@ std::optional<devices::GuardInput> DeviceLoop::take_commands() noexcept {
   msg::ForceCommand command;
   dds_instance_handle_t writer = 0;
   for (int i = 0; i < commands_.kMaxTakes && commands_.take(command, &writer); ++i) {
-    // The gate has a second safeguard: it releases a writer only if that writer is not followed.
+    // The gate keeps its writer only while the reader follows it.
     if (gate_.writer() && *gate_.writer() != commands_.writer())
       gate_.release_writer();
     const devices::GateVerdict verdict =
@@ -307,11 +307,11 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   return newest;
 }
 
-/// Counts samples that were not fetched, by the stamps of a device with its own clock.
+/// Counts samples that were not read, from the time stamps of a real device.
 void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
   const std::int64_t last = std::exchange(last_sample_ns_, sample_ns);
   if (sequence_ == 0 || !accepts_force_)
-    return;  // a device that is getting ready may pause
+    return;  // a device that does not accept force yet may pause
   const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
   if (periods > 1)
     progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(periods - 1));
@@ -323,8 +323,8 @@ void DeviceLoop::next_period() noexcept {
   progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(next.skipped));
 }
 
-/// Records a fault if the guard had to change the command. Errors of the device are recorded
-/// separately.
+/// Stores this sample, and records a fault if the guard refused, clipped or faded commands. Errors
+/// of the device are recorded in `on_device_error`.
 void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before) noexcept {
   seen_.given = msg::ForceCommand{};
   seen_.given.session_id = settings_.session_id;
@@ -346,9 +346,8 @@ void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before)
     faults_.keep_too("a fault reported by the coupling");
 }
 
-/// A single command above the limit is clipped and counted. If more than a tenth of a second's
-/// commands are clipped, the operator receives the limit instead of the contact force, so the force
-/// is locked.
+/// Sets the fault latch if over 10 % of the commands of about one second are clipped: the device
+/// then displays its limit instead of the contact force. Single ones are only counted.
 void DeviceLoop::lock_where_cut(bool cut) noexcept {
   const double second = 1e9 / static_cast<double>(period_ns_);
   cut_samples_ += (cut ? 1.0 : 0.0) - cut_samples_ / second;

@@ -19,13 +19,12 @@
 namespace voxtouch::rendering_node {
 namespace {
 
-/// Node step of the rendering: answers each device sample with a contact state.
+/// Answers each device sample with a contact state.
 ///
-/// NodeHost::run calls, in its loop: `listen` between samples, `step` for a sample, `wrote` after
-/// its answer was sent, `idle` without a sample. `report` runs in the monitor's thread. Scene and
-/// effect changes are prepared by the update server and applied between two samples.
-/// The cycle time is that of a frame, of the changes in the queue and of the counters. In lockstep
-/// the step also waits for the update server; these waits end on a stop.
+/// NodeHost::run calls all methods in its loop (see runtime::Step), except `report`, which runs in
+/// the monitor's thread. The update server prepares changes of scene and effects in its own thread;
+/// the loop applies them between two samples. In lockstep it also waits for the server, until a
+/// stop.
 class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactState> {
  public:
   RenderingNode(const Options& options, const scene::Scene& scene,
@@ -54,7 +53,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   int run(const std::atomic<bool>& stop) { return host_.run(*this, states_, contacts_, stop); }
 
  private:
-  /// Passes the description of a new device to the update server, which validates the scene for it.
+  /// Begins the session of a new device, and passes its description to the update server, which
+  /// validates the scene for it.
   void listen() override {
     device_.take([this](const DeviceDescription& device, std::uint64_t session) {
       described_ = DescribedDevice{session, coupling::design::model_of(device)};
@@ -67,7 +67,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
     described_.reset();
   }
 
-  /// The update server reports the session as ready once readers have the plan.
+  /// Starts the session in the loop. The update server reports it as ready once its plan is
+  /// published and the scene is validated.
   void begin_session(std::uint64_t session) {
     renderer_.begin_session();
     change_queue_.begin_session(session);
@@ -76,8 +77,8 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       external_->begin_session(session);
   }
 
-  /// Samples are refused until the scene is validated for the device. Spring and coupling do not
-  /// exist before that, so no force is omitted.
+  /// Samples are answered once the scene is validated for the device, which also sets the stiffness
+  /// of the spring.
   bool ready() const noexcept override {
     return updates_.published().is_validated(host_.session_in_loop());
   }
@@ -106,15 +107,16 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
       external_->count_energy(frame.effects.energy_generated_j);
   }
 
-  /// Ends a fade after half a second without samples; no force is displayed then.
+  /// Applies changes without a sample. Ends a fade between scenes after half a second without
+  /// samples, since no force is displayed then.
   void idle(std::int64_t since_ns) noexcept override {
     apply_changes(host_.next_sample(), false);
     if (!host_.options().lockstep && renderer_.live().fading() && since_ns > 500'000'000)
       renderer_.live().finish();
   }
 
-  /// Applies due changes between two samples. In lockstep it waits for what sample `next` needs:
-  /// the plan of a change, which readers must receive first, or a scene that is being built.
+  /// Applies due changes before sample `next`. In lockstep it first waits for a scene that is being
+  /// built for this sample, and then until the plan of each applied change is published.
   void apply_changes(std::uint64_t next, bool at_sample) noexcept {
     const bool lockstep = host_.options().lockstep;
     if (lockstep && at_sample)
@@ -172,13 +174,13 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
   RosOutputs ros_;
   SceneUpdateServer updates_;
   runtime::ParticipantCounts change_requests_;
-  std::optional<DescribedDevice> described_;  ///< received, its session has not begun
+  std::optional<DescribedDevice> described_;  ///< received, not yet passed to the update server
   FrameCounters counters_;
 };
 
 std::unique_ptr<rendering::BuiltScene> build(const scene::Scene& scene,
                                              const std::atomic<bool>& stop) {
-  const runtime::AtOrdinaryPriority ordinary_priority;  // no sample waits yet
+  const runtime::AtOrdinaryPriority ordinary_priority;  // the loop has not begun
   const auto check_stop = [&stop] {
     if (stop.load())
       throw std::runtime_error("stopped before the scene was built");

@@ -29,7 +29,6 @@ class SampleRenderer {
   msg::ContactState answer(const msg::DeviceState& state) noexcept;
 
   rendering::LiveScene& live() noexcept { return live_; }
-  /// Of the last answer.
   const rendering::SceneFrame& frame() const noexcept { return frame_; }  ///< of the last answer
   const rendering::ToolState& tool() const noexcept { return mapping_.tool(); }
 
