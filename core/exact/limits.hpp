@@ -69,9 +69,6 @@ inline constexpr double kCorrection = 1.2;
 /// Largest displacement by which a row pushes the tool out in a step [m]; above a missing margin.
 inline constexpr double kMaxPushOutM = 1e-6;
 
-/// Rotations that bend a row by less than this are solved once [m].
-inline constexpr double kBendM = 1e-8;
-
 /// Expected reach of a step: kReachRatio times the longest step of the last frame, limited to
 /// kMinReachM to kMaxReachM [m]. Within a frame it doubles if a step attains 0.9 of it.
 inline constexpr double kReachRatio = 1.5;

@@ -148,9 +148,9 @@ std::string to_text(const RunSummary& s) {
   if (const std::string_view means = coupling::design::sentence_of(design); !means.empty())
     text += fmt::format("  coupling    {}\n", means);
   if (!s.bag.empty())
-    text += fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
-                        count(s.reports, "logger", "written"),
-                        count(s.reports, "logger", "dropped"));
+    text +=
+        fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
+                    count(s.reports, "logger", "written"), count(s.reports, "logger", "dropped"));
   for (const std::string& note : notes_of(s, s.verdict))
     text += "  NOTE        " + note + "\n";
   return text;
