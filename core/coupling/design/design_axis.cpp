@@ -37,7 +37,7 @@ double noise_limit(const DesignProblem& request, bool rotation) {
 
 AxisProblem problem(const DesignProblem& request, bool rotation) {
   AxisProblem out;
-  out.units = rotation ? &kRotationUnits : &kTranslationUnits;
+  out.axis = rotation ? 1 : 0;
   out.model = rotation ? request.device.rotation : request.device.translation;
   out.timing = request.device.timing;
   out.hand = rotation ? request.hand.rotation : request.hand.translation;
@@ -135,7 +135,7 @@ double arm_squared(const DesignProblem& request) {
 
 LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem,
                              double arm_squared_m2) {
-  const bool rotation = problem.units == &kRotationUnits;
+  const bool rotation = problem.axis == 1;
   LoopController law;
   law.law = spec.kind == "direct"          ? Law::kDirect
             : spec.kind == "spring_damper" ? Law::kSpringDamper

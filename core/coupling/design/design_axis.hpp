@@ -23,7 +23,7 @@ inline const AxisDesign& axis_of(const Design& design, std::size_t axis) noexcep
 inline constexpr double kLargeSwing = 0.75;
 
 struct AxisProblem {
-  const AxisUnits* units = &kTranslationUnits;
+  std::size_t axis = 0;  ///< 0: translation, 1: rotation
   AxisModel model;
   LoopTiming timing;
   HandRange hand;

@@ -77,8 +77,8 @@ struct AxisDesign {
   double displayed_stiffness = 0.0;   ///< K k certified with the margin; <= requested
   double critical_stiffness = 0.0;    ///< K k at which the worst case becomes unstable
   double gain_margin = 0.0;           ///< critical / displayed
-  LoopPlant worst_case;               ///< case of the critical stiffness
-  std::string worst_case_text;        ///< "released, 0.2 kg", for messages
+  LoopCase worst_case;                ///< case of the critical stiffness
+  bool any_passive_hand = false;      ///< certified for any passive hand instead of a list of cases
   /// Rule P holds (spring-damper: the discrete Llewellyn condition): stable with any passive hand,
   /// not only with the given range.
   bool passive = false;
@@ -88,15 +88,17 @@ struct AxisDesign {
       0.0;  ///< peak-to-peak limit cycle from quantisation [m] or [rad]; 0: friction removes it
   double damping_required =
       0.0;  ///< device damping with which the goal would be passive, margin included
-  double damping_required_any_cutoff = 0.0;  ///< the same with the highest allowed cut-off
 };
 
-/// The smallest damping ratio of the dominant mode (`slowest_damping_ratio`) over the cases of a
-/// design, both kinds of motion and both timings.
+/// A damping ratio of the dominant mode (`slowest_damping_ratio`) and its case.
+struct LeastDamping {
+  double ratio = 1.0;    ///< 1: no case
+  std::size_t axis = 0;  ///< 0: translation, 1: rotation
+  LoopCase where;
+};
+/// The smallest over the cases of a design, both kinds of motion and both timings.
 struct DominantMode {
-  double released = 1.0, gripped = 1.0;  ///< 1 without cases of that kind
-  std::string released_where,
-      gripped_where;  ///< "Translation: gripped (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for messages
+  LeastDamping released, gripped;
 };
 
 /// Result for the minimum damping ratios of the goals.
@@ -109,8 +111,39 @@ struct MinDampingResult {
              0.0;  ///< loss of displayed stiffness; negative if it is larger with the minimum
   /// The worst case that stays below its minimum in the softest useful contact with any injected
   /// damping. No coupling of that kind reaches the minimum, so it is dropped for all hands, or for
-  /// all released devices. Empty if there is no such case.
-  std::string out_of_reach;
+  /// all released devices.
+  LeastDamping out_of_reach;
+};
+
+/// What limits a design, or why given parameters are not certified. The comments name `values` of
+/// DesignReason; the Design has the others.
+enum class DesignLimit : std::uint8_t {
+  kNoStableStiffness,
+  kEncoderStep,  ///< step, limit of its effort, dry friction
+  kPassiveHand,
+  kMinDampingRatio,
+  kStability,
+  kDeviceStiffness,    ///< of the device, of all contact points
+  kInjectedDamping,    ///< stable stiffness without and with its bound; 0: the bound costs nothing
+  kFilterLag,          ///< requested cut-off [Hz], stiffness that it allows on each axis
+  kMinDampingCost,     ///< stiffness that the minimum damping ratios cost on each axis; 0: none
+  kMinDampingDropped,  ///< requested minimum, released and gripped
+  kWithoutFilter,      ///< displayed over requested stiffness without and with filter
+  kDampingForceRatio,  ///< ratio, default; displayed over requested: default, ratio, no bound
+  kNoDampingForceRatio,  ///< ratio, displayed over requested with it and without bound; largest
+                         ///< ratio and the same with it, 0: one ratio only
+  kGainMargin,           ///< required margin
+  kSlowestMode,          ///< spectral radius
+  kDisplayedStiffness,   ///< limit of the device
+  kDampingPassiveHand,
+  kDampingLimit,  ///< largest injected damping
+  kSlowVelocity,  ///< ratio of the margin to keep
+};
+struct DesignReason {
+  DesignLimit what{};
+  std::size_t axis = 0;  ///< 0: translation, 1: rotation
+  std::array<double, 5> values{};
+  bool operator==(const DesignReason&) const = default;
 };
 
 /// A finished design.
@@ -129,17 +162,8 @@ struct Design {
   /// Fastest approach that stays within the force layer, stopped by a single point. A hand that
   /// keeps pushing uses force / (K k) of the depth in addition. 0: not computed.
   double max_approach_m_per_s = 0.0;
-  std::vector<std::string> reasons;  ///< limiting factors, one sentence each
+  std::vector<DesignReason> reasons;  ///< limiting factors
 };
-
-/// For messages: "a filter of 100 Hz", "a window of 12 samples".
-std::string describe(const VelocityEstimate& velocity);
-/// Bound of the injected damping of `spec`, for messages: "adds at most 0.35 of what contact and
-/// effects give, and 0.05 N". Empty without a bound.
-std::string describe_bound(const CouplingSpec& spec);
-/// For messages: "acts on the velocity of a filter of 16 Hz within 5.4 mm/s, which may be the
-/// encoder's steps". Empty without a slow velocity.
-std::string describe_slow_velocity(const CouplingSpec& spec);
 
 /// Designs a coupling. Takes 0.04 to 0.25 s of processor time for the shipped devices and up to
 /// half a second with long delays; not for the loop. Equal requests give bit-identical results.

@@ -59,6 +59,13 @@ struct LoopPlant {
   bool operator==(const LoopPlant&) const = default;
 };
 
+/// A corner of the ranges of device, hand and timing.
+struct LoopCase {
+  LoopPlant plant;
+  bool gripped = false;  ///< false: the device is released
+  bool slow = false;     ///< slowest timing instead of the nominal one
+};
+
 /// Spectral radius of the closed loop with contact stiffness `contact_stiffness`; < 1 means stable.
 /// Takes 10 to 100 us, increasing with the delay. Throws std::invalid_argument if the numbers are
 /// too far apart for a matrix.

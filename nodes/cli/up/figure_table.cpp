@@ -54,11 +54,10 @@ class Rows {
 void add_latency(Rows& rows, const RunRecord& run) {
   for (const char* quantile : {"p50", "p99", "max"}) {
     const std::string figure = fmt::format("latency_{}_us", quantile);
-    rows.add(fmt::format("latency {}", quantile),
-             run.mode == "lockstep"
-                 ? "-"
-                 : fmt::format("{:.0f}", number(run.reports, "device", figure)),
-             "us");
+    rows.add(
+        fmt::format("latency {}", quantile),
+        run.mode == "lockstep" ? "-" : fmt::format("{:.0f}", number(run.reports, "device", figure)),
+        "us");
   }
 }
 
