@@ -1,6 +1,5 @@
 #pragma once
-/// Designs the virtual coupling for a device, a hand and a contact, with margins. If a goal is not
-/// met, it reports which changes would meet it.
+/// Designs the virtual coupling for a device, a hand and a contact, with margins.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -14,9 +13,8 @@
 
 namespace voxtouch::coupling::design {
 
-/// Ratios of the contact force that injected damping may add, in the order of trial; each is two to
-/// four times the previous. A larger ratio makes a touch begin harder. With the last ratio, a touch
-/// behind a filter still takes four milliseconds to become as hard as without a bound.
+/// Ratios of the contact force that injected damping may add, in the order of trial. A larger ratio
+/// makes a touch begin harder.
 inline constexpr std::array kDampingForceRatios{kDefaultDampingForceRatio, 0.7, 2.0, 6.0, 24.0};
 
 /// The requested properties of a design. The designer reduces them as little as possible.
@@ -28,18 +26,12 @@ struct DesignGoals {
   std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;     ///< w0 / (2 pi), as in the paper
   double max_cutoff_hz = 200.0;
-  double gain_margin = 2.0;                   ///< >= 1
-  double useful_stiffness_n_per_m = 50.0;     ///< below it the result is infeasible
-  double useful_stiffness_nm_per_rad = 0.05;  ///< the same for rotation
-  /// Noise of the injected damping at the hand [N]; 0: the larger of 0.05 N and 0.5 % of the
-  /// device's force.
-  double max_injected_damping_effort = 0.0;
+  double gain_margin = 2.0;  ///< >= 1
   double force_layer_depth_m =
       0.0;  ///< depth over which the contact force rises, for the approach speed; 0: not computed
   /// Of translation; stiffness is reduced for them, down to the useful minimum.
   MinDampingRatios min_damping;
-  MinDampingRatios rotation_min_damping{
-      0.0, 0.0};  ///< default: none, since the damping for it is displayed as a torque
+  MinDampingRatios rotation_min_damping{0.0, 0.0};  ///< its damping is displayed as a torque
   bool allow_injected_damping = true;
   bool velocity_windows = true;  ///< injected damping may also act on the velocity of a window
   std::optional<double>
@@ -66,7 +58,7 @@ enum class DesignStatus : std::uint8_t {
   kStiffnessReduced,
   kInfeasible
 };
-/// "as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced", "infeasible".
+/// For example "as_requested".
 std::string_view name_of(DesignStatus status) noexcept;
 
 /// Design of one kind of motion, translation or rotation.
@@ -109,9 +101,8 @@ struct MinDampingResult {
   double cost_n_per_m = 0.0,
          cost_nm_per_rad =
              0.0;  ///< loss of displayed stiffness; negative if it is larger with the minimum
-  /// The worst case that stays below its minimum in the softest useful contact with any injected
-  /// damping. No coupling of that kind reaches the minimum, so it is dropped for all hands, or for
-  /// all released devices.
+  /// The worst case that no injected damping brings to its minimum in the softest useful contact;
+  /// see `set_min_damping`.
   LeastDamping out_of_reach;
 };
 

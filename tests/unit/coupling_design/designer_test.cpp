@@ -155,7 +155,7 @@ TEST(Design, InjectsNoMoreThanTheInnerLoopAndTheNoiseAllow) {
     ++damped;
     EXPECT_TRUE(r.goals.allow_injected_damping);
     for (const LoopPlant& plant : finer_cases(axis_problems(r)[0], random, 30))
-      ASSERT_LE(b, 0.501 * critical_damping(plant, w, velocity.window)) << i;
+      ASSERT_LE(b, 0.501 * inner_limit(plant, w, velocity.window).damping) << i;
     // One step of the encoder, through the filter, at once; or the possible sum of steps in a
     // window.
     const double period = r.device.timing.period_s;
