@@ -11,10 +11,9 @@ namespace voxtouch::coupling {
 
 /// The three coupling laws; direct.hpp, shaping_filter.hpp and spring_damper.hpp.
 enum class CouplingKind : std::uint8_t { kDirect = 0, kShapingFilter = 1, kSpringDamper = 2 };
-/// Converts to "direct", "shaping_filter" or "spring_damper".
+/// "direct", "shaping_filter" or "spring_damper". `parse_coupling` leaves `kind` unchanged and
+/// returns false for another name. Real-time safe.
 std::string_view name_of(CouplingKind kind) noexcept;
-/// Parses the name of a kind. Returns false, with `kind` unchanged, for an unknown name. Real-time
-/// safe.
 bool parse_coupling(std::string_view word, CouplingKind& kind) noexcept;
 
 /// Input of one sample: the contact at the pose of the device.

@@ -2,25 +2,18 @@
 /// Passivity observer in the time domain (Hannaford and Ryu 2002), with separate accounts along the
 /// contact. It observes only and changes no force.
 ///
-/// Observer. A force held over a period does exactly the work force . displacement. The energy that
-/// the operator has put into the coupling, whatever happened between samples, is
+/// A force held over a period does exactly the work force . displacement. The energy that the
+/// operator has put into the coupling is
 ///
 ///     E[n] = E[n-1] - f[n-1] . (x[n] - x[n-1])
 ///
-/// with f the commanded force. E < 0 means that the coupling has given more energy than it
-/// received. The device's own damping is unknown here and not counted, so the k T/2 of every
-/// sampled spring appears as a small debt.
+/// with f the commanded force. E < 0: the coupling has given more than it received. The device's
+/// own damping is not counted, so the k T/2 of every sampled spring appears as a small debt.
 ///
-/// Accounts. There is one account for the force along the contact normal, one for the force across
-/// it (tangential) and one for rotation. The first two sum to the translation. Accounts along the
-/// axes of W would be misleading. A tool that slides once around a frictionless cylinder of radius
-/// R under the force F moves
-///
-///     F R/2 sin^2
-///
-/// from one axis to the other, 20 mJ for 2 N and 20 mm. Along the contact normal no energy is
-/// exchanged. A single account would also be misleading: drag across the contact would earn a
-/// credit that hides an oscillation along it.
+/// Accounts: the force along the contact normal, the force across it (tangential), and rotation.
+/// A slide around a frictionless cylinder would move energy between accounts along the axes of W.
+/// In a single account, drag across the contact would earn a credit that hides an oscillation along
+/// it.
 ///
 /// Once a contact has ended for kContactEndS its credit is cleared, so that it cannot hide a later
 /// instability. A debt is kept for kDebtS, so that bounces with growing energy add up.
@@ -29,7 +22,7 @@
 /// period. A stable contact that is pressed and released owes a few W, because a held force is
 /// late. A voxel of edge e gives and takes back up to F e. Sliding over voxels gives at most
 ///
-///     s F L,   s = kSlidingRatio e / R
+///     s F L,   s = 0.15 e / R
 ///
 /// on a path L under the mean force F, for a ball of radius R under `original` and `adapted`, and
 /// less under `field` (deploy/pictures/stability_map.png). A debt is therefore only a figure of the
@@ -48,16 +41,12 @@ inline constexpr double kContactEndS = 0.005, kRestForceRatio = 1e-3;
 /// A debt is cleared when the tool has been in free space for this long [s].
 inline constexpr double kDebtS = 1.0;
 
-/// Largest energy gain from sliding over voxels, relative to force and path, times the contact
-/// radius in voxels.
-inline constexpr double kSlidingRatio = 0.15;
-
 /// Largest debt of a stable contact's account [J], by the bounds above: 5 W, plus F e for a voxel
 /// of edge e. `path_m`: longest displacement of one period [m].
 constexpr double energy_bound_j(double force_n, double path_m, double voxel_m) noexcept {
   return 5.0 * force_n * path_m + force_n * voxel_m;
 }
-/// The same for the rotation account, whose points are subject to the same voxels.
+/// The same for the rotation account.
 constexpr double energy_bound_rotation_j(double torque_nm, double rotation_rad, double force_n,
                                          double voxel_m) noexcept {
   return 5.0 * torque_nm * rotation_rad + force_n * voxel_m;
@@ -69,7 +58,7 @@ struct EnergyAccounts {
   double translation_j() const noexcept { return normal_j + tangential_j; }
 };
 
-/// The passivity observer and its accounts. Real-time safe.
+/// Real-time safe.
 class Passivity {
  public:
   /// Adds the work of the last command over `step`, and closes the accounts of a contact that has

@@ -4,9 +4,8 @@
 ///   contact -> input policy -> scale -> clamp -> law -> + injected damping -> never pulling ->
 ///   limits -> command
 ///
-/// The law is one of the three couplings. The passivity observer only observes. If the force grows
-/// over three cycles without work of the operator (swing_watch.hpp), the command fades to zero
-/// over kFadeOutS and stays zero until `reset`.
+/// If the force grows over three cycles without work of the operator (swing_watch.hpp), the command
+/// fades to zero over kFadeOutS and stays zero until `reset`.
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -70,14 +69,11 @@ class RunningCoupling {
                   double ramp_s = kDefaultRampS, const ToolSpeedLimits& speeds = {});
 
   /// Computes the command of one sample. `dt_s`: measured time since the last sample [s].
-  /// A period outside [T/5, 5T] or not finite is replaced by the nominal one and counted. A gap of
-  /// more than 10 T restarts at the last force and fades the new input in. A non-finite input is
-  /// replaced by the last valid one and counted. Without contact no damping is added to the law's
-  /// force; if the law's force is zero too, the command is zero.
+  /// Invalid periods and inputs and gaps: InputPolicy. Without contact no damping is added to the
+  /// law's force; if the law's force is zero too, the command is zero.
   CouplingOutput step(const CouplingInput& input, double dt_s) noexcept;
   /// Restarts from rest at the force `start`, clamped to the limits, and fades from it to the
-  /// contact without a jump. A zero `start` follows InputPolicy::restart. Velocity and energy are
-  /// cleared too. Use it for a new session, a clutch or an intended jump of the pose.
+  /// contact without a jump; for a new session, a clutch or an intended jump of the pose.
   void reset(const Wrench& start) noexcept;
 
   /// Changes the parameters at run time, also in contact, without a jump.

@@ -26,8 +26,8 @@ struct Swing {
   std::uint64_t swings = 0;  ///< number of swings begun
 };
 
-/// Detects swings from cycles between outermost points along the contact force; two opposite walls
-/// share one axis. Real-time safe.
+/// Detects swings from cycles between outermost points along the contact force, on one axis for two
+/// opposite walls. Real-time safe.
 ///
 /// Over a cycle the operator has put in the energy
 ///
@@ -87,7 +87,6 @@ class SwingWatch {
   /// Resets everything except the largest swing.
   void restart() noexcept { grown_ = 0, clear(); }
 
-  bool swinging() const noexcept { return swinging_; }
   /// Whether the force grows by self-excitation; remains true.
   bool growing() const noexcept { return grown_ >= kGrowingCycles; }
   const Swing& largest() const noexcept { return largest_; }

@@ -36,9 +36,9 @@ const FittedCoupling& DeviceCompatibility::fitted_for(const scene::Scene& scene,
   return next_->coupling;
 }
 
-std::string DeviceCompatibility::judged(const FittedCoupling& fitted, const scene::Scene& scene,
-                                        const rendering::StiffnessBounds& bounds,
-                                        const SceneRequirements& demand) const {
+Refusal DeviceCompatibility::judged(const FittedCoupling& fitted, const scene::Scene& scene,
+                                    const rendering::StiffnessBounds& bounds,
+                                    const SceneRequirements& demand) const {
   return judge_again(fitted, scene, *device_, bounds.translation.one_point, demand);
 }
 
@@ -57,28 +57,26 @@ void DeviceCompatibility::runs(const scene::Scene& scene,
                                                 bounds);
 }
 
-std::string DeviceCompatibility::check(const scene::Scene& scene,
-                                       const rendering::StiffnessBounds& contact_alone,
-                                       std::span<const effects::EffectReach> effects) {
+Refusal DeviceCompatibility::check(const scene::Scene& scene,
+                                   const rendering::StiffnessBounds& contact_alone,
+                                   std::span<const effects::EffectReach> effects) {
   if (!device_)
     return {};
   const std::vector<effects::EffectSpec> ends = ends_of(effects);
   const rendering::StiffnessBounds bounds = rendering::with_effects(contact_alone, ends);
   const FittedCoupling& next = fitted_for(scene, bounds);
   const SceneRequirements end = demand_of(scene, effects::at_rest(ends));
-  std::string why = judged(next, scene, bounds, end);
+  Refusal why = judged(next, scene, bounds, end);
   if (!refusal_.empty())
-    return no_more_than(end, displayed_) ? std::string() : why;
+    return no_more_than(end, displayed_) ? Refusal() : why;
   if (!why.empty())
     return why;
   const SceneRequirements on_path = larger_of(displayed_, demand_of(scene, effects));
   why = judged(next, scene, bounds, on_path);
   if (why.empty())
     why = judged(running_->coupling, scene, running_->bounds, on_path);
-  return why.empty() ? why
-                     : why +
-                           " (This is during the transition from the current value; repeat the "
-                           "request after 0.3 s.)";
+  why.in_transition = true;
+  return why;
 }
 
 }  // namespace voxtouch::device_fit

@@ -2,7 +2,6 @@
 /// The certificate of a running scene on a device, and the check of each change.
 #include <optional>
 #include <span>
-#include <string>
 
 #include "core/device_fit/fit_coupling.hpp"
 
@@ -21,7 +20,7 @@ class DeviceCompatibility {
   void runs(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
             const rendering::StiffnessBounds& bounds, const SceneRequirements& displayed);
   /// The reason if the running scene must not be displayed; empty if it may, or without a device.
-  const std::string& refusal() const noexcept { return refusal_; }
+  const Refusal& refusal() const noexcept { return refusal_; }
 
   /// Spring of a virtual tool in W with the running coupling [N/m]; 0 without a device.
   double spring_n_per_m() const noexcept { return spring_n_per_m_; }
@@ -32,8 +31,8 @@ class DeviceCompatibility {
   /// the end state and all states on the path to it, with the running coupling and with the one
   /// that will be fitted. If no force is commanded, a change with smaller requirements is accepted.
   /// Without a device all changes are accepted; `runs` checks later.
-  std::string check(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
-                    std::span<const effects::EffectReach> effects);
+  Refusal check(const scene::Scene& scene, const rendering::StiffnessBounds& contact_alone,
+                std::span<const effects::EffectReach> effects);
 
   /// Period of the device's samples [s]; 1 ms without a device.
   double period_s() const noexcept { return device_ ? device_->timing.period_s : 1e-3; }
@@ -41,9 +40,8 @@ class DeviceCompatibility {
  private:
   const FittedCoupling& fitted_for(const scene::Scene& scene,
                                    const rendering::StiffnessBounds& bounds);
-  std::string judged(const FittedCoupling& fitted, const scene::Scene& scene,
-                     const rendering::StiffnessBounds& bounds,
-                     const SceneRequirements& demand) const;
+  Refusal judged(const FittedCoupling& fitted, const scene::Scene& scene,
+                 const rendering::StiffnessBounds& bounds, const SceneRequirements& demand) const;
 
   struct Fit {
     rendering::StiffnessBounds bounds;
@@ -52,7 +50,7 @@ class DeviceCompatibility {
   std::optional<coupling::design::DeviceModel> device_;
   std::optional<Fit> running_, next_;
   SceneRequirements displayed_;
-  std::string refusal_;
+  Refusal refusal_;
   double spring_n_per_m_ = 0.0;
   rendering::Compliance series_;
 };

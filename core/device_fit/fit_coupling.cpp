@@ -5,24 +5,11 @@
 #include <limits>
 #include <stdexcept>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include "core/device_fit/design_problem.hpp"
 #include "core/device_fit/device_check.hpp"
 
 namespace voxtouch::device_fit {
 namespace {
-
-std::string refusal_of(const coupling::design::Design& design, const scene::Scene& scene,
-                       const coupling::design::DeviceModel& device) {
-  if (design.status != coupling::design::DesignStatus::kInfeasible || scene.design->run_infeasible)
-    return "";
-  return fmt::format(
-      "No stable coupling for {} with this scene: {} Set coupling.run_infeasible: true to run the "
-      "best found ({:.3g} N/m).",
-      device.name, fmt::join(design.reasons, " "), design.translation.displayed_stiffness);
-}
 
 constexpr double kFreeForEffects = 0.5;  ///< of a cap, at most
 
@@ -59,13 +46,15 @@ FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::D
     if (out.designed) {
       out.design = coupling::design::design_coupling(problem);
       out.spec = spec_W(out.design, scene);
-      out.impossible = refusal_of(out.design, scene, device);
+      if (out.design.status == coupling::design::DesignStatus::kInfeasible &&
+          !scene.design->run_infeasible)
+        out.impossible = {{}, device.name, out.design};
     } else {
       out.design = coupling::design::judge_coupling(problem, spec_D(scene.coupling, scene.device));
       out.spec = scene.coupling;
     }
   } catch (const std::invalid_argument& error) {
-    out.impossible = error.what();
+    out.impossible.error = error.what();
   }
   out.refusal = judge_again(out, scene, device, bounds.translation.one_point, demand);
   return out;
@@ -77,12 +66,12 @@ FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::D
   return fit_coupling(scene, device, {translation, rotation}, demand_of(scene));
 }
 
-std::string judge_again(const FittedCoupling& fitted, const scene::Scene& scene,
-                        const coupling::design::DeviceModel& device, double one_point_n_per_m,
-                        const SceneRequirements& demand) {
+Refusal judge_again(const FittedCoupling& fitted, const scene::Scene& scene,
+                    const coupling::design::DeviceModel& device, double one_point_n_per_m,
+                    const SceneRequirements& demand) {
   if (!fitted.impossible.empty())
     return fitted.impossible;
-  return force_not_displayed(scene, &fitted.spec, device, one_point_n_per_m, demand);
+  return {force_not_displayed(scene, &fitted.spec, device, one_point_n_per_m, demand)};
 }
 
 double spring_n_per_m(const FittedCoupling& fitted, const scene::Scene& scene,

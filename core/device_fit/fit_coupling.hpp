@@ -1,5 +1,6 @@
 #pragma once
 /// The coupling of a scene on a device: designed, or set by hand and checked.
+#include <optional>
 #include <string>
 
 #include "core/coupling/design/designer.hpp"
@@ -11,14 +12,22 @@
 
 namespace voxtouch::device_fit {
 
+/// Why a coupling must not run.
+struct Refusal {
+  std::string error;     ///< of device, scene or effects, with the remedy
+  std::string device{};  ///< of an infeasible design
+  std::optional<coupling::design::Design> infeasible{};
+  bool in_transition = false;  ///< only between the present and the requested values
+  bool empty() const noexcept { return error.empty() && !infeasible; }
+};
+
 struct FittedCoupling {
   coupling::CouplingSpec spec;  ///< the coupling to run, in W
   coupling::design::Design
-      design;              ///< at the hand: the design, or the evaluation of a coupling set by hand
-  bool designed = false;   ///< false: set by hand in the scene
-  std::string impossible;  ///< the reason if no coupling can run with any effects; else empty
-  std::string refusal;     ///< the reason and remedy if it must not run with the present effects;
-                           ///< else empty
+      design;             ///< at the hand: the design, or the evaluation of a coupling set by hand
+  bool designed = false;  ///< false: set by hand in the scene
+  Refusal impossible;     ///< not empty if no coupling can run with any effects
+  Refusal refusal;        ///< not empty if it must not run with the present effects
 };
 
 /// `bounds`: stiffness of the scene's contact and effects in W; `demand`: their other requirements.
@@ -34,9 +43,9 @@ FittedCoupling fit_coupling(const scene::Scene& scene, const coupling::design::D
 
 /// Repeats the check of a fitted coupling for other effects or a changed device, without a new fit.
 /// Takes microseconds.
-std::string judge_again(const FittedCoupling& fitted, const scene::Scene& scene,
-                        const coupling::design::DeviceModel& device, double one_point_n_per_m,
-                        const SceneRequirements& demand);
+Refusal judge_again(const FittedCoupling& fitted, const scene::Scene& scene,
+                    const coupling::design::DeviceModel& device, double one_point_n_per_m,
+                    const SceneRequirements& demand);
 
 /// Stiffness [N/m] in W of a virtual tool's spring with this coupling: the capped stiffness,
 /// limited to what the device can display, minus the stiffness of effects (up to half of the caps),

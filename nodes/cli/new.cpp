@@ -16,6 +16,7 @@
 #include "nodes/cli/new.hpp"
 #include "nodes/cli/verbs.hpp"
 #include "nodes/console/log.hpp"
+#include "nodes/design_text/design_text.hpp"
 #include "nodes/mesh_import/mesh_process.hpp"
 #include "nodes/scene_build/build_here.hpp"
 
@@ -140,7 +141,7 @@ std::vector<std::string> findings(const scene::Scene& scene,
   const device_fit::FittedCoupling fitted =
       device_fit::fit_coupling(scene, device, bounds.translation, bounds.rotation);
   if (!fitted.refusal.empty())
-    sentences.push_back("Correct by hand: " + fitted.refusal);
+    sentences.push_back("Correct by hand: " + design_text::sentence_of(fitted.refusal));
   if (const auto preview =
           device_fit::force_preview(fitted, scene, device, bounds, built->plan().tool_reach_m))
     for (const std::string& line : force_lines(*preview, device.name))

@@ -74,7 +74,7 @@ std::optional<device_fit::FittedCoupling> Fitting::poll() {
   return fitted;
 }
 
-std::string Fitting::judge(const device_fit::FittedCoupling& fitted) const {
+device_fit::Refusal Fitting::judge(const device_fit::FittedCoupling& fitted) const {
   return device_fit::judge_again(fitted, scene_, device_, bounds_.translation.one_point, demand_);
 }
 

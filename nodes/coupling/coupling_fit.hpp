@@ -35,7 +35,7 @@ class Fitting {
   /// blocks.
   std::optional<device_fit::FittedCoupling> poll();
   /// Returns why `fitted` must not run on this device with these effects, or an empty text.
-  std::string judge(const device_fit::FittedCoupling& fitted) const;
+  device_fit::Refusal judge(const device_fit::FittedCoupling& fitted) const;
   std::optional<device_fit::ForcePreview> preview(const device_fit::FittedCoupling& fitted) const {
     return device_fit::force_preview(fitted, scene_, device_, bounds_);
   }

@@ -77,7 +77,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
 
   void judge_running() {
     const device_fit::FittedCoupling& running = design_.fitted();
-    std::string refusal = fitting_.judge(running);
+    device_fit::Refusal refusal = fitting_.judge(running);
     // A coupling that is valid again for another device or contact waits for its own fit.
     if (refusal.empty() == running.refusal.empty() || (refusal.empty() && fitting_.outdated()))
       return;

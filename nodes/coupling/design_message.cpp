@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "nodes/design_text/design_text.hpp"
 #include "nodes/runtime/strings.hpp"
 
 namespace voxtouch::coupling_node {
@@ -45,16 +46,15 @@ std::vector<std::string> notes_on(const device_fit::FittedCoupling& fitted, doub
         fitted.design.status == coupling::design::DesignStatus::kInfeasible
             ? "set by hand in the scene; not certified by the designer (see the reasons)"
             : "set by hand in the scene; certified by the designer");
-  for (const std::string& more : {coupling::design::describe_slow_velocity(fitted.design.spec),
-                                  coupling::design::describe_bound(fitted.design.spec)})
-    if (!more.empty())
-      notes.push_back("injected damping " + more);
-  if (const std::string& forbids = fitted.design.min_damping.out_of_reach; !forbids.empty())
+  for (const std::string& more : design_text::damping_notes(fitted.design.spec))
+    notes.push_back("injected damping " + more);
+  if (const std::string forbids = design_text::out_of_reach(fitted.design.min_damping.out_of_reach);
+      !forbids.empty())
     notes.push_back(fmt::format(
         "damping ratios of {:.2g} released and {:.2g} gripped are out of reach: {}",
         fitted.design.min_damping.released, fitted.design.min_damping.gripped, forbids));
   if (!fitted.refusal.empty())
-    notes.push_back(fitted.refusal);
+    notes.push_back(design_text::sentence_of(fitted.refusal));
   for (const coupling::CouplingIssue& issue : coupling::validate(fitted.spec, {}, sample_time_s))
     notes.push_back(issue.sentence);
   return notes;
@@ -136,7 +136,9 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer,
   const coupling::design::Design& design = fitted.design;
   const std::string status = status_word(fitted);
   const std::vector<std::string> notes = notes_on(fitted, use.sample_time_s, external);
-  runtime::StringViews lent_notes(notes), reasons(design.reasons);
+  const std::vector<std::string> reasons = design_text::reasons_of(design);
+  const std::string worst_case = design_text::worst_case_of(design, 0);
+  runtime::StringViews lent_notes(notes), lent_reasons(reasons);
   msg::CouplingDesign m{};
   write_coupling(use, m);
   m.status = runtime::lend(status);
@@ -149,14 +151,14 @@ void publish_design(bus::Writer<msg::CouplingDesign>& writer,
   m.displayed_stiffness_nm_per_rad = design.rotation.displayed_stiffness;
   m.critical_stiffness_nm_per_rad = design.rotation.critical_stiffness;
   m.max_approach_m_per_s = design.max_approach_m_per_s;
-  m.released_damping_ratio = design.swing.released;
-  m.gripped_damping_ratio = design.swing.gripped;
+  m.released_damping_ratio = design.swing.released.ratio;
+  m.gripped_damping_ratio = design.swing.gripped.ratio;
   m.released_min_damping_ratio = design.min_damping.released;
   m.gripped_min_damping_ratio = design.min_damping.gripped;
   m.min_damping_ratio_cost_n_per_m = design.min_damping.cost_n_per_m;
   m.passive = design.translation.passive;
-  m.worst_case = runtime::lend(design.translation.worst_case_text);
-  reasons.into(m.reasons);
+  m.worst_case = runtime::lend(worst_case);
+  lent_reasons.into(m.reasons);
   lent_notes.into(m.notes);
   writer.write(m);
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/device_fit/design_problem.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::coupling_node {
 
@@ -39,7 +40,7 @@ void RunningDesign::report_to(double contact_n_per_m, runtime::NodeReport& repor
             displayed_n_per_m, device_max_n_per_m_));
   status.say(StatusPriority::kProgress,
              fmt::format("running {}, {}", fitted_.spec.kind, status_word(fitted_)));
-  runtime::report_refusal(fitted_.refusal, report, status);
+  runtime::report_refusal(design_text::sentence_of(fitted_.refusal), report, status);
 }
 
 void RunningDesign::describe(runtime::NodeReport& report) const {
@@ -47,7 +48,7 @@ void RunningDesign::describe(runtime::NodeReport& report) const {
   const coupling::design::Design& design = fitted_.design;
   report.values["design_status"] = status_word(fitted_);
   report.values["design_kind"] = spec.kind;
-  report.values["design_worst_case"] = design.translation.worst_case_text;
+  report.values["design_worst_case"] = design_text::worst_case_of(design, 0);
   report.figures["designs"] = {count_, "designs"};
   report.figures["design_cutoff_hz"] = {spec.kind == "shaping_filter" ? spec.cutoff_hz : 0.0, "Hz"};
   report.figures["design_gain"] = {spec.gain, "1"};

@@ -127,9 +127,10 @@ std::expected<std::vector<effects::EffectSpec>, std::string> ChangeValidator::ju
     const scene::Scene& next, const rendering::Plan& plan) {
   std::vector<effects::EffectSpec> effects =
       rendering::carried_over(scene_.effects, effects_, next.effects);
-  std::string why = on_device_.check(next, plan.of_contact_alone, effects::at_rest(effects));
+  const device_fit::Refusal why =
+      on_device_.check(next, plan.of_contact_alone, effects::at_rest(effects));
   if (!why.empty())
-    return std::unexpected(std::move(why));
+    return std::unexpected(design_text::sentence_of(why));
   return effects;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/device_fit/device_compatibility.hpp"
+#include "nodes/design_text/design_text.hpp"
 #include "nodes/rendering/pending_changes.hpp"
 
 namespace voxtouch::rendering_node {
@@ -66,7 +67,7 @@ class ChangeValidator {
   };
   Next after(const PendingChanges& pending) const;
   std::string check_device(const Next& next) {
-    return on_device_.check(next.scene, next.contact_alone, next.reach);
+    return design_text::sentence_of(on_device_.check(next.scene, next.contact_alone, next.reach));
   }
   void set_plan(const rendering::BuiltScene& built);
 

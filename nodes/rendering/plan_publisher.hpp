@@ -43,7 +43,7 @@ class PlanPublisher {
     series_rad_per_nm_.store(judged.series_spring().rotation, std::memory_order_release);
     effects_m_per_n_.store(judged.series_spring().effects, std::memory_order_release);
     const std::lock_guard lock(refusal_mutex_);
-    refusal_ = judged.refusal();
+    refusal_ = design_text::sentence_of(judged.refusal());
   }
   void set_complete() noexcept { judged_.store(session_, std::memory_order_release); }
 

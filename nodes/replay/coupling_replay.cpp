@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "nodes/design_text/design_text.hpp"
 #include "nodes/replay/flush_denormals_guard.hpp"
 
 namespace voxtouch::replay {
@@ -53,7 +54,7 @@ void CouplingReplay::adopt(const device_fit::FittedCoupling& fitted) {
   const FlushDenormalsGuard arithmetic;
   coupling_.adopt(coupling_node::adopted(fitted, scene_.device, device_));
   if (!coupling_.runs())
-    notes_.push_back("No force is commanded: " + fitted.refusal);
+    notes_.push_back("No force is commanded: " + design_text::sentence_of(fitted.refusal));
 }
 
 void CouplingReplay::adopt(const coupling_node::Adoption& design) {
@@ -77,7 +78,7 @@ void CouplingReplay::compare(const coupling_node::AdoptedCoupling& recorded) {
   ++differ_;
   if (!fits_.back().refusal.empty())
     notes_.push_back(fmt::format("Design {} was active in the recording and is refused now: {}",
-                                 next_design_, fits_.back().refusal));
+                                 next_design_, design_text::sentence_of(fits_.back().refusal)));
   for (const std::string& difference : coupling_node::differences(
            recorded, coupling_node::adopted(fits_.back(), scene_.device, device_)))
     notes_.push_back(fmt::format("Design {}: {}", next_design_, difference));

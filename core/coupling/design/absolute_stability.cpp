@@ -24,7 +24,7 @@ double displayed(const DisplayedStiffness& at) { return at.coupling * at.display
 /// Slope of the contact ahead of a spring-damper; infinity if it is unbounded.
 double before_series(const CouplingSpec& spec, const AxisProblem& axis,
                      const DisplayedStiffness& at) {
-  const bool rotation = axis.units == &kRotationUnits;
+  const bool rotation = axis.axis == 1;
   const double cap = rotation ? spec.stiffness_cap_nm_per_rad : spec.stiffness_cap_n_per_m;
   return std::isfinite(cap) ? at.coupling * at.contact : kInfinity;
 }

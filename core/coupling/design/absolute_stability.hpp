@@ -6,8 +6,7 @@
 /// the injected damping and on the slow one, in translation and in rotation. A contact with several
 /// axes must be the gradient of a convex potential with a stiffness matrix of at most diag(K). This
 /// case requires one common M for all axes (Safonov, Kulkarni 2000).
-///
-/// For design time only: the functions allocate. Equal inputs give equal results.
+/// For design time only.
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -19,13 +18,11 @@
 namespace voxtouch::coupling::design {
 
 enum class ContactClass : std::uint8_t { kNone, kLinear, kMonotone };
-/// "none", "linear", "monotone".
 std::string_view name_of(ContactClass contact) noexcept;
 
 /// Proof for monotone contacts: a multiplier, or the rule for any passive hand (rule P or
 /// Llewellyn's condition).
 enum class MonotoneProof : std::uint8_t { kNone, kMultiplier, kPassivity };
-/// "none", "multiplier", "passivity".
 std::string_view name_of(MonotoneProof proof) noexcept;
 
 /// Differences between the running loop and the certified one, which no multiplier covers.
@@ -46,9 +43,7 @@ enum class CertificateGap : std::uint8_t {
   kEncoderSteps,
   kForceLimit,  ///< of the device
 };
-/// "damper_gate", "damper_bound", "velocity_band", "varying_timing", "between_corners",
-/// "released_frictionless", "force_only_lever", "curved_contact", "voxel_steps", "encoder_steps",
-/// "force_limit".
+/// For example "damper_gate".
 std::string_view name_of(CertificateGap gap) noexcept;
 
 struct ContactCertificate {

@@ -1,7 +1,5 @@
 #include "core/coupling/design/axis_verdict.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,7 +16,7 @@ namespace {
 
 using Law = LoopController::Law;
 
-bool is_rotation(const AxisProblem& problem) { return problem.units == &kRotationUnits; }
+bool is_rotation(const AxisProblem& problem) { return problem.axis == 1; }
 
 double cap_of(const CouplingSpec& spec, bool rotation) {
   return rotation ? spec.stiffness_cap_nm_per_rad : spec.stiffness_cap_n_per_m;
@@ -43,8 +41,7 @@ LoopController scaled(LoopController law, double scale) {
 /// Finds critical stiffness, margin and worst case.
 void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const LoopController& law,
                  const DisplayedStiffness& at, const WorstCase* known, AxisDesign& out) {
-  if (problem.hand.any_passive)
-    out.worst_case_text = "a passive hand";
+  out.any_passive_hand = problem.hand.any_passive;
   const double limit = passive_limit(problem, law);
   WorstCase worst;
   if (law.law == Law::kSpringDamper) {
@@ -64,9 +61,7 @@ void find_margin(const AxisProblem& problem, const CouplingSpec& spec, const Loo
     out.passive = load > 0.0 && load <= limit * kRounding;
     out.passive_stiffness = limit;
   }
-  out.worst_case = problem.cases[worst.index].plant;
-  if (!problem.hand.any_passive)
-    out.worst_case_text = describe(problem.cases[worst.index], *problem.units);
+  out.worst_case = problem.cases[worst.index];
 }
 
 /// Spectral radius at the margin; `low` receives the one at a hundredth of it.
@@ -81,40 +76,46 @@ double radius(const AxisProblem& problem, const LoopController& law, const Displ
 
 void find_faults(const AxisProblem& problem, const LoopController& law, const CouplingSpec& spec,
                  const DisplayedStiffness& at, double low_radius, AxisVerdict& verdict) {
-  const AxisUnits& u = *problem.units;
+  using enum DesignLimit;
   const AxisDesign& d = verdict.design;
-  const auto fault = [&](std::string sentence) {
-    verdict.faults.push_back(fmt::format("{}: {}", u.name, sentence));
+  const auto fault = [&](DesignLimit what, double value = 0.0) {
+    verdict.faults.push_back({what, problem.axis, {value}});
   };
   if (!(d.gain_margin * kRounding >= problem.margin))
-    fault(
-        fmt::format("displayed stiffness {:.4g} {}; {} becomes unstable at {:.4g}: gain margin "
-                    "{:.3g}, required {:.3g}.",
-                    at.displayed, u.stiffness, d.worst_case_text, d.critical_stiffness,
-                    d.gain_margin, problem.margin));
+    fault(kGainMargin, problem.margin);
   else if (!(d.spectral_radius < 1.0 && low_radius < 1.0))
-    fault(fmt::format("at {} the loop's slowest mode does not decay (spectral radius {:.9g}).",
-                      d.spectral_radius < 1.0 ? "1/100 of the gain margin" : "the gain margin",
-                      std::max(d.spectral_radius, low_radius)));
+    fault(kSlowestMode, std::max(d.spectral_radius, low_radius));
   if (at.displayed > problem.model.max_stiffness * kRounding)
-    fault(fmt::format("displayed stiffness {:.4g} {}, device limit {:.4g}.", at.displayed,
-                      u.stiffness, problem.model.max_stiffness));
+    fault(kDisplayedStiffness, problem.model.max_stiffness);
   if (law.injected_damping <= 0.0)
     return;
   if (problem.hand.any_passive)
-    fault("injected damping cannot be certified with `hand: any_passive`.");
+    fault(kDampingPassiveHand);
   if (const double most = damping_limit(problem, velocity_of(spec));
       law.injected_damping > most * kRounding)
-    fault(
-        fmt::format("injected damping {:.4g} {}, limit {:.4g} (half of the stability limit, or the "
-                    "noise limit).",
-                    law.injected_damping, u.damping, most));
+    fault(kDampingLimit, most);
   if (!is_rotation(problem) && !holds_on_slow_velocity(problem, spec, at))
-    fault(
-        fmt::format("with the slow velocity of {:.3g} Hz only (motions within {:.3g} m/s), {:.4g} "
-                    "{} does not keep {:.3g} of the gain margin.",
-                    spec.slow_velocity_hz, spec.velocity_band_m_per_s, at.displayed, u.stiffness,
-                    slow_ratio(problem, spec)));
+    fault(kSlowVelocity, slow_ratio(problem, spec));
+}
+
+/// Device damping with which the whole target would be passive with the margin, at that cut-off and
+/// the damping ratio that needs least. Infinity: no filter.
+double passive_damping_required(const AxisProblem& problem, double cutoff_hz) {
+  const double lag = effort_lag_s(problem.model);
+  double most = 0.0;  // stiffness for unit damping: the rule is proportional to it
+  for (const double ratio : {std::numbers::sqrt2 / 2.0, std::numbers::sqrt3 / 2.0, 0.577, 1.0})
+    most = std::max(most, passive_stiffness_filter(2.0 * std::numbers::pi * cutoff_hz, ratio, 1.0,
+                                                   problem.timing, lag));
+  return problem.margin * problem.target / most;
+}
+
+/// The same for a spring-damper that reduces the target by at most a tenth.
+double passive_damping_required_series(const AxisProblem& problem) {
+  const LoopTiming slow = slowest(problem.timing);
+  const double stiffness =
+      llewellyn_optimum(1.0, slow.period_s, whole_delay(slow, effort_lag_s(problem.model)))
+          .stiffness;
+  return problem.margin * problem.target * kSeriesRatio / (1.0 - kSeriesRatio) / stiffness;
 }
 
 }  // namespace
@@ -170,34 +171,11 @@ void describe_axis(const DesignProblem& request, const AxisProblem& problem,
   out.limit_cycle_bound = limit_cycle_bound(
       problem, law, contact, displayed.displayed,
       !is_rotation(problem) && damps_on_slow_velocity(spec) ? spec.velocity_band_m_per_s : 0.0);
-  if (law.law == Law::kSpringDamper) {
-    out.damping_required = out.damping_required_any_cutoff =
-        passive_damping_required_series(problem);
-  } else {
-    const bool filtered = law.law == Law::kShapingFilter;
-    out.damping_required =
-        passive_damping_required(problem, filtered ? request.goals.cutoff_hz : kInfinity);
-    const double highest = filter_settings(request).back().cutoff_hz;
-    out.damping_required_any_cutoff =
-        passive_damping_required(problem, filtered ? highest : kInfinity);
-  }
-}
-
-double passive_damping_required(const AxisProblem& problem, double cutoff_hz) {
-  const double lag = effort_lag_s(problem.model);
-  double most = 0.0;  // stiffness for unit damping: the rule is proportional to it
-  for (const double ratio : {std::numbers::sqrt2 / 2.0, std::numbers::sqrt3 / 2.0, 0.577, 1.0})
-    most = std::max(most, passive_stiffness_filter(2.0 * std::numbers::pi * cutoff_hz, ratio, 1.0,
-                                                   problem.timing, lag));
-  return problem.margin * problem.target / most;
-}
-
-double passive_damping_required_series(const AxisProblem& problem) {
-  const LoopTiming slow = slowest(problem.timing);
-  const double stiffness =
-      llewellyn_optimum(1.0, slow.period_s, whole_delay(slow, effort_lag_s(problem.model)))
-          .stiffness;
-  return problem.margin * problem.target * kSeriesRatio / (1.0 - kSeriesRatio) / stiffness;
+  out.damping_required =
+      law.law == Law::kSpringDamper
+          ? passive_damping_required_series(problem)
+          : passive_damping_required(
+                problem, law.law == Law::kShapingFilter ? request.goals.cutoff_hz : kInfinity);
 }
 
 double max_approach(const AxisProblem& problem, const CouplingSpec& spec, double depth_m) {

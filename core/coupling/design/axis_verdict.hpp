@@ -1,7 +1,6 @@
 #pragma once
 /// Certificates of given parameters for each axis. The designer verifies its own choice with them
 /// and evaluates other parameters.
-#include <string>
 #include <vector>
 
 #include "core/coupling/design/design_axis.hpp"
@@ -24,7 +23,7 @@ std::vector<DisplayedStiffness> displayed_stiffness(const DesignProblem& request
 
 struct AxisVerdict {
   AxisDesign design;
-  std::vector<std::string> faults;  ///< why the certificates do not hold; empty: they do
+  std::vector<DesignReason> faults;  ///< why the certificates do not hold; empty: they do
 };
 /// Evaluates margin, injected damping limits, the device's limit and, over all cases, the spectral
 /// radius at margin * displayed stiffness and at a hundredth of it. `worst`: an already computed
@@ -36,12 +35,6 @@ AxisVerdict judge_axis(const DesignProblem& request, const AxisProblem& problem,
 /// cycle, and the device damping that would be required.
 void describe_axis(const DesignProblem& request, const AxisProblem& problem,
                    const CouplingSpec& spec, const DisplayedStiffness& displayed, AxisDesign& out);
-
-/// Device damping with which the whole target would be passive with the margin. With a filter: at
-/// that cut-off and the damping ratio that needs least. Infinity: no filter.
-double passive_damping_required(const AxisProblem& problem, double cutoff_hz);
-/// The same for a spring-damper that reduces the target by at most a tenth.
-double passive_damping_required_series(const AxisProblem& problem);
 
 /// A series spring always reduces the stiffness: this fraction of the target counts as the goal.
 inline constexpr double kSeriesRatio = 0.9;

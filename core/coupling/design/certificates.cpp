@@ -202,10 +202,8 @@ double limit_cycle_friction(double d, double displayed_stiffness, double resolut
   return 0.5 * overshoot_shape(d) * displayed_stiffness * resolution;
 }
 
-double colgate_stiffness(double device_damping, double injected_damping, double period_s,
-                         int delay_samples) {
-  return stiffness_for(device_damping - std::abs(injected_damping),
-                       0.5 * period_s * (1 + 2 * delay_samples));
+double colgate_stiffness(double device_damping, double period_s, int delay_samples) {
+  return stiffness_for(device_damping, 0.5 * period_s * (1 + 2 * delay_samples));
 }
 
 double llewellyn_damping(double stiffness, double damping, double period_s, int delay_samples) {

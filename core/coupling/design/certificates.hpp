@@ -3,7 +3,7 @@
 /// stiffness.
 ///
 /// For design time only. Numbers must satisfy `check` (loop_parts.hpp) and `validate`
-/// (coupling_spec.hpp): finite, with the right sign. A device without damping gives 0 in all rules.
+/// (coupling_spec.hpp). A device without damping gives 0 in all rules.
 #include "core/coupling/design/loop_parts.hpp"
 
 namespace voxtouch::coupling::design {
@@ -65,10 +65,8 @@ double linear_passive_stiffness_filter(double w0_rad_per_s, double damping_ratio
 double limit_cycle_friction(double damping_ratio, double displayed_stiffness, double resolution);
 
 /// Colgate's bound: the largest stiffness without filter for n whole samples of delay,
-///     b > k T/2 (1 + 2 n) + |B|
-/// Returns 0 if |B| >= b.
-double colgate_stiffness(double device_damping, double injected_damping, double period_s,
-                         int delay_samples);
+///     b > k T/2 (1 + 2 n)
+double colgate_stiffness(double device_damping, double period_s, int delay_samples);
 
 /// Device damping that a spring-damper c, r requires for any passive hand and any passive
 /// environment (discrete Llewellyn condition, backward differences, n samples of delay). With a = c

@@ -94,11 +94,6 @@ InnerLimit inner_limit(const LoopPlant& bare, double velocity_filter_rad_per_s,
   return {first.gain, first.angle};
 }
 
-double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s,
-                        int velocity_window) {
-  return inner_limit(plant, velocity_filter_rad_per_s, velocity_window).damping;
-}
-
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& c) {
   return critical_stiffness(plant, c,
                             c.injected_damping > 0.0

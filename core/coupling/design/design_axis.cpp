@@ -14,6 +14,8 @@ namespace {
 
 using Law = LoopController::Law;
 
+/// Below it the result is infeasible.
+constexpr double kUsefulNPerM = 50.0, kUsefulNmPerRad = 0.05;
 /// Fraction of a strong device's force that is barely perceptible as noise.
 constexpr double kQuietRatio = 0.005;
 /// Ratio of torque to force [m] if the limits of the device do not define it.
@@ -25,10 +27,7 @@ constexpr double kReleasedStepN = 0.1, kStepsOfFriction = 10.0;
 double noise_limit(const DesignProblem& request, bool rotation) {
   const double force = request.device.translation.max_effort,
                torque = request.device.rotation.max_effort;
-  const double effort = request.goals.max_injected_damping_effort;
-  const double of_force =
-      effort > 0.0 ? effort
-                   : std::max(kQuietForceN, std::isfinite(force) ? kQuietRatio * force : 0.0);
+  const double of_force = std::max(kQuietForceN, std::isfinite(force) ? kQuietRatio * force : 0.0);
   if (!rotation)
     return of_force;
   // A torque may be as noisy as a force, relative to the range of the device.
@@ -37,7 +36,7 @@ double noise_limit(const DesignProblem& request, bool rotation) {
 
 AxisProblem problem(const DesignProblem& request, bool rotation) {
   AxisProblem out;
-  out.units = rotation ? &kRotationUnits : &kTranslationUnits;
+  out.axis = rotation ? 1 : 0;
   out.model = rotation ? request.device.rotation : request.device.translation;
   out.timing = request.device.timing;
   out.hand = rotation ? request.hand.rotation : request.hand.translation;
@@ -45,8 +44,7 @@ AxisProblem problem(const DesignProblem& request, bool rotation) {
   out.cases = design_cases(out.model, out.timing, out.hand);
   out.margin = request.goals.gain_margin;
   out.requested = std::min(out.contact.all_points, out.model.max_stiffness);
-  out.useful =
-      rotation ? request.goals.useful_stiffness_nm_per_rad : request.goals.useful_stiffness_n_per_m;
+  out.useful = rotation ? kUsefulNmPerRad : kUsefulNPerM;
   out.noise_limit = noise_limit(request, rotation);
   if (!rotation && (out.hand.may_release || out.hand.any_passive))
     out.step_limit = kReleasedStepN + kStepsOfFriction * out.model.coulomb_friction;
@@ -135,7 +133,7 @@ double arm_squared(const DesignProblem& request) {
 
 LoopController controller_of(const CouplingSpec& spec, const AxisProblem& problem,
                              double arm_squared_m2) {
-  const bool rotation = problem.units == &kRotationUnits;
+  const bool rotation = problem.axis == 1;
   LoopController law;
   law.law = spec.kind == "direct"          ? Law::kDirect
             : spec.kind == "spring_damper" ? Law::kSpringDamper
@@ -250,8 +248,7 @@ double passive_limit(const AxisProblem& problem, const LoopController& law) {
           passive_stiffness_filter(kInfinity, 1.0, damping, problem.timing, lag);
       // Rule P holds for any timing within the bounds. Colgate's rule holds for the slowest timing
       // with whole samples. Both are applied.
-      return std::min(jittered,
-                      colgate_stiffness(damping, 0.0, slow.period_s, whole_delay(slow, lag)));
+      return std::min(jittered, colgate_stiffness(damping, slow.period_s, whole_delay(slow, lag)));
     }
     case Law::kSpringDamper:
       break;

@@ -23,7 +23,7 @@ inline const AxisDesign& axis_of(const Design& design, std::size_t axis) noexcep
 inline constexpr double kLargeSwing = 0.75;
 
 struct AxisProblem {
-  const AxisUnits* units = &kTranslationUnits;
+  std::size_t axis = 0;  ///< 0: translation, 1: rotation
   AxisModel model;
   LoopTiming timing;
   HandRange hand;
@@ -82,9 +82,7 @@ LoopController controller_of(const CouplingSpec& spec, const AxisProblem& proble
 /// Largest speed error of the velocity estimate from encoder steps [m/s, rad/s].
 double step_speed(const AxisProblem& problem, const VelocityEstimate& velocity);
 
-/// Largest error of the velocity estimate, in q / T, for position errors of up to q / 2. For the
-/// filter it is 1 - exp(-w_v T), which a single encoder step also causes. For a window it is
-/// `window_step_ratio`, of which a single step causes less.
+/// Largest error of the velocity estimate, in q / T, for position errors of up to q / 2.
 double step_ratio(double velocity_filter_rad_per_s, int velocity_window, double period_s);
 /// Largest injected damping on this velocity: half of the critical damping of the inner loop in the
 /// worst case, and within the noise limit.
@@ -116,8 +114,8 @@ WorstCase critical_scale(const AxisProblem& problem, const LoopController& law,
                          double contact_stiffness);
 
 /// K k that is stable with every passive hand; for the spring-damper the factor on its law.
-/// Injected damping does not help here. It acts late and may drive the motion for part of a period,
-/// so its ratio is subtracted from the device's damping.
+/// Injected damping acts late and may drive the motion for part of a period, so it is subtracted
+/// from the device's damping.
 double passive_limit(const AxisProblem& problem, const LoopController& law);
 
 /// The stiffness that the design may certify: the limit over the margin, and at most the

@@ -1,7 +1,5 @@
 #include "core/coupling/design/design_cases.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <numbers>
 
@@ -49,9 +47,6 @@ LoopPlant plant_of(const AxisModel& axis, double inertia, const LoopTiming& timi
 
 }  // namespace
 
-const AxisUnits kTranslationUnits{"Translation", "N/m", "Ns/m", "kg", "N", "m"};
-const AxisUnits kRotationUnits{"Rotation", "Nm/rad", "Nms/rad", "kg m^2", "Nm", "rad"};
-
 LoopTiming slowest(const LoopTiming& timing) {
   const double longer = timing.jitter + timing.consecutive_losses;
   return {timing.period_s * (1.0 + timing.jitter), timing.delay_s + longer * timing.period_s, 0.0,
@@ -89,24 +84,13 @@ std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& ti
     const LoopTiming when = slow ? slowest(timing) : timing;
     for (const double inertia : inertias) {
       if (alone)
-        cases.push_back({plant_of(axis, inertia, when, Hand{}), false, slow, 0.0});
+        cases.push_back({{plant_of(axis, inertia, when, Hand{}), false, slow}});
       for (const Hand& grip : gripped)
         if (!alone || grip != Hand{})
-          cases.push_back({plant_of(axis, inertia, when, grip), true, slow, 0.0});
+          cases.push_back({{plant_of(axis, inertia, when, grip), true, slow}});
     }
   }
   return cases;
-}
-
-std::string describe(const DesignCase& one, const AxisUnits& units) {
-  const LoopPlant& p = one.plant;
-  const std::string device = fmt::format("{:.3g} {}", p.mass, units.inertia);
-  const char* when = one.slow ? ", slowest timing" : "";
-  if (!one.gripped)
-    return fmt::format("released, {}{}", device, when);
-  return fmt::format("gripped ({:.3g} {}, {:.3g} {}, {:.3g} {}), {}{}", p.hand_mass, units.inertia,
-                     p.hand_damping, units.damping, p.hand_stiffness, units.stiffness, device,
-                     when);
 }
 
 }  // namespace voxtouch::coupling::design

@@ -1,7 +1,6 @@
 #pragma once
 /// The cases that a design must be stable for: the ends of the ranges of device, hand and timing.
 #include <memory>
-#include <string>
 #include <vector>
 
 #include "core/coupling/design/loop_parts.hpp"
@@ -24,27 +23,12 @@ class InnerLimits {
   std::vector<Known> known_;
 };
 
-/// One vertex of the parameter box.
-struct DesignCase {
-  LoopPlant plant;
-  bool gripped = false;  ///< false: the device is released
-  bool slow = false;     ///< slowest timing instead of the nominal one
+struct DesignCase : LoopCase {
   /// Minimum damping ratio of the dominant mode in contact; 0: no minimum.
   double least_damping_ratio = 0.0;
   std::shared_ptr<InnerLimits> inner =
       std::make_shared<InnerLimits>();  ///< of `plant`; shared by copies
 };
-
-/// Names of one kind of motion.
-struct AxisUnits {
-  const char* name;       ///< "Translation", "Rotation"
-  const char* stiffness;  ///< "N/m", "Nm/rad"
-  const char* damping;
-  const char* inertia;
-  const char* effort;
-  const char* position;
-};
-extern const AxisUnits kTranslationUnits, kRotationUnits;
 
 /// The slowest timing as a uniform one. Every period is (1 + jitter) T. The delay is longer by
 /// (jitter + lost) T, the effect of jitter and lost samples. Its own jitter and losses are 0.
@@ -57,8 +41,5 @@ double effort_lag_s(const AxisModel& axis);
 /// since no list of hands would suffice.
 std::vector<DesignCase> design_cases(const AxisModel& axis, const LoopTiming& timing,
                                      const HandRange& hand);
-
-/// For example "released, 0.2 kg, slowest timing" or "gripped (0.1 kg, 3 Ns/m, 200 N/m), 0.08 kg".
-std::string describe(const DesignCase& one, const AxisUnits& units);
 
 }  // namespace voxtouch::coupling::design

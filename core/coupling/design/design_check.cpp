@@ -88,11 +88,8 @@ void check_goals(const DesignProblem& request) {
         {"rotation_min_damping.released", w.rotation_min_damping.released},
         {"rotation_min_damping.gripped", w.rotation_min_damping.gripped}})
     require(minimum >= 0.0 && minimum < 1.0, field, minimum, "0 or above, and below 1");
-  not_negative("useful_stiffness_n_per_m", w.useful_stiffness_n_per_m);
-  not_negative("useful_stiffness_nm_per_rad", w.useful_stiffness_nm_per_rad);
   if (w.damping_force_ratio)
     not_negative("damping_force_ratio", *w.damping_force_ratio);
-  not_negative("max_injected_damping_effort", w.max_injected_damping_effort);
   not_negative("force_layer_depth_m", w.force_layer_depth_m);
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 /// The steps of the designer, each in a source file of its own: validation, one proposal for each
-/// kind of coupling, and the texts about the result. The designer certifies a proposal and, if
+/// kind of coupling, and the reasons of the result. The designer certifies a proposal and, if
 /// needed, reduces it. Internal to this folder.
 #include "core/coupling/design/filter_search.hpp"
 
@@ -37,11 +37,9 @@ Proposal propose_spring_damper(const DesignProblem& request,
 /// `spec` with its displayed stiffness times `factor`.
 CouplingSpec shrunk(const DesignProblem& request, CouplingSpec spec, double factor);
 
-/// The limiting factors, one sentence each.
-std::vector<std::string> reasons_of(const DesignProblem& request,
-                                    const std::vector<AxisProblem>& problems, const Design& design);
-
-/// What the minimum damping ratios cost and how to avoid it; empty if they cost nothing.
-std::string min_damping_cost(const std::vector<AxisProblem>& problems, const Design& design);
+/// The limiting factors.
+std::vector<DesignReason> reasons_of(const DesignProblem& request,
+                                     const std::vector<AxisProblem>& problems,
+                                     const Design& design);
 
 }  // namespace voxtouch::coupling::design

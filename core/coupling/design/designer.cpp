@@ -1,7 +1,5 @@
 #include "core/coupling/design/designer.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -33,15 +31,14 @@ constexpr double kLimitingCost = 0.1;
 /// chosen for the stiffness that it regains.
 constexpr double kObjectiveOfBound = 2.0 / 3.0, kObjectiveOfLargerRatio = 0.9;
 
-/// An evaluated coupling. The texts about it are only made for the coupling that is chosen; see
-/// `finalize`.
+/// An evaluated coupling. Its reasons are only computed if it is chosen; see `finalize`.
 struct Evaluation {
   Design design;
-  std::vector<std::string> faults;
-  std::vector<std::string> behind;  ///< texts after the reasons
+  std::vector<DesignReason> faults;
+  std::vector<DesignReason> behind;  ///< after the reasons
 };
 
-/// Computes certificates and derived values; the caller sets status and texts.
+/// Computes certificates and derived values; the caller sets status and reasons.
 Evaluation evaluated(const DesignProblem& request, const std::vector<AxisProblem>& problems,
                      const CouplingSpec& spec, const std::vector<WorstCase>& worst = {}) {
   Evaluation out;
@@ -148,10 +145,7 @@ Evaluation best_of_all(const DesignProblem& request, const std::vector<AxisProbl
     const double shows = objective(problems, other.design);
     if (shows <= 0.0 || shows < to_beat)
       continue;
-    other.behind = {
-        fmt::format("Displayed fraction of the requested stiffness: {:.3g} % without shaping "
-                    "filter, {:.3g} % with it.",
-                    100.0 * shows, 100.0 * with_filter)};
+    other.behind = {{DesignLimit::kWithoutFilter, 0, {shows, with_filter}}};
     best = std::move(other);
     to_beat = shows * (1.0 + 1e-12);
   }
@@ -198,29 +192,8 @@ Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& prob
   return {std::move(again), with_minimum, displayed, Damped::Minimum::kMet};
 }
 
-/// Ratios of displayed to requested stiffness with the chosen damping ratio, with the default one
-/// and without a bound.
-std::string ratio_sentence(double fraction, double standard, double first, double last,
-                           double none) {
-  return fmt::format(
-      "Injected damping is limited to {:.2g} of the contact force (default {:.2g}). Displayed "
-      "fraction of the request: default {:.3g} %, this limit {:.3g} %, no limit {:.3g} %.",
-      fraction, standard, 100.0 * first, 100.0 * last, 100.0 * none);
-}
-std::string no_ratio_sentence(std::span<const double> fractions, double first, double last,
-                              double none) {
-  const std::string largest = fractions.size() > 1 ? fmt::format(" and with {:.2g} {:.3g} %",
-                                                                 fractions.back(), 100.0 * last)
-                                                   : "";
-  return fmt::format(
-      "Injected damping has no limit: damping_force_ratio {:.2g} displays only {:.3g} %{} of the "
-      "requested stiffness, not {:.3g} %. The impact force then depends on impact velocity, not on "
-      "contact stiffness.",
-      fractions.front(), 100.0 * first, largest, 100.0 * none);
-}
-
 Design finalize(const DesignProblem& request, Damped&& taken,
-                const std::vector<AxisProblem>& with_minimum, const std::string& out_of_reach) {
+                const std::vector<AxisProblem>& with_minimum, const LeastDamping& out_of_reach) {
   const MinDampingRatios& min_damping = request.goals.min_damping;
   if (CouplingSpec& spec = taken.evaluated.design.spec;
       taken.evaluated.design.status != DesignStatus::kInfeasible) {
@@ -234,9 +207,7 @@ Design finalize(const DesignProblem& request, Damped&& taken,
     return design;
   if (taken.min_damping == Damped::Minimum::kDropped) {
     design.reasons.push_back(
-        fmt::format("Minimum damping ratios of {} released and {} gripped leave too little "
-                    "stiffness; they are not applied.",
-                    min_damping.released, min_damping.gripped));
+        {DesignLimit::kMinDampingDropped, 0, {min_damping.released, min_damping.gripped}});
   } else {
     design.min_damping.released = min_damping.released,
     design.min_damping.gripped = min_damping.gripped;
@@ -244,11 +215,15 @@ Design finalize(const DesignProblem& request, Damped&& taken,
         taken.without_minimum[0] - design.translation.displayed_stiffness;
     design.min_damping.cost_nm_per_rad =
         taken.without_minimum[1] - design.rotation.displayed_stiffness;
-    const std::string cost = min_damping_cost(taken.problems, design);
+    DesignReason cost{DesignLimit::kMinDampingCost, 0, {}};
+    if (design.min_damping.cost_n_per_m > 0.001 * design.translation.displayed_stiffness)
+      cost.values[0] = design.min_damping.cost_n_per_m;
+    if (design.min_damping.cost_nm_per_rad > 0.001 * design.rotation.displayed_stiffness)
+      cost.values[1] = design.min_damping.cost_nm_per_rad;
     const bool first =
         design.min_damping.cost_n_per_m > kLimitingCost * taken.without_minimum[0] ||
         design.min_damping.cost_nm_per_rad > kLimitingCost * taken.without_minimum[1];
-    if (!cost.empty())
+    if (cost.values[0] + cost.values[1] > 0.0)
       design.reasons.insert(first ? design.reasons.begin() : design.reasons.end(), cost);
   }
   design.min_damping.out_of_reach = out_of_reach;
@@ -278,7 +253,7 @@ Design design_coupling(const DesignProblem& original) {
   refuse_impossible(original);
   DesignProblem request = original;
   std::vector<AxisProblem> problems = axis_problems(request), with_minimum = problems;
-  const std::string out_of_reach = set_min_damping(request, with_minimum);
+  const LeastDamping out_of_reach = set_min_damping(request, with_minimum);
   CandidateCache cache;
   const auto with_ratio = [&](double fraction) {
     request.goals.damping_force_ratio = problems[0].damping_force_ratio =
@@ -307,11 +282,14 @@ Design design_coupling(const DesignProblem& original) {
       continue;
     if (fraction != fractions.front())
       bounded.evaluated.behind.push_back(
-          ratio_sentence(fraction, fractions.front(), first, last, none));
+          {DesignLimit::kDampingForceRatio, 0, {fraction, fractions.front(), first, last, none}});
     return finalize(request, std::move(bounded), with_minimum, out_of_reach);
   }
   request.goals.damping_force_ratio = 0.0;
-  unbounded->evaluated.behind.push_back(no_ratio_sentence(fractions, first, last, none));
+  DesignReason unlimited{DesignLimit::kNoDampingForceRatio, 0, {fractions.front(), first, none}};
+  if (fractions.size() > 1)
+    unlimited.values[3] = fractions.back(), unlimited.values[4] = last;
+  unbounded->evaluated.behind.push_back(unlimited);
   return finalize(request, std::move(*unbounded), with_minimum, out_of_reach);
 }
 

@@ -1,6 +1,5 @@
 #pragma once
-/// Designs the virtual coupling for a device, a hand and a contact, with margins. If a goal is not
-/// met, it reports which changes would meet it.
+/// Designs the virtual coupling for a device, a hand and a contact, with margins.
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -14,9 +13,8 @@
 
 namespace voxtouch::coupling::design {
 
-/// Ratios of the contact force that injected damping may add, in the order of trial; each is two to
-/// four times the previous. A larger ratio makes a touch begin harder. With the last ratio, a touch
-/// behind a filter still takes four milliseconds to become as hard as without a bound.
+/// Ratios of the contact force that injected damping may add, in the order of trial. A larger ratio
+/// makes a touch begin harder.
 inline constexpr std::array kDampingForceRatios{kDefaultDampingForceRatio, 0.7, 2.0, 6.0, 24.0};
 
 /// The requested properties of a design. The designer reduces them as little as possible.
@@ -28,18 +26,12 @@ struct DesignGoals {
   std::string kind = "auto";  ///< auto | shaping_filter | spring_damper | direct
   double cutoff_hz = 5.0;     ///< w0 / (2 pi), as in the paper
   double max_cutoff_hz = 200.0;
-  double gain_margin = 2.0;                   ///< >= 1
-  double useful_stiffness_n_per_m = 50.0;     ///< below it the result is infeasible
-  double useful_stiffness_nm_per_rad = 0.05;  ///< the same for rotation
-  /// Noise of the injected damping at the hand [N]; 0: the larger of 0.05 N and 0.5 % of the
-  /// device's force.
-  double max_injected_damping_effort = 0.0;
+  double gain_margin = 2.0;  ///< >= 1
   double force_layer_depth_m =
       0.0;  ///< depth over which the contact force rises, for the approach speed; 0: not computed
   /// Of translation; stiffness is reduced for them, down to the useful minimum.
   MinDampingRatios min_damping;
-  MinDampingRatios rotation_min_damping{
-      0.0, 0.0};  ///< default: none, since the damping for it is displayed as a torque
+  MinDampingRatios rotation_min_damping{0.0, 0.0};  ///< its damping is displayed as a torque
   bool allow_injected_damping = true;
   bool velocity_windows = true;  ///< injected damping may also act on the velocity of a window
   std::optional<double>
@@ -66,7 +58,7 @@ enum class DesignStatus : std::uint8_t {
   kStiffnessReduced,
   kInfeasible
 };
-/// "as_requested", "bandwidth_raised", "damping_added", "stiffness_reduced", "infeasible".
+/// For example "as_requested".
 std::string_view name_of(DesignStatus status) noexcept;
 
 /// Design of one kind of motion, translation or rotation.
@@ -77,8 +69,8 @@ struct AxisDesign {
   double displayed_stiffness = 0.0;   ///< K k certified with the margin; <= requested
   double critical_stiffness = 0.0;    ///< K k at which the worst case becomes unstable
   double gain_margin = 0.0;           ///< critical / displayed
-  LoopPlant worst_case;               ///< case of the critical stiffness
-  std::string worst_case_text;        ///< "released, 0.2 kg", for messages
+  LoopCase worst_case;                ///< case of the critical stiffness
+  bool any_passive_hand = false;      ///< certified for any passive hand instead of a list of cases
   /// Rule P holds (spring-damper: the discrete Llewellyn condition): stable with any passive hand,
   /// not only with the given range.
   bool passive = false;
@@ -88,15 +80,17 @@ struct AxisDesign {
       0.0;  ///< peak-to-peak limit cycle from quantisation [m] or [rad]; 0: friction removes it
   double damping_required =
       0.0;  ///< device damping with which the goal would be passive, margin included
-  double damping_required_any_cutoff = 0.0;  ///< the same with the highest allowed cut-off
 };
 
-/// The smallest damping ratio of the dominant mode (`slowest_damping_ratio`) over the cases of a
-/// design, both kinds of motion and both timings.
+/// A damping ratio of the dominant mode (`slowest_damping_ratio`) and its case.
+struct LeastDamping {
+  double ratio = 1.0;    ///< 1: no case
+  std::size_t axis = 0;  ///< 0: translation, 1: rotation
+  LoopCase where;
+};
+/// The smallest over the cases of a design, both kinds of motion and both timings.
 struct DominantMode {
-  double released = 1.0, gripped = 1.0;  ///< 1 without cases of that kind
-  std::string released_where,
-      gripped_where;  ///< "Translation: gripped (0.2 kg, 0.5 Ns/m, 800 N/m), 0.08 kg", for messages
+  LeastDamping released, gripped;
 };
 
 /// Result for the minimum damping ratios of the goals.
@@ -107,10 +101,40 @@ struct MinDampingResult {
   double cost_n_per_m = 0.0,
          cost_nm_per_rad =
              0.0;  ///< loss of displayed stiffness; negative if it is larger with the minimum
-  /// The worst case that stays below its minimum in the softest useful contact with any injected
-  /// damping. No coupling of that kind reaches the minimum, so it is dropped for all hands, or for
-  /// all released devices. Empty if there is no such case.
-  std::string out_of_reach;
+  /// The worst case that no injected damping brings to its minimum in the softest useful contact;
+  /// see `set_min_damping`.
+  LeastDamping out_of_reach;
+};
+
+/// What limits a design, or why given parameters are not certified. The comments name `values` of
+/// DesignReason; the Design has the others.
+enum class DesignLimit : std::uint8_t {
+  kNoStableStiffness,
+  kEncoderStep,  ///< step, limit of its effort, dry friction
+  kPassiveHand,
+  kMinDampingRatio,
+  kStability,
+  kDeviceStiffness,    ///< of the device, of all contact points
+  kInjectedDamping,    ///< stable stiffness without and with its bound; 0: the bound costs nothing
+  kFilterLag,          ///< requested cut-off [Hz], stiffness that it allows on each axis
+  kMinDampingCost,     ///< stiffness that the minimum damping ratios cost on each axis; 0: none
+  kMinDampingDropped,  ///< requested minimum, released and gripped
+  kWithoutFilter,      ///< displayed over requested stiffness without and with filter
+  kDampingForceRatio,  ///< ratio, default; displayed over requested: default, ratio, no bound
+  kNoDampingForceRatio,  ///< ratio, displayed over requested with it and without bound; largest
+                         ///< ratio and the same with it, 0: one ratio only
+  kGainMargin,           ///< required margin
+  kSlowestMode,          ///< spectral radius
+  kDisplayedStiffness,   ///< limit of the device
+  kDampingPassiveHand,
+  kDampingLimit,  ///< largest injected damping
+  kSlowVelocity,  ///< ratio of the margin to keep
+};
+struct DesignReason {
+  DesignLimit what{};
+  std::size_t axis = 0;  ///< 0: translation, 1: rotation
+  std::array<double, 5> values{};
+  bool operator==(const DesignReason&) const = default;
 };
 
 /// A finished design.
@@ -129,17 +153,8 @@ struct Design {
   /// Fastest approach that stays within the force layer, stopped by a single point. A hand that
   /// keeps pushing uses force / (K k) of the depth in addition. 0: not computed.
   double max_approach_m_per_s = 0.0;
-  std::vector<std::string> reasons;  ///< limiting factors, one sentence each
+  std::vector<DesignReason> reasons;  ///< limiting factors
 };
-
-/// For messages: "a filter of 100 Hz", "a window of 12 samples".
-std::string describe(const VelocityEstimate& velocity);
-/// Bound of the injected damping of `spec`, for messages: "adds at most 0.35 of what contact and
-/// effects give, and 0.05 N". Empty without a bound.
-std::string describe_bound(const CouplingSpec& spec);
-/// For messages: "acts on the velocity of a filter of 16 Hz within 5.4 mm/s, which may be the
-/// encoder's steps". Empty without a slow velocity.
-std::string describe_slow_velocity(const CouplingSpec& spec);
 
 /// Designs a coupling. Takes 0.04 to 0.25 s of processor time for the shipped devices and up to
 /// half a second with long delays; not for the loop. Equal requests give bit-identical results.

@@ -51,8 +51,7 @@ class FilterTable {
                   double enough, double damping_force_ratio = 0.0, double large_swing = 1.0);
 
  private:
-  /// Cut-off, damping ratio, velocity, injected damping, ratio, large swing: the complete key of a
-  /// result.
+  /// Cut-off, damping ratio, velocity, injected damping, ratio, large swing.
   using Question = std::tuple<double, double, std::size_t, double, double, double>;
   struct Answer {
     double critical, enough;
@@ -62,8 +61,7 @@ class FilterTable {
   std::map<Question, Answer> known_;
 };
 
-/// Cache shared by the searches of one design. The cases are the same with and without minimum
-/// damping ratios, with and without bound, and with and without filter.
+/// Cache shared by the searches of one design, whose cases are the same.
 struct CandidateCache {
   std::vector<std::optional<FilterTable>>
       tables;  ///< of each axis whose hand is known beyond its passivity

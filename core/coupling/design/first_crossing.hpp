@@ -25,12 +25,10 @@ struct LoopSample {
   Complex value, summand;
 };
 
-/// Searches the upper half of the unit circle for crossings.
-/// The steps grow with the angle and are short relative to the phase of the delay. They are halved
-/// wherever the phase or modulus of L or its summand changes fast. Each step that crosses the
-/// negative real axis is narrowed down to rounding. If L approaches the axis and departs again, the
-/// search checks for a double crossing in between: such a loop is unstable for a band of gains
-/// only. A response is a function of a Phasor that returns a LoopSample.
+/// Searches the upper half of the unit circle for crossings. Steps are halved wherever the phase or
+/// modulus of L or its summand changes fast. If L approaches the negative real axis and departs
+/// again, the search checks for a double crossing in between: such a loop is unstable for a band of
+/// gains only. A response is a function of a Phasor that returns a LoopSample.
 class CrossingSearch {
  public:
   /// `slow_periods`: sum of the loop's time constants in periods, >= 1. Below a fiftieth of its

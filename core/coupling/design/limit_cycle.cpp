@@ -62,10 +62,10 @@ class Steps {
   std::array<double, window_span(kMaxVelocityWindow)> differences_{};
 };
 
-/// Sum of |x[n]| after an error of the first position sample and an effort added to the first
-/// command.
-double gain_of(const LoopPlant& p, const LoopController& law, double contact_stiffness,
-               double position_error, double effort) {
+}  // namespace
+
+double pulse_gain(const LoopPlant& p, const LoopController& law, double contact_stiffness,
+                  double position_error, double effort) {
   const SampledPlant plant = sample_plant(p);
   Steps steps(law, contact_stiffness, p.period_s);
   const std::size_t places = static_cast<std::size_t>(plant.whole_delay) + 2;
@@ -96,17 +96,6 @@ double gain_of(const LoopPlant& p, const LoopController& law, double contact_sti
   return sum;
 }
 
-}  // namespace
-
-double quantisation_gain(const LoopPlant& plant, const LoopController& law,
-                         double contact_stiffness) {
-  return gain_of(plant, law, contact_stiffness, 1.0, 0.0);
-}
-
-double effort_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness) {
-  return gain_of(plant, law, contact_stiffness, 0.0, 1.0);
-}
-
 double limit_cycle_bound(const AxisProblem& problem, const LoopController& law,
                          double contact_stiffness, double displayed_stiffness,
                          double velocity_band) {
@@ -125,8 +114,9 @@ double limit_cycle_bound(const AxisProblem& problem, const LoopController& law,
   for (const DesignCase& one : problem.cases)
     worst = std::max(
         worst,
-        q * quantisation_gain(one.plant, law, contact_stiffness) +
-            (of_band > 0.0 ? 2.0 * of_band * effort_gain(one.plant, law, contact_stiffness) : 0.0));
+        q * pulse_gain(one.plant, law, contact_stiffness, 1.0, 0.0) +
+            (of_band > 0.0 ? 2.0 * of_band * pulse_gain(one.plant, law, contact_stiffness, 0.0, 1.0)
+                           : 0.0));
   return worst;
 }
 

@@ -4,16 +4,12 @@
 
 namespace voxtouch::coupling::design {
 
-/// Sum of |x[n]| after a unit error of one position sample: the l1 norm of the loop from the
-/// measured to the true position. An error within +- q/2 keeps the position within q/2 times that
-/// sum, so q times it peak to peak. The tail beyond some ten thousand samples is extrapolated.
-/// Requires a stable loop.
-double quantisation_gain(const LoopPlant& plant, const LoopController& law,
-                         double contact_stiffness);
-
-/// Sum of |x[n]| after an effort of 1 for one sample: an effort within +- e keeps the position
-/// within e times that sum.
-double effort_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness);
+/// Sum of |x[n]| after an error of the first position sample and an effort added to the first
+/// command: the l1 norm of the loop, if one of them is 1 and the other 0. Errors within +- q/2 keep
+/// the position within q/2 times that sum, so q times it peak to peak. The tail beyond some ten
+/// thousand samples is extrapolated. Requires a stable loop.
+double pulse_gain(const LoopPlant& plant, const LoopController& law, double contact_stiffness,
+                  double position_error, double effort);
 
 /// Peak-to-peak oscillation that quantisation may cause, the worst over the cases; 0 if dry
 /// friction removes it:

@@ -30,8 +30,7 @@ class Arc {
 
   double middle() const noexcept { return middle_; }
   double half() const noexcept { return half_; }
-  const TaylorModel& s() const noexcept { return s_; }  ///< 2 sin(angle/2)
-  const TaylorModel& s_squared() const noexcept { return s_squared_; }
+  const TaylorModel& s() const noexcept { return s_; }            ///< 2 sin(angle/2)
   const TaylorModel& half_cosine() const noexcept { return c_; }  ///< cos(angle/2)
   const CircleValue& z_less_one() const noexcept { return z_less_one_; }
 

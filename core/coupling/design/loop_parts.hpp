@@ -41,8 +41,7 @@ struct LoopTiming {
 
 /// Usual grip of a device: between the fingers like a pen, or with hand and arm.
 enum class Grip : std::uint8_t { kPen, kArm };
-/// Converts to "pen" or "arm". `parse_grip` returns false, with `grip` unchanged, for an unknown
-/// name.
+/// "pen" or "arm". `parse_grip` leaves `grip` unchanged and returns false for another name.
 std::string_view name_of(Grip grip) noexcept;
 bool parse_grip(std::string_view word, Grip& grip) noexcept;
 
@@ -92,9 +91,8 @@ struct ContactRange {
 /// Longest delay of a design [periods]: the matrix of the loop has one state for each.
 inline constexpr double kMaxDelayPeriods = 200.0;
 
-/// Range of masses, dampings, stiffnesses, periods and other quantities, apart from 0 where it is
-/// meaningful. A number outside is in a wrong unit or belongs to no device, and rounding would
-/// dominate the searches.
+/// Range of all quantities, apart from 0 where it is meaningful. A number outside is in a wrong
+/// unit, and rounding would dominate the searches.
 inline constexpr double kMinQuantity = 1e-12, kMaxQuantity = 1e12;
 
 /// All errors in the numbers, one sentence each that names field, value and rule; empty if they are

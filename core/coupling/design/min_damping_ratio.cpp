@@ -1,7 +1,5 @@
 #include "core/coupling/design/min_damping_ratio.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -82,23 +80,18 @@ DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisP
   for (std::size_t a = 0; a < problems.size(); ++a) {
     const Loop loop = loop_of(request, problems[a], spec, displayed[a], 1.0);
     for (const DesignCase& one : problems[a].cases) {
-      const double here = ratio(one.plant, loop.law, loop.contact);
-      double& least = one.gripped ? out.gripped : out.released;
-      if (here >= least)
-        continue;
-      least = here;
-      (one.gripped ? out.gripped_where : out.released_where) =
-          fmt::format("{}: {}", problems[a].units->name, describe(one, *problems[a].units));
+      LeastDamping& least = one.gripped ? out.gripped : out.released;
+      if (const double here = ratio(one.plant, loop.law, loop.contact); here < least.ratio)
+        least = {here, a, one};
     }
   }
   return out;
 }
 
-std::string set_min_damping(const DesignProblem& request, std::vector<AxisProblem>& problems) {
+LeastDamping set_min_damping(const DesignProblem& request, std::vector<AxisProblem>& problems) {
   const bool may_damp =
       request.goals.allow_injected_damping && request.goals.kind != "spring_damper";
-  std::string out_of_reach;
-  double worst = 1.0;
+  LeastDamping out_of_reach;
   const auto set = [&](AxisProblem& problem, bool gripped, double minimum) {
     bool forbidden = false;
     for (DesignCase& one : problem.cases) {
@@ -111,11 +104,8 @@ std::string set_min_damping(const DesignProblem& request, std::vector<AxisProble
       if (best >= minimum)
         continue;
       forbidden = true;
-      if (best >= worst)
-        continue;
-      worst = best;
-      out_of_reach = fmt::format("{}: {} reaches a damping ratio of {:.2g} at most",
-                                 problem.units->name, describe(one, *problem.units), best);
+      if (best < out_of_reach.ratio)
+        out_of_reach = {best, problem.axis, one};
     }
     for (DesignCase& one : problem.cases)
       if (forbidden && one.gripped == gripped)

@@ -4,8 +4,6 @@
 /// A case is one device in one hand with one timing (`design_cases`); its minimum is
 /// `DesignCase::least_damping_ratio`. A hand that is only known to be passive has no minimum,
 /// because such hands include masses that oscillate arbitrarily long.
-#include <string>
-
 #include "core/coupling/design/axis_verdict.hpp"
 #include "core/coupling/design/designer.hpp"
 
@@ -21,9 +19,8 @@ DominantMode dominant_mode(const DesignProblem& request, const std::vector<AxisP
 /// A minimum is out of reach if a case stays below it even in the softest useful contact with the
 /// best injected damping. If that holds for one hand, all hands lose their minimum, because
 /// reducing the stiffness for the others would not shorten the longest oscillation. The same
-/// applies to released devices. Returns the worst case out of reach, for example "Translation:
-/// gripped (0.2 kg, ...) reaches a damping ratio of 0.2 at most", or an empty text.
-std::string set_min_damping(const DesignProblem& request, std::vector<AxisProblem>& problems);
+/// applies to released devices. Returns the worst case out of reach and its best ratio.
+LeastDamping set_min_damping(const DesignProblem& request, std::vector<AxisProblem>& problems);
 
 /// Whether all cases meet their minimum with the contact stiffness `contact` ahead of `law` (of
 /// unit gain).

@@ -91,7 +91,6 @@ class Proof {
     constexpr double kShortest = 1e-7;
     const Arc arc(middle, half);
     const CircleValue m = over_arc(m_, arc);
-    ++out_.arcs;
     std::vector<std::size_t> left;
     for (const std::size_t i : open) {
       if (is_refuted_[i])
@@ -238,16 +237,6 @@ std::optional<Candidate> solve(const std::vector<Sample>& samples, const Multipl
 }
 
 }  // namespace
-
-Multiplier multiplier_of(const Multiplier::Weights& past,
-                         const Multiplier::Weights& future) noexcept {
-  Multiplier m{1.0, past, future};
-  for (const double h : past)
-    m.at_rest -= h;
-  for (const double h : future)
-    m.at_rest -= h;
-  return m;
-}
 
 MultiplierProof prove(const Multiplier& multiplier, std::span<const ContactLoop> loops) {
   return is_multiplier(multiplier) ? Proof(multiplier, loops).run() : MultiplierProof{};

@@ -15,7 +15,7 @@
 /// Sources: Zames, Falb 1968; Willems, Brockett 1968 (discrete time); Carrasco, Heath, Zhang,
 /// Ahmad, Wang 2020 (search for finite sums); Jonsson, Megretski 2000 (L with a pole at z = 1).
 ///
-/// For design time only: the functions allocate. Equal inputs give equal results.
+/// For design time only.
 #include <array>
 #include <optional>
 #include <span>
@@ -33,10 +33,6 @@ struct Multiplier {
   double at_rest = 1.0;      ///< M(1) > 0
   Weights past{}, future{};  ///< of i = 1 .. N and of i = -1 .. -N, >= 0
 };
-/// Multiplier from the h_i of i = 1 .. N and i = -1 .. -N. `prove` refuses it if they violate the
-/// conditions above.
-Multiplier multiplier_of(const Multiplier::Weights& past,
-                         const Multiplier::Weights& future) noexcept;
 
 /// A loop and the stiffest contact that it must be stable with.
 struct ContactLoop {
@@ -57,8 +53,7 @@ struct MultiplierProof {
   };
   bool is_multiplier = false;  ///< M(1) > 0 and no weight is negative
   std::vector<Refuted>
-      refuted;   ///< loops for which the inequality is not proven, with one angle of each
-  int arcs = 0;  ///< number of arcs of the circle
+      refuted;  ///< loops for which the inequality is not proven, with one angle of each
   bool holds() const noexcept { return is_multiplier && refuted.empty(); }
 };
 /// Whether M is a multiplier and the inequality holds with its floor on the whole unit circle,

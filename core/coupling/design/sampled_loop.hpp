@@ -14,8 +14,8 @@
 /// With a window, v^ is the sum of velocity_window.hpp. The contact is bilateral and nothing is
 /// quantised. The state space follows from the matrix exponential.
 ///
-/// For design time only: the functions may allocate. Numbers must satisfy `check` (loop_parts.hpp)
-/// and `validate` (coupling_spec.hpp): finite, with the right sign.
+/// For design time only. Numbers must satisfy `check` (loop_parts.hpp) and `validate`
+/// (coupling_spec.hpp).
 #include <limits>
 #include <numbers>
 
@@ -59,6 +59,13 @@ struct LoopPlant {
   bool operator==(const LoopPlant&) const = default;
 };
 
+/// A corner of the ranges of device, hand and timing.
+struct LoopCase {
+  LoopPlant plant;
+  bool gripped = false;  ///< false: the device is released
+  bool slow = false;     ///< slowest timing instead of the nominal one
+};
+
 /// Spectral radius of the closed loop with contact stiffness `contact_stiffness`; < 1 means stable.
 /// Takes 10 to 100 us, increasing with the delay. Throws std::invalid_argument if the numbers are
 /// too far apart for a matrix.
@@ -93,7 +100,7 @@ struct CriticalStiffness {
 ///     G' = G/(1 + G B V), the plant with its injected damping
 ///
 /// The result is the least -1/L over the frequencies where L is real and negative. L is computed
-/// from its factors, not from matrices of the loop. Injected damping at or above `critical_damping`
+/// from its factors, not from matrices of the loop. Injected damping at or above `inner_limit`
 /// gives 0.
 CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopController& controller);
 
@@ -104,9 +111,6 @@ struct InnerLimit {
 };
 InnerLimit inner_limit(const LoopPlant& plant, double velocity_filter_rad_per_s,
                        int velocity_window = 0);
-/// The `damping` of `inner_limit`.
-double critical_damping(const LoopPlant& plant, double velocity_filter_rad_per_s,
-                        int velocity_window = 0);
 
 /// `critical_stiffness` with an already computed `inner_limit` of the plant on the controller's
 /// velocity. It is unused without injected damping.

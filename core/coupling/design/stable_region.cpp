@@ -8,7 +8,9 @@
 #include "core/coupling/design/design_cases.hpp"
 
 namespace voxtouch::coupling::design {
+namespace {
 
+/// The critical stiffness of the worst case for one controller.
 double worst_critical_stiffness(const AxisModel& axis, const LoopTiming& timing,
                                 const HandRange& hand, const LoopController& controller) {
   double worst = std::numeric_limits<double>::infinity();
@@ -16,6 +18,8 @@ double worst_critical_stiffness(const AxisModel& axis, const LoopTiming& timing,
     worst = std::min(worst, critical_stiffness(one.plant, controller).stiffness);
   return worst;
 }
+
+}  // namespace
 
 StableRegion stable_region(const AxisModel& axis, const LoopTiming& timing, const HandRange& hand,
                            const LoopController& chosen, double low_hz, double high_hz, int count) {

@@ -21,8 +21,4 @@ struct StableRegion {
 StableRegion stable_region(const AxisModel& axis, const LoopTiming& timing, const HandRange& hand,
                            const LoopController& chosen, double low_hz, double high_hz, int count);
 
-/// The critical stiffness of the worst case for one controller.
-double worst_critical_stiffness(const AxisModel& axis, const LoopTiming& timing,
-                                const HandRange& hand, const LoopController& controller);
-
 }  // namespace voxtouch::coupling::design

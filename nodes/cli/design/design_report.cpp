@@ -4,16 +4,16 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/design_cases.hpp"
-#include "core/coupling/design/status_words.hpp"
 #include "nodes/cli/design/certificate_report.hpp"
 #include "nodes/cli/force_line.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -62,22 +62,22 @@ std::string coupling_lines(const coupling::design::Design& design) {
     text += fmt::format(
         "\n"
         "                injected damping {:.3g} Ns/m in contact, velocity from {}",
-        s.injected_damping_ns_per_m, coupling::design::describe(coupling::design::velocity_of(s)));
-  for (const std::string& more :
-       {coupling::design::describe_slow_velocity(s), coupling::design::describe_bound(s)})
-    if (!more.empty())
-      text += ";\n                it " + more;
+        s.injected_damping_ns_per_m, design_text::text_of(coupling::design::velocity_of(s)));
+  for (const std::string& more : design_text::damping_notes(s))
+    text += ";\n                it " + more;
   if (std::isfinite(s.stiffness_cap_n_per_m))
     text += fmt::format("\n                contact capped at {:.4g} N/m", s.stiffness_cap_n_per_m);
   return text;
 }
 
-std::string axis_lines(const coupling::design::AxisDesign& a, const char* unit) {
+std::string axis_lines(const coupling::design::Design& design, std::size_t axis, const char* unit) {
+  const coupling::design::AxisDesign& a = coupling::design::axis_of(design, axis);
   std::string text = fmt::format("{:.4g} {}, requested {:.4g}", a.displayed_stiffness, unit,
                                  a.requested_stiffness);
   if (std::isfinite(a.critical_stiffness))
-    text += fmt::format("; stability limit {:.4g}: {}\n                gain margin {:.3g}",
-                        a.critical_stiffness, a.worst_case_text, a.gain_margin);
+    text +=
+        fmt::format("; stability limit {:.4g}: {}\n                gain margin {:.3g}",
+                    a.critical_stiffness, design_text::worst_case_of(design, axis), a.gain_margin);
   else
     text += "; stable at every stiffness";
   text += a.passive                  ? "; stable with any passive hand"
@@ -92,12 +92,11 @@ std::string damping_lines(const DesignReport& r) {
   namespace cd = coupling::design;
   const cd::DominantMode& least = r.design.swing;
   std::string text;
-  for (const auto& [who, ratio, where] :
-       {std::tuple("released", least.released, &least.released_where),
-        {"gripped", least.gripped, &least.gripped_where}})
-    if (!where->empty())
-      text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", ratio, who,
-                          *where);
+  for (const auto& [who, mode] :
+       {std::pair("released", least.released), {"gripped", least.gripped}})
+    if (const std::string where = design_text::case_of(mode); !where.empty())
+      text += fmt::format("{}{:.2g} {} ({})", text.empty() ? "" : "\n                ", mode.ratio,
+                          who, where);
   if (text.empty())
     return "no oscillating mode";
   const cd::MinDampingRatios& min_damping = r.problem.goals.min_damping;
@@ -105,9 +104,9 @@ std::string damping_lines(const DesignReport& r) {
   if (min_damping.released + min_damping.gripped > 0.0)
     text += fmt::format("\n                minimum {:.2g} released and {:.2g} gripped: {}",
                         min_damping.released, min_damping.gripped, kept ? "kept" : "not kept");
-  if (kept && !r.design.min_damping.out_of_reach.empty())
-    text += ", except where a hand makes it unreachable:\n                " +
-            r.design.min_damping.out_of_reach;
+  if (const std::string hand = design_text::out_of_reach(r.design.min_damping.out_of_reach);
+      kept && !hand.empty())
+    text += ", except where a hand makes it unreachable:\n                " + hand;
   return text;
 }
 
@@ -178,12 +177,13 @@ nlohmann::ordered_json region_json(const DesignReport& r) {
   return j;
 }
 
-nlohmann::ordered_json axis_json(const coupling::design::AxisDesign& a) {
+nlohmann::ordered_json axis_json(const coupling::design::Design& design, std::size_t axis) {
+  const coupling::design::AxisDesign& a = coupling::design::axis_of(design, axis);
   return {{"requested_stiffness", finite(a.requested_stiffness)},
           {"displayed_stiffness", finite(a.displayed_stiffness)},
           {"critical_stiffness", finite(a.critical_stiffness)},
           {"gain_margin", finite(a.gain_margin)},
-          {"worst_case", a.worst_case_text},
+          {"worst_case", design_text::worst_case_of(design, axis)},
           {"passive", a.passive},
           {"passive_stiffness", finite(a.passive_stiffness)},
           {"spectral_radius", finite(a.spectral_radius)},
@@ -261,9 +261,8 @@ LawRegion region_of_law(const coupling::design::DesignProblem& problem,
 
 std::string to_text(const DesignReport& r) {
   const coupling::design::Design& d = r.design;
-  std::string text =
-      fmt::format("\n  {}: {}\n\n", coupling::design::name_of(d.status),
-                  coupling::design::sentence_of(coupling::design::name_of(d.status)));
+  std::string text = fmt::format("\n  {}: {}\n\n", coupling::design::name_of(d.status),
+                                 design_text::sentence_of(coupling::design::name_of(d.status)));
   const auto row = [&](const char* name, const std::string& value) {
     text += fmt::format("  {:<13} {}\n", name, value);
   };
@@ -272,12 +271,12 @@ std::string to_text(const DesignReport& r) {
   row("hand", r.hand);
   row("contact", r.contact);
   row("coupling", coupling_lines(d));
-  row("stiffness", axis_lines(d.translation, "N/m"));
+  row("stiffness", axis_lines(d, 0, "N/m"));
   if (r.preview)
     if (const std::string line = contact_line(*r.preview, r.device); !line.empty())
       row("at the tool", line);
   if (r.problem.device.gives_torque)
-    row("rotation", axis_lines(d.rotation, "Nm/rad"));
+    row("rotation", axis_lines(d, 1, "Nm/rad"));
   if (const std::string line = certificate_line(r.certificate); !line.empty())
     row("certificate", line);
   row("damping", damping_lines(r));
@@ -291,7 +290,7 @@ std::string to_text(const DesignReport& r) {
                                 "faster hand moves deeper and is stopped there",
                                 d.max_approach_m_per_s, r.problem.goals.force_layer_depth_m * 1e3));
   row("paper", paper_line(r.paper));
-  return text + list("Limits:", d.reasons) +
+  return text + list("Limits:", design_text::reasons_of(d)) +
          list("Not covered by the certificate:", certificate_gaps(r.certificate));
 }
 
@@ -328,20 +327,20 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
                         {"across_n_per_m", r.preview->across_n_per_m()}};
   j["lag_s"] = r.design.lag_s;
   j["max_approach_m_per_s"] = r.design.max_approach_m_per_s;
-  j["translation"] = axis_json(r.design.translation);
+  j["translation"] = axis_json(r.design, 0);
   if (r.problem.device.gives_torque)
-    j["rotation"] = axis_json(r.design.rotation);
+    j["rotation"] = axis_json(r.design, 1);
   const coupling::design::DominantMode& swing = r.design.swing;
   const coupling::design::MinDampingResult& min_damping = r.design.min_damping;
   j["dominant_mode"] = {
-      {"released_damping_ratio", swing.released},
-      {"released", swing.released_where},
-      {"gripped_damping_ratio", swing.gripped},
-      {"gripped", swing.gripped_where},
+      {"released_damping_ratio", swing.released.ratio},
+      {"released", design_text::case_of(swing.released)},
+      {"gripped_damping_ratio", swing.gripped.ratio},
+      {"gripped", design_text::case_of(swing.gripped)},
       {"released_min_damping_ratio", r.problem.goals.min_damping.released},
       {"gripped_min_damping_ratio", r.problem.goals.min_damping.gripped},
       {"min_damping_ratio_kept", min_damping.released + min_damping.gripped > 0.0},
-      {"out_of_reach", min_damping.out_of_reach},
+      {"out_of_reach", design_text::out_of_reach(min_damping.out_of_reach)},
       {"min_damping_ratio_cost_n_per_m", min_damping.cost_n_per_m},
       {"min_damping_ratio_cost_nm_per_rad", min_damping.cost_nm_per_rad}};
   j["paper_recipe"] = {{"cutoff_hz", kPaperCutoffHz},
@@ -355,7 +354,7 @@ nlohmann::ordered_json to_json(const DesignReport& r) {
   verdict("released", r.paper.critical_released);
   verdict("gripped", r.paper.critical_gripped);
   j["certificate"] = certificate_json(r.certificate);
-  j["reasons"] = r.design.reasons;
+  j["reasons"] = design_text::reasons_of(r.design);
   j["region"] = region_json(r);
   return j;
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "nodes/cli/design/design_input.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::cli {
 namespace {
@@ -99,8 +100,9 @@ double designed(const DeviceDescription& d, std::string& limit) {
     return 0.0;
   }
   const auto& axis = design.translation;
-  limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness ? "device limit"
-                                                                       : axis.worst_case_text;
+  limit = axis.displayed_stiffness >= 0.999 * axis.requested_stiffness
+              ? "device limit"
+              : design_text::worst_case_of(design, 0);
   return axis.displayed_stiffness;
 }
 

@@ -12,6 +12,7 @@
 #include "nodes/cli/machine.hpp"
 #include "nodes/cli/plan/plan_report.hpp"
 #include "nodes/cli/verbs.hpp"
+#include "nodes/design_text/design_text.hpp"
 #include "nodes/rendering/plan_ring.hpp"
 #include "nodes/runtime/scene_argument.hpp"
 #include "nodes/scene_build/build_here.hpp"
@@ -38,7 +39,7 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
   const device_fit::FittedCoupling fit =
       device_fit::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fit.refusal.empty()) {
-    out.errors.push_back(fit.refusal);
+    out.errors.push_back(design_text::sentence_of(fit.refusal));
     return out;
   }
   if (scene.design) {

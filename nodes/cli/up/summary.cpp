@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "core/coupling/design/status_words.hpp"
 #include "nodes/cli/up/figure_table.hpp"
 #include "nodes/cli/up/verdict_text.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::cli {
 
@@ -145,8 +145,9 @@ std::string to_text(const RunSummary& s) {
   if (count(s.reports, "device", "samples") > 0)
     text += figure_table(s, s.verdict);
   const std::string design = word(s.reports, "coupling", "design_status");
-  if (const std::string_view means = coupling::design::sentence_of(design); !means.empty())
-    text += fmt::format("  coupling    {}\n", means);
+  if (const std::string_view means = design_text::sentence_of(design); !means.empty())
+    text += fmt::format("  coupling    {}
+", means);
   if (!s.bag.empty())
     text +=
         fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,

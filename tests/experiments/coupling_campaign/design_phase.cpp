@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/coupling/design/designer.hpp"
+#include "nodes/design_text/design_text.hpp"
 #include "tests/experiments/coupling_campaign/campaign.hpp"
 
 namespace voxtouch::campaign {
@@ -70,7 +71,7 @@ struct Tried {
   /// The worst vertex, at the nominal timing and not at the slowest one, at which its promise
   /// holds.
   coupling::design::LoopPlant worst() const {
-    coupling::design::LoopPlant out = design.translation.worst_case;
+    coupling::design::LoopPlant out = design.translation.worst_case.plant;
     out.period_s = member.device.timing.period_s, out.delay_s = member.device.timing.delay_s;
     return out;
   }
@@ -115,7 +116,7 @@ std::vector<Setting> settings_of(const Tried& t, coupling_models::Random& random
     return out;  // its promise does not grow with the contact
   for (const auto& [name, times] : {std::pair{"1.9 times the promise at the slowest timing", 1.9},
                                     {"1.4 times the promise at the slowest timing", 1.4}})
-    add(name, t.design.translation.worst_case, [&](coupling_models::NonlinearLoop& loop) {
+    add(name, t.design.translation.worst_case.plant, [&](coupling_models::NonlinearLoop& loop) {
       loop.contact_stiffness *= times;
       loop.jitter = loop.loss = 0.0;
       loop.measured_period = false;
@@ -154,8 +155,8 @@ class Phase {
     if (!member.hand.any_passive && design.status != coupling::design::DesignStatus::kInfeasible) {
       const bool min_damping = request.goals.min_damping.gripped > 0.0;
       if (member.hand.may_release)
-        swings_[min_damping][0].push_back(design.swing.released);
-      swings_[min_damping][1].push_back(design.swing.gripped);
+        swings_[min_damping][0].push_back(design.swing.released.ratio);
+      swings_[min_damping][1].push_back(design.swing.gripped.ratio);
     }
     const coupling::design::AxisDesign& axis = design.translation;
     // Infeasible designs are simulated too, unless nothing is certified.
@@ -174,11 +175,11 @@ class Phase {
             {setting.name, options_.seed, member.index, corner,
              fmt::format("{}; margin {:.4g}, worst {}; {}",
                          coupling::design::name_of(design.status), axis.gain_margin,
-                         axis.worst_case_text, describe(setting.loop, verdict))});
+                         design_text::worst_case_of(design, 0), describe(setting.loop, verdict))});
     }
     if (!corner && design.status != coupling::design::DesignStatus::kInfeasible &&
         tried.controller.law != Law::kSpringDamper && slowest_.size() < options_.limits) {
-      slowest_.push_back(limit_over_promise(tried, design.translation.worst_case, random));
+      slowest_.push_back(limit_over_promise(tried, design.translation.worst_case.plant, random));
       nominal_.push_back(limit_over_promise(tried, tried.worst(), random));
     }
   }

@@ -21,9 +21,9 @@ coupling::design::LoopController draw_controller(const coupling::design::LoopPla
   out.use(coupling::design::kVelocityEstimates[random.below(
       coupling::design::kVelocityEstimates.size())]);
   if (damped)
-    out.injected_damping =
-        fraction * coupling::design::critical_damping(plant, out.velocity_filter_rad_per_s,
-                                                      out.velocity_window);
+    out.injected_damping = fraction * coupling::design::inner_limit(
+                                          plant, out.velocity_filter_rad_per_s, out.velocity_window)
+                                          .damping;
   return out;
 }
 

@@ -20,6 +20,10 @@ constexpr std::array kModels = {contact::ContactModelKind::kOriginal,
                                 contact::ContactModelKind::kAdapted,
                                 contact::ContactModelKind::kField};
 
+/// Largest energy gain from sliding over voxels, relative to force and path, times the contact
+/// radius in voxels.
+constexpr double kSlidingRatio = 0.15;
+
 /// The bound of deploy/pictures/stability_map.png: energy generated on a closed loop, divided by
 /// mean force times path, for a ball of `radius_voxels`. core/coupling/passivity.hpp states the
 /// same.
@@ -27,9 +31,9 @@ double most_ratio(contact::ContactModelKind model, double radius_voxels) {
   switch (model) {
     case contact::ContactModelKind::kOriginal:
     case contact::ContactModelKind::kAdapted:
-      return coupling::kSlidingRatio / radius_voxels;
+      return kSlidingRatio / radius_voxels;
     case contact::ContactModelKind::kField:
-      return radius_voxels < 5.0 ? 0.4 * coupling::kSlidingRatio / radius_voxels : 1e-6;
+      return radius_voxels < 5.0 ? 0.4 * kSlidingRatio / radius_voxels : 1e-6;
   }
   return 0.0;
 }
@@ -211,10 +215,10 @@ TEST(F2SlidingOverVoxelBorders, LatchedForceAddsNoEnergy) {
               within ? "hollow" : "cylinder", std::string(contact::name_of(model)).c_str(),
               1e3 * deep, leaves ? "pulled out" : "never out", round.most_n,
               round.energy_generated_j, fraction, round.lowest_j);
-          EXPECT_LE(fraction, coupling::kSlidingRatio / 4.0) << contact::name_of(model);
+          EXPECT_LE(fraction, kSlidingRatio / 4.0) << contact::name_of(model);
           EXPECT_GE(round.lowest_j, -5.0 * round.most_n * Round::kStep -
                                         round.most_n * Round::kEdge -
-                                        coupling::kSlidingRatio / 5.0 * round.path_n_m);
+                                        kSlidingRatio / 5.0 * round.path_n_m);
           most = std::max(most, fraction);
         }
   std::printf("most given over force times way %.4f\n", most);

@@ -13,6 +13,7 @@
 #include "core/device_fit/design_problem.hpp"
 #include "core/device_fit/fit_coupling.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::long_runs {
 namespace {
@@ -33,7 +34,7 @@ device_fit::FittedCoupling fit(const scene::Scene& scene,
   device_fit::FittedCoupling fitted =
       device_fit::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fitted.refusal.empty())
-    throw std::runtime_error(fitted.refusal);
+    throw std::runtime_error(design_text::sentence_of(fitted.refusal));
   return fitted;
 }
 

@@ -142,7 +142,7 @@ TEST(AbsoluteStability, DesignAtItsLinearLimitIsLinearOnly) {
   request.contact.all_points = 0.999 * linear_limits(request, spec)[0];
   request.contact.one_point = 0.1 * request.contact.all_points;
   const Design design = judge_coupling(request, spec);
-  ASSERT_NE(design.status, DesignStatus::kInfeasible) << design.reasons.front();
+  ASSERT_NE(design.status, DesignStatus::kInfeasible);
   const ContactCertificate c = certify_contacts(request, design);
   EXPECT_EQ(c.contact, ContactClass::kLinear);
   EXPECT_EQ(c.proof, MonotoneProof::kNone);

@@ -199,7 +199,7 @@ TEST(LinearPassive, HasThePublishedComparison) {
   EXPECT_NEAR(linear_passive_stiffness_filter(10.0 * five, d, 0.5, stylus, 0.0), 94.0, 0.5);
   EXPECT_NEAR(linear_passive_stiffness_filter(10.0 * five, d, 30.0, arm, 0.0), 3270.0, 5.0);
   EXPECT_NEAR(linear_passive_stiffness_filter(kInfinity, d, 0.5, stylus, 0.0),
-              colgate_stiffness(0.5, 0.0, 1e-3, 1), 1e-9);
+              colgate_stiffness(0.5, 1e-3, 1), 1e-9);
 }
 
 TEST(LinearPassive, FindsTheSameMaximumAsADenseSearch) {
@@ -252,14 +252,12 @@ TEST(LinearPassive, NoPassiveHandDestabilisesItsContact) {
 }
 
 TEST(Colgate, IsTheExactLimitOfAHeavySlowDevice) {
-  EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, 0.0, 1e-3, 1), 0.5 / 1.5e-3);
-  EXPECT_NEAR(colgate_stiffness(30.0, 0.0, 1e-3, 5), 5450.0, 5.0);
-  EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, -0.2, 1e-3, 0), 0.3 / 0.5e-3);
-  EXPECT_EQ(colgate_stiffness(0.5, 0.6, 1e-3, 0), 0.0);
+  EXPECT_DOUBLE_EQ(colgate_stiffness(0.5, 1e-3, 1), 0.5 / 1.5e-3);
+  EXPECT_NEAR(colgate_stiffness(30.0, 1e-3, 5), 5450.0, 5.0);
   const LoopPlant heavy{.mass = 1e3, .damping = 0.5, .period_s = 1e-3, .delay_s = 1e-3};
-  EXPECT_NEAR(critical_stiffness(heavy, {.law = Law::kDirect}).stiffness /
-                  colgate_stiffness(0.5, 0.0, 1e-3, 1),
-              1.0, 1e-4);
+  EXPECT_NEAR(
+      critical_stiffness(heavy, {.law = Law::kDirect}).stiffness / colgate_stiffness(0.5, 1e-3, 1),
+      1.0, 1e-4);
 }
 
 TEST(LimitCycle, FrictionIsHalfAStepOfTheForce) {

@@ -149,7 +149,8 @@ struct AnyLoop {
         random.chance(0.5) ? 0 : 1 + static_cast<int>(random.uniform(0.0, kMaxVelocityWindow));
     controller.injected_damping =
         random.uniform(0.0, 0.999) *
-        critical_damping(plant, controller.velocity_filter_rad_per_s, controller.velocity_window);
+        inner_limit(plant, controller.velocity_filter_rad_per_s, controller.velocity_window)
+            .damping;
   }
 };
 
@@ -189,7 +190,8 @@ TEST(CriticalStiffness, InjectedDampingHasALimitOfItsOwn) {
     const LoopPlant p = testing::random_plant(random, false);
     none.velocity_filter_rad_per_s = random.log(50.0, 3000.0);
     none.velocity_window = i % (kMaxVelocityWindow + 1);
-    const double limit = critical_damping(p, none.velocity_filter_rad_per_s, none.velocity_window);
+    const double limit =
+        inner_limit(p, none.velocity_filter_rad_per_s, none.velocity_window).damping;
     for (const double fraction : {0.01, 0.5, 0.999}) {
       none.injected_damping = fraction * limit;
       ASSERT_LT(spectral_radius(p, none, 0.0), 1.0) << i << " " << fraction;

@@ -6,6 +6,7 @@
 
 #include "core/coupling/design/design_axis.hpp"
 #include "core/coupling/design/designer.hpp"
+#include "core/coupling/design/filter_search.hpp"
 #include "tests/unit/coupling_design/support.hpp"
 
 namespace voxtouch::testing {
@@ -17,11 +18,24 @@ inline constexpr coupling::design::HandRange kArm{false, true, 0.3, 2.0, 3.0, 30
 /// Rotation of a wrist: assumed, around the centre of the simulated arm's range.
 inline constexpr coupling::design::HandRange kWrist{false, true, 0.003, 0.03, 0.1, 1.0, 1.0, 20.0};
 
+inline bool has_reason(const coupling::design::Design& design,
+                       coupling::design::DesignLimit limit) {
+  return std::ranges::find(design.reasons, limit, &coupling::design::DesignReason::what) !=
+         design.reasons.end();
+}
+
 /// The assumptions of the published tables: an unbounded damper on a filtered velocity, and no
 /// minimum damping ratios.
 inline void as_published(coupling::design::DesignGoals& goals) {
   goals.kind = "shaping_filter", goals.damping_force_ratio = 0.0, goals.velocity_windows = false,
   goals.min_damping = {0.0, 0.0};
+}
+
+/// Device damping with which the request would be passive at the highest cut-off.
+inline double damping_required_any_cutoff(coupling::design::DesignProblem request) {
+  const coupling::CouplingSpec spec = design_coupling(request).spec;
+  request.goals.cutoff_hz = filter_settings(request).back().cutoff_hz;
+  return judge_coupling(request, spec).translation.damping_required;
 }
 
 /// A stylus with hardly any damping, as in the published table: 1 ms of period and delay, two

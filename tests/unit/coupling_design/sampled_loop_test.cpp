@@ -148,8 +148,8 @@ TEST(SampledLoop, InjectedDampingMatchesTheClosedForm) {
   // characteristic z^2 - (1 - c/2) z + c/2 over z - 1, c = B T/m.
   const LoopPlant p{.mass = 0.1, .period_s = 1e-3};
   const LoopController c{.law = Law::kDirect, .gain = 1.0, .injected_damping = 20.0};
-  EXPECT_DOUBLE_EQ(spectral_radius(p, c, 0.0), 1.0);    // the position
-  EXPECT_NEAR(critical_damping(p, 0.0), 200.0, 1e-10);  // c = 2
+  EXPECT_DOUBLE_EQ(spectral_radius(p, c, 0.0), 1.0);       // the position
+  EXPECT_NEAR(inner_limit(p, 0.0).damping, 200.0, 1e-10);  // c = 2
   LoopController over = c;
   over.injected_damping = 201.0;
   EXPECT_NEAR(spectral_radius(p, over, 0.0), std::sqrt(0.5 * 201.0 * 1e-3 / 0.1), 1e-12);

@@ -5,8 +5,11 @@
 
 #include "core/rendering/reload_check.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::device_fit {
+
+using design_text::sentence_of;
 namespace device_compatibility_test {
 
 constexpr rendering::StiffnessBounds kContact = {{30.0, 3000.0}, {0.003, 0.3}};
@@ -67,7 +70,8 @@ rendering::StiffnessBounds bounds(const scene::Scene& scene) {
 
 /// Result of the check at the start.
 std::string at_start(const scene::Scene& scene, const coupling::design::DeviceModel& device) {
-  return fit_coupling(scene, device, bounds(scene).translation, bounds(scene).rotation).refusal;
+  return sentence_of(
+      fit_coupling(scene, device, bounds(scene).translation, bounds(scene).rotation).refusal);
 }
 DeviceCompatibility running(const scene::Scene& scene,
                             const coupling::design::DeviceModel& device) {
@@ -77,7 +81,7 @@ DeviceCompatibility running(const scene::Scene& scene,
   return on;
 }
 std::string asked(DeviceCompatibility& on, const scene::Scene& next) {
-  return on.check(next, kContact, effects::at_rest(next.effects));
+  return sentence_of(on.check(next, kContact, effects::at_rest(next.effects)));
 }
 
 /// The largest damping that this device tolerates with this contact, by the check at the start.
@@ -92,7 +96,7 @@ double most_damping(const coupling::design::DeviceModel& device) {
 TEST(DeviceCompatibility, RefusesLikeTheStartInTheSameWords) {
   const scene::Scene now = scene_with({oil(0.5)});
   DeviceCompatibility on = running(now, stylus());
-  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(sentence_of(on.refusal()), "");
   int accepted = 0, refused = 0;
   for (double damping = 0.25; damping < 100.0; damping *= 1.3) {
     const scene::Scene next = scene_with({oil(damping)});
@@ -108,7 +112,7 @@ TEST(DeviceCompatibility, ChecksTheSumOfAllEffects) {
   const double most = most_damping(stylus());
   const scene::Scene now = scene_with({oil(0.6 * most), effect("surface_damping", {0.3 * most})});
   DeviceCompatibility on = running(now, stylus());
-  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(sentence_of(on.refusal()), "");
   scene::Scene next = now;
   next.effects[1].values.at(0)[0] = 0.5 * most;
   EXPECT_NE(asked(on, next), "");
@@ -139,7 +143,7 @@ TEST(DeviceCompatibility, ChecksValuesDuringTheirTransition) {
   ASSERT_EQ(at_start(next, stylus()), "");
   std::vector<effects::EffectReach> reach = effects::at_rest(now.effects);
   reach[0].widen(next.effects[0]), reach[1].widen(next.effects[1]);
-  EXPECT_NE(on.check(next, kContact, reach), "");
+  EXPECT_NE(sentence_of(on.check(next, kContact, reach)), "");
   scene::Scene lower = now;
   lower.effects[0] = next.effects[0];
   on.runs(lower, kContact, bounds(lower), demand_of(lower));
@@ -158,12 +162,12 @@ TEST(DeviceCompatibility, ChecksDampingOnCurrentAndNextCoupling) {
   const double most = most_damping(stylus());
   const scene::Scene scene = scene_with({oil(0.95 * most)});
   DeviceCompatibility on = running(scene, stylus());
-  ASSERT_EQ(on.refusal(), "");
-  EXPECT_NE(on.check(scene, soft, effects::at_rest(scene.effects)), "")
+  ASSERT_EQ(sentence_of(on.refusal()), "");
+  EXPECT_NE(sentence_of(on.check(scene, soft, effects::at_rest(scene.effects))), "")
       << "the coupling that follows lags more";
   const scene::Scene thin = scene_with({});
   on.runs(thin, soft, soft, demand_of(thin));
-  EXPECT_NE(on.check(scene, kContact, effects::at_rest(scene.effects)), "")
+  EXPECT_NE(sentence_of(on.check(scene, kContact, effects::at_rest(scene.effects))), "")
       << "the one that runs still lags more";
 }
 
@@ -174,13 +178,14 @@ TEST(DeviceCompatibility, ChecksTheTransitionOnTheNextCoupling) {
   const scene::Scene scene = scene_with({oil(0.95 * most_damping(stylus()))}),
                      thin = scene_with({oil(0.1)});
   DeviceCompatibility on = running(scene, stylus());
-  ASSERT_EQ(on.refusal(), "");
-  ASSERT_EQ(on.check(thin, kContact, effects::at_rest(thin.effects)), "")
+  ASSERT_EQ(sentence_of(on.refusal()), "");
+  ASSERT_EQ(sentence_of(on.check(thin, kContact, effects::at_rest(thin.effects))), "")
       << "with the lag as it is";
-  EXPECT_NE(on.check(thin, soft, effects::at_rest(thin.effects)), "")
+  EXPECT_NE(sentence_of(on.check(thin, soft, effects::at_rest(thin.effects))), "")
       << "the one that follows lags more";
   on.runs(thin, kContact, kContact, demand_of(thin));
-  EXPECT_EQ(on.check(thin, soft, effects::at_rest(thin.effects)), "") << "once it has settled";
+  EXPECT_EQ(sentence_of(on.check(thin, soft, effects::at_rest(thin.effects))), "")
+      << "once it has settled";
 }
 
 TEST(DeviceCompatibility, RefusesTorqueOnADeviceWithoutTorque) {
@@ -189,7 +194,7 @@ TEST(DeviceCompatibility, RefusesTorqueOnADeviceWithoutTorque) {
   EXPECT_NE(asked(on, next), "");
   EXPECT_EQ(asked(on, next), at_start(next, stylus()));
   DeviceCompatibility on_arm = running(now, arm());
-  ASSERT_EQ(on_arm.refusal(), "");
+  ASSERT_EQ(sentence_of(on_arm.refusal()), "");
   EXPECT_EQ(asked(on_arm, next), "");
 }
 
@@ -206,15 +211,15 @@ TEST(DeviceCompatibility, ChecksRotationDampingLikeTranslation) {
                      next = rotation_damping(0.6 * most, 0.5 * most),
                      other = rotation_damping(0.05 * most, 0.9 * most);
   DeviceCompatibility on = running(now, arm());
-  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(sentence_of(on.refusal()), "");
   EXPECT_NE(asked(on, next), "");
   EXPECT_EQ(asked(on, next), at_start(next, arm()));
   EXPECT_EQ(asked(on, rotation_damping(0.95 * most)), "");
   std::vector<effects::EffectReach> reach = effects::at_rest(now.effects);
   reach[0].widen(other.effects[0]), reach[1].widen(other.effects[1]);
-  EXPECT_NE(on.check(other, kContact, reach), "");
+  EXPECT_NE(sentence_of(on.check(other, kContact, reach)), "");
   DeviceCompatibility still = running(next, arm());
-  EXPECT_EQ(still.refusal(), at_start(next, arm()));
+  EXPECT_EQ(sentence_of(still.refusal()), at_start(next, arm()));
   EXPECT_NE(asked(still, rotation_damping(0.7 * most, 0.6 * most)), "")
       << "it demands more of what is too much already";
 }
@@ -232,7 +237,7 @@ TEST(DeviceCompatibility, RefusesStiffnessBeyondAManualCoupling) {
   };
   const scene::Scene now = by_hand({guide(100)}), next = by_hand({guide(5000)});
   DeviceCompatibility on = running(now, stylus());
-  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(sentence_of(on.refusal()), "");
   EXPECT_NE(asked(on, next).find("5000 N/m"), std::string::npos) << asked(on, next);
   EXPECT_EQ(asked(on, next), at_start(next, stylus()));
   scene::Scene stiffer = now;
@@ -245,18 +250,19 @@ TEST(DeviceCompatibility, ChecksAgainForAnotherDevice) {
   const double most = most_damping(stylus());
   const scene::Scene now = scene_with({oil(0.9 * most)});
   DeviceCompatibility on = running(now, stylus());
-  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(sentence_of(on.refusal()), "");
   coupling::design::DeviceModel late = stylus();
   late.timing.delay_s = 0.05;
   for (const coupling::design::DeviceModel& other : {stylus(0.01), late}) {
     on.set_device(other);
     on.runs(now, kContact, bounds(now), demand_of(now));
-    EXPECT_NE(on.refusal(), "");
-    EXPECT_EQ(on.refusal(), at_start(now, other));
+    EXPECT_NE(sentence_of(on.refusal()), "");
+    EXPECT_EQ(sentence_of(on.refusal()), at_start(now, other));
   }
   on.set_device(arm());
   on.runs(now, kContact, bounds(now), demand_of(now));
-  EXPECT_EQ(on.refusal(), at_start(now, arm())) << "another kind of device, whose session begins";
+  EXPECT_EQ(sentence_of(on.refusal()), at_start(now, arm()))
+      << "another kind of device, whose session begins";
 }
 
 TEST(DeviceCompatibility, AcceptsAllUntilADeviceIsKnown) {
@@ -265,17 +271,17 @@ TEST(DeviceCompatibility, AcceptsAllUntilADeviceIsKnown) {
   on.runs(scene_with({oil(1.0)}), kContact, kContact, {});
   EXPECT_EQ(asked(on, thick), "");
   on.runs(thick, kContact, bounds(thick), demand_of(thick));
-  EXPECT_EQ(on.refusal(), "");
+  EXPECT_EQ(sentence_of(on.refusal()), "");
   on.set_device(stylus());
   on.runs(thick, kContact, bounds(thick), demand_of(thick));
-  EXPECT_EQ(on.refusal(), at_start(thick, stylus()));
+  EXPECT_EQ(sentence_of(on.refusal()), at_start(thick, stylus()));
 }
 
 /// No force is commanded then, so smaller requirements are accepted.
 TEST(DeviceCompatibility, AcceptsALowerDemandIfNoForceIsCommanded) {
   const scene::Scene two = scene_with({oil(50.0), effect("surface_damping", {50.0})});
   DeviceCompatibility on = running(two, stylus());
-  ASSERT_NE(on.refusal(), "");
+  ASSERT_NE(sentence_of(on.refusal()), "");
   scene::Scene one = two;
   one.effects[0].values.at(0)[0] = 1.0;
   EXPECT_EQ(asked(on, one), "") << "the other one is still too much, but must be lowered somehow";

@@ -4,8 +4,11 @@
 
 #include "core/device_fit/device_compatibility.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::device_fit {
+
+using design_text::sentence_of;
 namespace external_demand_test {
 
 constexpr rendering::StiffnessBounds kContact = {{30.0, 3000.0}, {0.003, 0.3}};
@@ -47,7 +50,7 @@ scene::Scene scene_with(double force_n, double torque_nm = 0.0) {
 
 std::string at_start(const scene::Scene& scene, const coupling::design::DeviceModel& device) {
   const rendering::StiffnessBounds bounds = rendering::with_effects(kContact, scene.effects);
-  return fit_coupling(scene, device, bounds.translation, bounds.rotation).refusal;
+  return sentence_of(fit_coupling(scene, device, bounds.translation, bounds.rotation).refusal);
 }
 
 void says(const std::string& why, std::initializer_list<const char*> words) {
@@ -78,20 +81,21 @@ TEST(ExternalDemand, IsRefusedAtEveryLaterChangeByTheSameSentence) {
   DeviceCompatibility on;
   on.set_device(device(3.0));
   on.runs(now, bounds, bounds, demand_of(now));
-  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(sentence_of(on.refusal()), "");
   for (const double force : {0.5, 2.9, 3.0, 3.1, 50.0}) {
     const scene::Scene next = scene_with(force);
-    EXPECT_EQ(on.check(next, kContact, effects::at_rest(next.effects)), at_start(next, device(3.0)))
+    EXPECT_EQ(sentence_of(on.check(next, kContact, effects::at_rest(next.effects))),
+              at_start(next, device(3.0)))
         << force;
     EXPECT_EQ(at_start(next, device(3.0)).empty(), force <= 3.0) << force;
   }
   on.set_device(device(0.5));  // described anew
   on.runs(now, bounds, bounds, demand_of(now));
-  EXPECT_NE(on.refusal(), "");
+  EXPECT_NE(sentence_of(on.refusal()), "");
   const scene::Scene less = scene_with(0.7), more = scene_with(1.1);
-  EXPECT_EQ(on.check(less, kContact, effects::at_rest(less.effects)), "")
+  EXPECT_EQ(sentence_of(on.check(less, kContact, effects::at_rest(less.effects))), "")
       << "it demands no more than what runs, which commands nothing";
-  EXPECT_NE(on.check(more, kContact, effects::at_rest(more.effects)), "");
+  EXPECT_NE(sentence_of(on.check(more, kContact, effects::at_rest(more.effects))), "");
 }
 
 TEST(ExternalDemand, OfATransitionIsTheLargerOfBoth) {

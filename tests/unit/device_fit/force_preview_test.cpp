@@ -4,8 +4,11 @@
 #include "core/device_fit/design_problem.hpp"
 #include "core/device_fit/force_preview.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::device_fit {
+
+using design_text::sentence_of;
 namespace force_preview_test {
 
 coupling::design::DeviceModel stylus() {
@@ -51,7 +54,7 @@ struct Case {
 TEST(ForcePreview, ContainsTheSpringAndItsSaturation) {
   Case c;
   const auto p = c.preview();
-  ASSERT_TRUE(p) << c.fitted.refusal;
+  ASSERT_TRUE(p) << sentence_of(c.fitted.refusal);
   const double spring = spring_n_per_m(c.fitted, c.scene, c.device, c.bounds);
   EXPECT_DOUBLE_EQ(p->stiffness_n_per_m,
                    stiffness_at_hand_n_per_m(c.fitted.spec, c.scene.device, spring));
@@ -79,7 +82,7 @@ TEST(ForcePreview, NamesEachLimit) {
   long_lever.device = arm();
   long_lever.bounds = rendering::spring_of_any_device(1.0);
   const auto lever = long_lever.preview();
-  ASSERT_TRUE(lever) << long_lever.fitted.refusal;
+  ASSERT_TRUE(lever) << sentence_of(long_lever.fitted.refusal);
   EXPECT_EQ(lever->limit, StiffnessLimit::kLever);
   EXPECT_LT(lever->stiffness_n_per_m, long_lever.fitted.design.translation.displayed_stiffness);
 }
@@ -98,7 +101,7 @@ TEST(ForcePreview, IsAbsentIfNoForceMayBeCommanded) {
   Case c;
   c.device.translation.inertia_min = 0.0;
   EXPECT_FALSE(c.preview());
-  EXPECT_NE(c.fitted.refusal, "");
+  EXPECT_NE(sentence_of(c.fitted.refusal), "");
 }
 
 TEST(ForcePreview, NamesOfLimitsReadBack) {

@@ -6,9 +6,12 @@
 
 #include "core/device_fit/design_problem.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/design_text/design_text.hpp"
 #include "tests/support/press/press.hpp"
 
 namespace voxtouch::test {
+
+using design_text::sentence_of;
 namespace press_test {
 
 coupling::design::DeviceModel stylus() {
@@ -60,7 +63,7 @@ struct Scene {
 TEST(Press, FindsTheConfiguredVirtualToolStiffness) {
   for (const double scale : {1.0, 2.0}) {
     Scene s("field", scene::RenderingKind::kVirtualTool);
-    ASSERT_EQ(s.fitted.refusal, "");
+    ASSERT_EQ(sentence_of(s.fitted.refusal), "");
     s.scene.device.position_scale = scale;
     s.fitted = device_fit::fit_coupling(
         s.scene, stylus(), {s.built->plan().contact_n_per_m, s.built->plan().contact_nm_per_rad},
@@ -83,7 +86,7 @@ TEST(Press, FindsTheConfiguredVirtualToolStiffness) {
 TEST(Press, EqualsTheCouplingAtRestForEachModel) {
   for (const char* model : {"original", "adapted", "field"}) {
     Scene s(model);
-    ASSERT_EQ(s.fitted.refusal, "") << model;
+    ASSERT_EQ(sentence_of(s.fitted.refusal), "") << model;
     const std::vector<Pressed> pressed =
         press(*s.built, s.scene, s.fitted, stylus(), s.scene.motions.begin()->second);
     ASSERT_EQ(pressed.size(), 10U) << model;
@@ -114,7 +117,7 @@ TEST(Press, RisesWithEveryDepthAndNeverExceedsTheCertified) {
     Scene s(spring ? "field" : model,
             spring ? scene::RenderingKind::kVirtualTool : scene::RenderingKind::kPenalty, stylus(),
             times);
-    ASSERT_EQ(s.fitted.refusal, "") << model;
+    ASSERT_EQ(sentence_of(s.fitted.refusal), "") << model;
     const double certified = s.fitted.design.translation.displayed_stiffness;
     double before = 0.0;
     std::string row;
@@ -139,7 +142,7 @@ TEST(Press, RisesWithEveryDepthAndNeverExceedsTheCertified) {
 TEST(Press, OfAMemorylessModelFallsOncePointsPassThrough) {
   for (const char* model : {"original", "adapted"}) {
     Scene alone(model, scene::RenderingKind::kMemoryless), held(model);
-    ASSERT_EQ(alone.fitted.refusal, "") << model;
+    ASSERT_EQ(sentence_of(alone.fitted.refusal), "") << model;
     const std::vector<Pressed> a = press(*alone.built, alone.scene, alone.fitted, stylus(),
                                          alone.scene.motions.begin()->second),
                                h = press(*held.built, held.scene, held.fitted, stylus(),

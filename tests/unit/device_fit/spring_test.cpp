@@ -5,8 +5,11 @@
 #include "core/device_fit/design_problem.hpp"
 #include "core/device_fit/device_compatibility.hpp"
 #include "core/scene/scene_file.hpp"
+#include "nodes/design_text/design_text.hpp"
 
 namespace voxtouch::device_fit {
+
+using design_text::sentence_of;
 namespace spring_test {
 
 constexpr double kLever = 0.01;
@@ -59,7 +62,7 @@ TEST(Spring, IsTheWholeCertifiedStiffness) {
     for (const coupling::design::DeviceModel& device : {stylus(), arm()}) {
       const scene::Scene scene = scene_of(kind);
       const FittedCoupling fitted = fit(scene, device);
-      ASSERT_EQ(fitted.refusal, "") << kind;
+      ASSERT_EQ(sentence_of(fitted.refusal), "") << kind;
       const double spring =
           spring_n_per_m(fitted, scene, device, rendering::spring_of_any_device(kLever));
       EXPECT_NEAR(spring, fitted.design.translation.displayed_stiffness, 1e-6 * spring)
@@ -142,7 +145,7 @@ TEST(Spring, IsAbsentForPenaltyContactsOrNoCoupling) {
   light.translation.inertia_min = light.translation.inertia_max = 1e-5;
   light.translation.damping = 0.0;
   const FittedCoupling none = fit(scene, light);
-  ASSERT_NE(none.refusal, "");
+  ASSERT_NE(sentence_of(none.refusal), "");
   EXPECT_EQ(spring_n_per_m(none, scene, light, rendering::spring_of_any_device(kLever)), 0.0);
 }
 
@@ -151,11 +154,11 @@ TEST(Spring, OfAManualCouplingIsItsCap) {
   scene.design.reset();
   scene.coupling.stiffness_cap_n_per_m = 120.0;
   const FittedCoupling fitted = fit(scene, stylus());
-  ASSERT_EQ(fitted.refusal, "");
+  ASSERT_EQ(sentence_of(fitted.refusal), "");
   EXPECT_EQ(spring_n_per_m(fitted, scene, stylus(), rendering::spring_of_any_device(kLever)),
             120.0);
   scene.coupling.stiffness_cap_n_per_m = 5000.0, scene.coupling.kind = "direct";
-  const std::string why = fit(scene, stylus()).refusal;
+  const std::string why = sentence_of(fit(scene, stylus()).refusal);
   EXPECT_NE(why.find("800 N/m"), std::string::npos) << why;
   EXPECT_NE(why.find("coupling.stiffness_cap_n_per_m"), std::string::npos) << why;
 }
@@ -169,7 +172,7 @@ TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
   DeviceCompatibility on;
   on.set_device(stylus());
   on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
-  ASSERT_EQ(on.refusal(), "");
+  ASSERT_EQ(sentence_of(on.refusal()), "");
   EXPECT_EQ(on.spring_n_per_m(), spring_n_per_m(fit(now, stylus()), now, stylus(), alone));
   int accepted = 0, refused = 0;
   for (double damping = 0.1; damping < 100.0; damping *= 1.5) {
@@ -177,8 +180,8 @@ TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
     next.effects = {oil(damping)};
     const rendering::StiffnessBounds bounds = rendering::with_effects(alone, next.effects);
     const std::string start =
-        fit_coupling(next, stylus(), bounds.translation, bounds.rotation).refusal;
-    EXPECT_EQ(on.check(next, alone, effects::at_rest(next.effects)), start) << damping;
+        sentence_of(fit_coupling(next, stylus(), bounds.translation, bounds.rotation).refusal);
+    EXPECT_EQ(sentence_of(on.check(next, alone, effects::at_rest(next.effects))), start) << damping;
     (start.empty() ? accepted : refused)++;
   }
   EXPECT_GT(accepted, 1);
@@ -190,7 +193,7 @@ TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
   on.runs(penalty, contact, rendering::with_effects(contact, now.effects), demand_of(penalty));
   EXPECT_EQ(on.spring_n_per_m(), 0.0);
   EXPECT_GT(on.series_spring().translation, 0.0) << "its spring is in series";
-  EXPECT_EQ(on.check(now, alone, effects::at_rest(now.effects)), "");
+  EXPECT_EQ(sentence_of(on.check(now, alone, effects::at_rest(now.effects))), "");
   on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
   EXPECT_EQ(on.series_spring().translation, 0.0) << "a virtual tool has its own";
   const double before = on.spring_n_per_m();
@@ -199,7 +202,7 @@ TEST(DeviceCompatibility, ChecksAVirtualToolByTheSameCode) {
   on.set_device(light);
   on.runs(now, alone, rendering::with_effects(alone, now.effects), demand_of(now));
   EXPECT_LT(on.spring_n_per_m(), before);
-  EXPECT_EQ(on.refusal(), fit(now, light).refusal);
+  EXPECT_EQ(sentence_of(on.refusal()), sentence_of(fit(now, light).refusal));
 }
 
 }  // namespace spring_test

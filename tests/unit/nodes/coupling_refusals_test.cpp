@@ -128,12 +128,12 @@ TEST(Fitting, ChecksItsResultAgainstNewerInputs) {
   coupling_node::Fitting fitting(scene);
   fitting.set_device(runtime::from_msg(stylus(7)), 7);
   fitting.set_plan(Around::message_of(30.0, 7, little));
-  ASSERT_EQ(fitting.fit().refusal, "");
+  ASSERT_TRUE(fitting.fit().refusal.empty());
   fitting.begin();
   fitting.set_plan(Around::message_of(30.0, 7, much));
   std::optional<device_fit::FittedCoupling> fitted;
   ASSERT_TRUE(wait_until([&] { return (fitted = fitting.poll()).has_value(); }));
-  EXPECT_NE(fitted->refusal.find("'oil'"), std::string::npos) << fitted->refusal;
+  EXPECT_TRUE(fitted->refusal.error.contains("'oil'")) << fitted->refusal.error;
 }
 
 }  // namespace
