@@ -5,7 +5,6 @@ import base64
 import contextlib
 import os
 import pathlib
-import re
 import sys
 import tempfile
 import time
@@ -13,7 +12,7 @@ import unittest
 import unittest.mock
 
 from browser_test import BrowserTest
-from hand_test import aim, led_ring, newest_frame
+from hand_test import aim, led_ring, newest_frame, recorded_targets
 from page_client import DEPLOY, WebSocket, until, until_it_runs
 from selenium.webdriver.common.keys import Keys
 
@@ -188,9 +187,7 @@ class Saved(unittest.TestCase):
             for stream in streams:
                 self.assertGreater(len(bag.rows[stream].table()), 8000, stream)
                 self.assertLess(len(bag.rows[stream].table()), 11000, stream)
-            metadata = (saved / "metadata.yaml").read_text()
-            entry = metadata[metadata.index("/operator/target") :]
-            targets = int(re.search(r"message_count: (\d+)", entry).group(1))
+            targets = recorded_targets(saved)
             self.assertGreater(targets, 400)
             self.assertLess(targets, 660)
             at = bag.rows["device/state"].table()["sample_time_ns"]
