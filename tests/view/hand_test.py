@@ -222,43 +222,61 @@ class Led(unittest.TestCase):
 class Tried(unittest.TestCase):
     """`voxtouch try`: in one word a ring whose hand the page moves, in the browser."""
 
+    def setUp(self):
+        """A desktop whose browser copies the file that it is to open."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.opened, program = self.folder / "opened", self.folder / "xdg-open"
+        program.write_text(
+            f'#!/bin/sh\ncat "$1" > {self.opened}.part && mv {self.opened}.part {self.opened}\n'
+        )
+        program.chmod(0o755)
+        desktop = {
+            "PATH": f"{folder.name}:{os.environ['PATH']}",
+            "DISPLAY": ":1",
+            "WAYLAND_DISPLAY": "",
+            "XDG_RUNTIME_DIR": folder.name,
+        }
+        there = unittest.mock.patch.dict(os.environ, desktop)
+        there.start()
+        self.addCleanup(there.stop)
+
     def tried(self, *words):
         return Process("try", *words, "--domain", DOMAIN)
 
+    def facts(self, up):
+        """Of a ring that runs, once it has a scene and a hand."""
+        until_it_runs(up)
+        with WebSocket(up.address()) as socket:
+            return socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
+
     def test_opens_the_page_in_the_browser(self):
-        with tempfile.TemporaryDirectory() as folder:
-            opened, program = pathlib.Path(folder) / "opened", pathlib.Path(folder) / "xdg-open"
-            program.write_text(
-                f'#!/bin/sh\ncat "$1" > {opened}.part && mv {opened}.part {opened}\n'
-            )
-            program.chmod(0o755)
-            there = {
-                "PATH": f"{folder}:{os.environ['PATH']}",
-                "DISPLAY": ":1",
-                "XDG_RUNTIME_DIR": folder,
-            }
-            with unittest.mock.patch.dict(os.environ, there), self.tried() as up:
-                until(opened.exists, 30, "a browser")
-                self.assertIn(up.address(), opened.read_text())
-                (file,) = pathlib.Path(folder).glob("voxtouch-*.html")
-                self.assertEqual(file.stat().st_mode & 0o777, 0o600, "it holds the token")
-                until_it_runs(up)
-                with WebSocket(up.address()) as socket:
-                    facts = socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
-                    self.assertEqual(facts["plan"]["scene"], "cup_virtual_tool")
+        with self.tried() as up:
+            until(self.opened.exists, 30, "a browser")
+            self.assertIn(up.address(), self.opened.read_text())
+            (file,) = self.folder.glob("voxtouch-*.html")
+            self.assertEqual(file.stat().st_mode & 0o777, 0o600, "it holds the token")
+            self.assertEqual(self.facts(up)["plan"]["scene"], "cup_virtual_tool")
+
+    def test_opens_no_browser_without_a_desktop(self):
+        with (
+            unittest.mock.patch.dict(os.environ, {"DISPLAY": ""}),
+            self.tried("cup_friction") as up,
+        ):
+            self.assertEqual(self.facts(up)["plan"]["scene"], "cup_friction")
+            self.assertFalse(self.opened.exists())
 
     def test_makes_a_scene_of_a_mesh(self):
-        with tempfile.TemporaryDirectory() as folder:
-            mesh = pathlib.Path(folder) / "part.stl"
-            mesh.write_bytes((DEPLOY / "meshes" / "cup_mm.stl").read_bytes())
-            with self.tried(str(mesh), "--no-browser") as up:
-                until_it_runs(up)
-                with WebSocket(up.address()) as socket:
-                    facts = socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
-                    self.assertIn("part", facts["plan"]["scene"])
-                    start = newest_frame(socket)["tool"]
-                    aim(socket, (start[0] + 0.01, *start[1:3]), 1.5)
-                    self.assertGreater(newest_frame(socket)["tool"][0], start[0] + 0.005)
+        mesh = self.folder / "part.stl"
+        mesh.write_bytes((DEPLOY / "meshes" / "cup_mm.stl").read_bytes())
+        with self.tried(str(mesh), "--no-browser") as up:
+            self.assertIn("part", self.facts(up)["plan"]["scene"])
+            self.assertFalse(self.opened.exists())
+            with WebSocket(up.address()) as socket:
+                start = newest_frame(socket)["tool"]
+                aim(socket, (start[0] + 0.01, *start[1:3]), 1.5)
+                self.assertGreater(newest_frame(socket)["tool"][0], start[0] + 0.005)
 
 
 class Refused(unittest.TestCase):
