@@ -20,6 +20,7 @@ from page_client import (
     Process,
     WebSocket,
     page,
+    ring,
     scene,
     size,
     until,
@@ -199,6 +200,21 @@ class Led(unittest.TestCase):
                 [BIN / "voxtouch", "replay", bag], capture_output=True, text=True, check=False
             )
             self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
+
+    def test_certificate_is_that_of_a_scripted_hand(self):
+        """Device, coupling, and the pairs of hand and contact that it is certified for."""
+
+        def certified(up):
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                facts = socket.facts(lambda m: m["design"] and m["device"], 20, "a design")
+            return {name: facts[name] for name in ("device", "design")}
+
+        with led_ring("cup") as up:
+            led = certified(up)
+        with ring("cup", "--view") as up:
+            self.assertEqual(certified(up), led)
+        self.assertIn("certified", led["design"]["sentence"])
 
     def test_passes_on_66_targets_a_second_at_most(self):
         with tempfile.TemporaryDirectory() as folder:
