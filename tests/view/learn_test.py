@@ -306,8 +306,8 @@ class InABrowser(BrowserTest):
                 browser.find("#tour-next").send_keys(Keys.ENTER)
                 self.assertIn(f"Step {step} of 6", browser.find("#tour-title").text)
             browser.js(
-                "(file => { file.onclick = event => { event.preventDefault(), window.picks = true; }"
-                "; })(document.getElementById('mesh'))"
+                "document.getElementById('mesh').onclick = event => {"
+                " event.preventDefault(), window.picks = true; }"
             )
             browser.find("#tour-do").send_keys(Keys.ENTER)
             self.until("window.picks", "the choice of a file")

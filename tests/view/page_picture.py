@@ -51,7 +51,7 @@ def begin_drag(browser):
     )
     pointer = Pointer(browser)
     pointer.press()
-    for right, up in ((-1.0, 0.8), (-1.0, 0.1), (-0.52, 0.1)):
+    for right, up in ((-1.0, 0.8), (-1.0, 0.1), (-0.4, 0.1)):
         for _ in range(3):  # the target stays in sight of the tool, which follows
             wheel, dx, dy = browser.js(f"{WAY}({right}, {up})")
             pointer.wheel(wheel)
