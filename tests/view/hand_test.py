@@ -495,6 +495,9 @@ class LedByABrowser(BrowserTest):
             self.assertAlmostEqual(
                 frame["depth"], distance(frame["tool"], frame["object"]), delta=1e-6
             )
+            points = len(frame["points"]) // 3
+            self.assertGreater(points, 0)
+            self.assertEqual(browser.find("#n-hits").text, str(points), "the points that it draws")
             browser.picture("hand_in_contact.png")
             force = size(browser.frame()["force"])
 

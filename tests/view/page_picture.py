@@ -57,6 +57,7 @@ def begin_drag(browser):
             pointer.wheel(wheel)
             pointer.move(dx, dy, 3, button="left", buttons=1)
             time.sleep(0.3)
+    browser.js("voxtouch.scene3d.look('home')")  # scene and tool, which is near it now
     return pointer
 
 
