@@ -20,6 +20,7 @@ from page_client import (
     Process,
     WebSocket,
     page,
+    ring,
     scene,
     size,
     until,
@@ -29,6 +30,14 @@ from pointer_events import Protocol
 from selenium.webdriver.common.keys import Keys
 
 UP = (0.0, 0.0, 0.0, 1.0)
+PATIENCE_S = 60  # a busy machine, which draws the page slowly
+
+# Whether the view has written the newest target of this page.
+DELIVERED = """(hand => {
+  if (!hand.position) return true;
+  const own = [...hand.position.toArray(), ...hand.orientation.toArray()], last = hand.facts.target;
+  return !hand.dirty && last !== null && own.every((x, n) => Math.abs(x - last[n]) < 1e-5);
+})(voxtouch.hand)"""
 
 
 def led_ring(name, *more):
@@ -53,6 +62,27 @@ def aim(socket, place, seconds, orientation=UP):
     while time.monotonic() < end:
         socket.order(aim={"p": list(place), "q": list(orientation)})
         time.sleep(1 / 60)
+
+
+def recorded_targets(bag):
+    """How many targets of the hand are in a recording."""
+    metadata = (pathlib.Path(bag) / "metadata.yaml").read_text()
+    entry = metadata[metadata.index("/operator/target") :]
+    return int(re.search(r"message_count: (\d+)", entry).group(1))
+
+
+def flood(address, place, seconds):
+    """Five hundred targets a second for so long, by a client that connects anew before the server
+    closes.
+    """
+    begin, number = time.monotonic(), 0
+    while (took := time.monotonic() - begin) < seconds:
+        with WebSocket(address) as socket:
+            for _ in range(90):
+                socket.order(aim={"p": list(place), "q": list(UP)})
+                number += 1
+                time.sleep(max(0.0, begin + number / 500 - time.monotonic()))
+    assert number > 200 * took, "the client is too slow"
 
 
 def newest_frame(socket):
@@ -165,56 +195,104 @@ class Led(unittest.TestCase):
                 up.process.send_signal(signal.SIGINT)
                 up.process.wait(60)
                 output = up.output()
-            metadata = (pathlib.Path(bag) / "metadata.yaml").read_text()
-            entry = metadata[metadata.index("/operator/target") :]
-            count = int(re.search(r"message_count: (\d+)", entry).group(1))
-            self.assertGreater(count, 100, output)
+            self.assertGreater(recorded_targets(bag), 100, output)
             replay = subprocess.run(
                 [BIN / "voxtouch", "replay", bag], capture_output=True, text=True, check=False
             )
             self.assertEqual(replay.returncode, 0, replay.stdout + replay.stderr)
 
+    def test_certificate_is_that_of_a_scripted_hand(self):
+        """Device, coupling, and the pairs of hand and contact that it is certified for."""
+
+        def certified(up):
+            until_it_runs(up)
+            with WebSocket(up.address()) as socket:
+                facts = socket.facts(lambda m: m["design"] and m["device"], 20, "a design")
+            return {name: facts[name] for name in ("device", "design")}
+
+        with led_ring("cup") as up:
+            led = certified(up)
+        with ring("cup", "--view") as up:
+            self.assertEqual(certified(up), led)
+        self.assertIn("certified", led["design"]["sentence"])
+
+    def test_passes_on_66_targets_a_second_at_most(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bag = str(pathlib.Path(folder) / "bag")
+            with led_ring("plane", "--record", bag, "--no-report") as up:
+                until_it_runs(up)
+                with WebSocket(up.address()) as socket:
+                    start = newest_frame(socket)["tool"]
+                    begin = time.monotonic()
+                    flood(up.address(), (start[0] + 0.02, *start[1:3]), 2.0)
+                    self.assertGreater(newest_frame(socket)["tool"][0], start[0] + 0.01)
+                    took = time.monotonic() - begin
+                up.process.send_signal(signal.SIGINT)
+                up.process.wait(60)
+            count = recorded_targets(bag)
+            print(f"{count} targets of a client that sends 500 a second for {took:.2f} s")
+            self.assertLessEqual(count, 66 * took + 6)
+            self.assertGreater(count, 0.5 * 66 * took, "a client that sends too many leads")
+
 
 class Tried(unittest.TestCase):
     """`voxtouch try`: in one word a ring whose hand the page moves, in the browser."""
 
+    def setUp(self):
+        """A desktop whose browser copies the file that it is to open."""
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.opened, program = self.folder / "opened", self.folder / "xdg-open"
+        program.write_text(
+            f'#!/bin/sh\ncat "$1" > {self.opened}.part && mv {self.opened}.part {self.opened}\n'
+        )
+        program.chmod(0o755)
+        desktop = {
+            "PATH": f"{folder.name}:{os.environ['PATH']}",
+            "DISPLAY": ":1",
+            "WAYLAND_DISPLAY": "",
+            "XDG_RUNTIME_DIR": folder.name,
+        }
+        there = unittest.mock.patch.dict(os.environ, desktop)
+        there.start()
+        self.addCleanup(there.stop)
+
     def tried(self, *words):
         return Process("try", *words, "--domain", DOMAIN)
 
+    def facts(self, up):
+        """Of a ring that runs, once it has a scene and a hand."""
+        until_it_runs(up)
+        with WebSocket(up.address()) as socket:
+            return socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
+
     def test_opens_the_page_in_the_browser(self):
-        with tempfile.TemporaryDirectory() as folder:
-            opened, program = pathlib.Path(folder) / "opened", pathlib.Path(folder) / "xdg-open"
-            program.write_text(
-                f'#!/bin/sh\ncat "$1" > {opened}.part && mv {opened}.part {opened}\n'
-            )
-            program.chmod(0o755)
-            there = {
-                "PATH": f"{folder}:{os.environ['PATH']}",
-                "DISPLAY": ":1",
-                "XDG_RUNTIME_DIR": folder,
-            }
-            with unittest.mock.patch.dict(os.environ, there), self.tried() as up:
-                until(opened.exists, 30, "a browser")
-                self.assertIn(up.address(), opened.read_text())
-                (file,) = pathlib.Path(folder).glob("voxtouch-*.html")
-                self.assertEqual(file.stat().st_mode & 0o777, 0o600, "it holds the token")
-                until_it_runs(up)
-                with WebSocket(up.address()) as socket:
-                    facts = socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
-                    self.assertEqual(facts["plan"]["scene"], "cup_virtual_tool")
+        with self.tried() as up:
+            until(self.opened.exists, 30, "a browser")
+            self.assertIn(up.address(), self.opened.read_text())
+            (file,) = self.folder.glob("voxtouch-*.html")
+            self.assertEqual(file.stat().st_mode & 0o777, 0o600, "it holds the token")
+            self.assertEqual(self.facts(up)["plan"]["scene"], "cup_virtual_tool")
+
+    def test_opens_no_browser_without_a_desktop(self):
+        with (
+            unittest.mock.patch.dict(os.environ, {"DISPLAY": ""}),
+            self.tried("cup_friction") as up,
+        ):
+            self.assertEqual(self.facts(up)["plan"]["scene"], "cup_friction")
+            self.assertFalse(self.opened.exists())
 
     def test_makes_a_scene_of_a_mesh(self):
-        with tempfile.TemporaryDirectory() as folder:
-            mesh = pathlib.Path(folder) / "part.stl"
-            mesh.write_bytes((DEPLOY / "meshes" / "cup_mm.stl").read_bytes())
-            with self.tried(str(mesh), "--no-browser") as up:
-                until_it_runs(up)
-                with WebSocket(up.address()) as socket:
-                    facts = socket.facts(lambda m: m["plan"] and m["hand"], 20, "a hand")
-                    self.assertIn("part", facts["plan"]["scene"])
-                    start = newest_frame(socket)["tool"]
-                    aim(socket, (start[0] + 0.01, *start[1:3]), 1.5)
-                    self.assertGreater(newest_frame(socket)["tool"][0], start[0] + 0.005)
+        mesh = self.folder / "part.stl"
+        mesh.write_bytes((DEPLOY / "meshes" / "cup_mm.stl").read_bytes())
+        with self.tried(str(mesh), "--no-browser") as up:
+            self.assertIn("part", self.facts(up)["plan"]["scene"])
+            self.assertFalse(self.opened.exists())
+            with WebSocket(up.address()) as socket:
+                start = newest_frame(socket)["tool"]
+                aim(socket, (start[0] + 0.01, *start[1:3]), 1.5)
+                self.assertGreater(newest_frame(socket)["tool"][0], start[0] + 0.005)
 
 
 class Refused(unittest.TestCase):
@@ -303,16 +381,29 @@ class LedByABrowser(BrowserTest):
         return self.browser.frame()["tool"]
 
     def resting(self):
-        """Where the tool is once it does not move any more."""
-        last = [self.tool()]
+        """Where the tool is once the ring has the page's newest target and the tool has not moved
+        for 0.3 s of the ring's time.
+        """
+        until(lambda: self.browser.js(DELIVERED), PATIENCE_S, "that the ring has the target")
+        last = [self.browser.frame()]
 
         def rests():
-            time.sleep(0.3)
-            before, last[0] = last[0], self.tool()
-            return distance(before, last[0]) < 1e-4
+            before, now = last[0], self.browser.frame()
+            if now["t"] < before["t"] + 0.3:
+                return False
+            last[0] = now
+            return distance(before["tool"], now["tool"]) < 1e-4
 
-        until(rests, 10, "rest")
-        return last[0]
+        until(rests, PATIENCE_S, "rest")
+        return last[0]["tool"]
+
+    def steers(self, words, reached):
+        """Sets a stick or a trigger until the page's target is there, then lets go of it."""
+        place, value = words.rsplit(" = ", 1)
+        self.browser.js(words)
+        until(lambda: self.browser.js(f"Boolean({reached})"), PATIENCE_S, f"{place}: {reached}")
+        self.browser.js(f"{place} = 0")
+        return self.resting()
 
     def test_moves_it_by_pointer_wheel_and_keys(self):
         with led_ring("plane") as up:
@@ -404,6 +495,9 @@ class LedByABrowser(BrowserTest):
             self.assertAlmostEqual(
                 frame["depth"], distance(frame["tool"], frame["object"]), delta=1e-6
             )
+            points = len(frame["points"]) // 3
+            self.assertGreater(points, 0)
+            self.assertEqual(browser.find("#n-hits").text, str(points), "the points that it draws")
             browser.picture("hand_in_contact.png")
             force = size(browser.frame()["force"])
 
@@ -466,38 +560,42 @@ class LedByABrowser(BrowserTest):
 
             browser.js(
                 """(() => {
-              window.rumbled = 0;
+              window.rumbles = [], window.reads = 0;
               const buttons = Array.from({length: 17}, () => ({value: 0, pressed: false}));
               const other = {axes: Array(8).fill(-1), buttons: [], mapping: ''};
               window.pad = {axes: [0, 0, 0, 0], buttons, mapping: 'standard',
-                vibrationActuator: {playEffect() { rumbled++; return Promise.resolve(); }}};
+                vibrationActuator: {playEffect: async (_, effect) => {
+                  rumbles.push(effect.strongMagnitude);
+                }}};
               const copy = p => ({...p, axes: [...p.axes], buttons: p.buttons.map(b => ({...b}))});
-              navigator.getGamepads = () => [null, copy(other), copy(pad), null];
+              navigator.getGamepads = () => (reads++, [null, copy(other), copy(pad), null]);
             })()"""
             )
             before = self.resting()
-            time.sleep(0.5)
-            self.assertLess(distance(self.tool(), before), 1e-4, "another layout moves nothing")
-            browser.js("pad.axes[0] = -1")
-            time.sleep(0.4)
-            browser.js("pad.axes[0] = 0")
-            left = self.resting()
-            self.assertLess(left[0] - before[0], -0.004, "the left stick")
-            browser.js("pad.buttons[7].value = 1")
-            time.sleep(0.4)
-            browser.js("pad.buttons[7].value = 0")
-            self.assertGreater(self.resting()[1] - left[1], 0.004, "the right trigger")
-            turned_before = self.tool()[3:]
-            browser.js("pad.axes[2] = 1")
-            time.sleep(0.4)
-            browser.js("pad.axes[2] = 0")
-            self.resting()
-            turned = abs(sum(a * b for a, b in zip(turned_before, self.tool()[3:])))
-            self.assertLess(turned, 0.9999, "the right stick")
+            until(lambda: browser.js("reads") > 20, PATIENCE_S, "that the page reads gamepads")
+            self.assertLess(distance(self.resting(), before), 1e-4, "another layout moves nothing")
+            goes = "voxtouch.hand.position"
+            left = self.steers("pad.axes[0] = -1", f"{goes}.x < {before[0] - 0.01}")
+            self.assertLess(left[0] - before[0], -0.008, "the left stick")
+            far = self.steers("pad.buttons[7].value = 1", f"{goes}.y > {left[1] + 0.01}")
+            self.assertGreater(far[1] - left[1], 0.008, "the right trigger")
+            near = self.steers("pad.buttons[6].value = 1", f"{goes}.y < {far[1] - 0.01}")
+            self.assertLess(near[1] - far[1], -0.008, "the left trigger")
+            for axis in (2, 3):
+                x, y, z, w = self.tool()[3:]
+                alike = f"voxtouch.hand.orientation.dot(new THREE.Quaternion({x}, {y}, {z}, {w}))"
+                turned = self.steers(f"pad.axes[{axis}] = 1", f"Math.abs({alike}) < 0.999")[3:]
+                alike = abs(sum(a * b for a, b in zip((x, y, z, w), turned)))
+                self.assertLess(alike, 0.9995, f"the right stick, axis {axis}")
+            self.assertEqual(browser.js("rumbles"), [], "no force")
             browser.js("pad.axes[1] = 1")
-            until(lambda: size(browser.frame().get("force")) > 0.5, 20, "the wall's force")
-            until(lambda: browser.js("rumbled") > 0, 10, "rumble")
+            until(lambda: size(browser.frame().get("force")) > 0.5, PATIENCE_S, "the wall's force")
             browser.js("pad.axes[1] = 0")
+            self.resting()
+            ratio = size(browser.frame()["force"]) / browser.facts()["device"]["max_force_n"]
+            browser.js("rumbles.splice(0)")
+            (strong, *_) = until(lambda: browser.js("rumbles"), PATIENCE_S, "rumble")
+            self.assertAlmostEqual(strong, ratio, delta=0.1 * ratio, msg="of the largest force")
 
 
 if __name__ == "__main__":

@@ -189,6 +189,8 @@ def page_of(rows, others, version):
             f"Limit of the last row: median {MEDIAN_MS:.0f} ms, 95 % {MOST_MS:.0f} ms: {verdict}."
             f" A larger force: by {RISE_N} N.",
             "",
+            "The tests replace navigator.getGamepads by a script: no gamepad has been tested.",
+            "",
         ]
     )
 

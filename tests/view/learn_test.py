@@ -5,7 +5,6 @@ import base64
 import contextlib
 import os
 import pathlib
-import re
 import sys
 import tempfile
 import time
@@ -13,8 +12,8 @@ import unittest
 import unittest.mock
 
 from browser_test import BrowserTest
-from hand_test import aim, led_ring, newest_frame
-from page_client import DEPLOY, WebSocket, until, until_it_runs
+from hand_test import aim, distance, led_ring, newest_frame, recorded_targets
+from page_client import DEPLOY, WebSocket, size, until, until_it_runs
 from selenium.webdriver.common.keys import Keys
 
 sys.path.insert(0, str(DEPLOY / "tools"))
@@ -116,13 +115,19 @@ class Choice(unittest.TestCase):
                     self.assertTrue(newest_frame(socket)["tool"])
 
     def test_switches_the_contact_model_in_contact(self):
-        with led_ring("cup") as up:
+        with led_ring("plane") as up:
             until_it_runs(up)
             with WebSocket(up.address()) as socket:
+                start = newest_frame(socket)["tool"]
+                aim(socket, (*start[:2], -0.01), 1.5)
+                self.assertGreater(size(newest_frame(socket)["force"]), 0.5, "in contact")
                 for model in ("original", "field", "adapted"):
                     socket.order(model=model)
                     socket.facts(lambda m, is_=model: m["plan"]["model"] == is_, 30, model)
-                    self.assertTrue(newest_frame(socket)["tool"])
+                    frames = [newest_frame(socket) for _ in range(15)]
+                    for frame in frames:
+                        self.assertGreater(size(frame["force"]), 0.3, model)
+                        self.assertLess(distance(frame["tool"], frames[0]["tool"]), 0.003, model)
                 socket.order(model="best")
                 answer = socket.wait_for(lambda m: m["type"] == "answer", 20, "a refusal")
                 self.assertFalse(answer["ok"])
@@ -188,9 +193,7 @@ class Saved(unittest.TestCase):
             for stream in streams:
                 self.assertGreater(len(bag.rows[stream].table()), 8000, stream)
                 self.assertLess(len(bag.rows[stream].table()), 11000, stream)
-            metadata = (saved / "metadata.yaml").read_text()
-            entry = metadata[metadata.index("/operator/target") :]
-            targets = int(re.search(r"message_count: (\d+)", entry).group(1))
+            targets = recorded_targets(saved)
             self.assertGreater(targets, 400)
             self.assertLess(targets, 660)
             at = bag.rows["device/state"].table()["sample_time_ns"]
@@ -302,10 +305,62 @@ class InABrowser(BrowserTest):
             for step in range(3, 7):
                 browser.find("#tour-next").send_keys(Keys.ENTER)
                 self.assertIn(f"Step {step} of 6", browser.find("#tour-title").text)
+            browser.js(
+                "document.getElementById('mesh').onclick = event => {"
+                " event.preventDefault(), window.picks = true; }"
+            )
+            browser.find("#tour-do").send_keys(Keys.ENTER)
+            self.until("window.picks", "the choice of a file")
             browser.resize(1024, 768)
             drawn = "voxtouch.scene3d.width === voxtouch.scene3d.canvas.clientWidth"
             self.until(f"innerWidth === 1024 && {drawn}", "a tablet's width")
             self.judge("learn_tablet.png")
+            self.assert_no_faults()
+
+    def test_saves_the_last_ten_seconds_by_its_button(self):
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            unittest.mock.patch.dict(os.environ, {"XDG_DATA_HOME": folder}),
+            led_ring("plane") as up,
+        ):
+            browser = self.opened(up)
+            browser.find("#save").send_keys(Keys.ENTER)
+            self.until_says("#learn-text", "with report.html")
+            (report,) = pathlib.Path(folder).glob("voxtouch/recordings/plane-last-*/report.html")
+            self.assertIn(str(report.parent), browser.find("#learn-text").text)
+            self.assert_no_faults()
+
+    def drop(self, file):
+        """Drags a file from the desktop over the picture, and drops it there."""
+        x, y = self.browser.js(
+            "(b => [b.x + b.width / 2, b.y + b.height / 2])(canvas.getBoundingClientRect())"
+        )
+        data = {"items": [], "files": [str(file)], "dragOperationsMask": 1}
+        for kind in ("dragEnter", "dragOver", "drop"):
+            self.browser.driver.execute_cdp_cmd(
+                "Input.dispatchDragEvent", {"type": kind, "x": x, "y": y, "data": data}
+            )
+
+    def test_takes_a_mesh_that_is_dropped_on_it(self):
+        """Two that are refused first, and the ring goes on."""
+        with (
+            tempfile.TemporaryDirectory() as folder,
+            unittest.mock.patch.dict(os.environ, {"XDG_DATA_HOME": folder}),
+            led_ring("cup") as up,
+        ):
+            self.opened(up)
+            large, broken = pathlib.Path(folder) / "large.stl", pathlib.Path(folder) / "broken.stl"
+            with open(large, "wb") as file:
+                file.truncate((16 << 20) + 1)
+            broken.write_text("solid nothing\nfacet nonsense\n")
+            self.drop(large)
+            self.until_says("#learn-text", "larger than 16 MiB")
+            self.drop(broken)
+            self.until_says("#learn-text", "truncated or damaged")
+            self.assertEqual(self.browser.facts()["plan"]["scene"], "cup")
+            self.drop(DEPLOY / "meshes" / "cup_mm.stl")
+            self.until_shown("dropped")
+            self.until("voxtouch.hand.facts && voxtouch.scene.meshes.length", "the hand")
             self.assert_no_faults()
 
     def test_switches_the_coupling_off_and_on(self):
@@ -322,12 +377,24 @@ class InABrowser(BrowserTest):
             self.assert_no_faults()
 
     def test_shows_the_ring_that_is_chosen_by_keys(self):
-        with led_ring("cup") as up:
+        """By the list of scenes, and by the tour's steps on friction and on models."""
+        with led_ring("cup_viscosity") as up:
             browser = self.opened(up)
-            self.pick("#choose-scene", "cup_friction")
-            browser.find("#start").send_keys(Keys.ENTER)
+            for _ in range(4):
+                browser.find("#tour-next").send_keys(Keys.ENTER)
+            self.assertIn("Friction", browser.find("#tour-title").text)
+            browser.find("#tour-do").send_keys(Keys.ENTER)
             self.until_shown("cup_friction")
             self.until_says("#feel", "leans back")
+            for _ in range(2):
+                browser.find("#tour-back").send_keys(Keys.ENTER)
+            self.assertIn("Models", browser.find("#tour-title").text)
+            browser.find("#tour-do").send_keys(Keys.ENTER)
+            self.until_shown("cup")
+            self.pick("#choose-scene", "cup_texture")
+            browser.find("#start").send_keys(Keys.ENTER)
+            self.until_shown("cup_texture")
+            self.until_says("#feel", "ripple")
             self.until("voxtouch.hand.facts", "the hand")
             self.assert_no_faults()
 

@@ -51,12 +51,13 @@ def begin_drag(browser):
     )
     pointer = Pointer(browser)
     pointer.press()
-    for right, up in ((-1.0, 0.8), (-1.0, 0.1), (-0.52, 0.1)):
+    for right, up in ((-1.0, 0.8), (-1.0, 0.1), (-0.4, 0.1)):
         for _ in range(3):  # the target stays in sight of the tool, which follows
             wheel, dx, dy = browser.js(f"{WAY}({right}, {up})")
             pointer.wheel(wheel)
             pointer.move(dx, dy, 3, button="left", buttons=1)
             time.sleep(0.3)
+    browser.js("voxtouch.scene3d.look('home')")  # scene and tool, which is near it now
     return pointer
 
 

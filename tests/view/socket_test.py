@@ -37,7 +37,9 @@ class Guards(unittest.TestCase):
     def test_needs_the_token(self):
         self.assertEqual(request(self.address)[0], 200)
         self.assertEqual(request(self.address, "/")[0], 403)
-        self.assertEqual(request(self.address, "/?token=" + "0" * 32)[0], 403)
+        (token,) = urllib.parse.parse_qs(self.parts.query)["token"]
+        for other in ("0" * 32, token[:-1], token + "0", token[::-1], ""):
+            self.assertEqual(request(self.address, f"/?token={other}")[0], 403, other)
         with (
             WebSocket(self.address) as good,
             WebSocket(self.address, token="0" * 32) as bad,

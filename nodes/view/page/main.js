@@ -270,7 +270,8 @@
     $('n-force').textContent = size(frame.force), $('n-contact').textContent = size(frame.contact_force);
     $('n-depth').textContent = frame.depth === undefined || frame.depth === null ? '–' : (1000 * frame.depth).toFixed(2);
     // A virtual tool stays outside: the points in contact are those that the page's server finds.
-    $('n-hits').textContent = frame.hits || (frame.points ? frame.points.length / 3 : frame.hits ?? '–');
+    const isVirtual = state.facts && state.facts.plan && state.facts.plan.virtual_tool;
+    $('n-hits').textContent = isVirtual && frame.points ? frame.points.length / 3 : frame.hits ?? '–';
     const words = [...(frame.flags || []), ...(frame.limits || [])];
     if ($('flags').dataset.words !== words.join()) {
       $('flags').dataset.words = words.join();
