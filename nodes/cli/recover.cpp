@@ -89,8 +89,10 @@ int recover(const RecoverOptions& o) {
   std::vector<std::string> problems;
   nlohmann::ordered_json opened = nlohmann::ordered_json::array();
   if (!recovery.receives_from_any())
-    problems.push_back(
-        fmt::format("No node of rig '{}' found on domain {}", o.node.rig, o.node.domain));
+    problems.push_back(fmt::format(
+        "No node of rig '{}' found on domain {}. Check --rig, --domain, --interface and "
+        "--security.",
+        o.node.rig, o.node.domain));
   const std::vector<Latch> latches = recovery.latches();
   if (problems.empty() && latches.empty())
     problems.push_back("No fault latch is set in rig '" + o.node.rig +

@@ -1,8 +1,14 @@
+#include <algorithm>
 #include <exception>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
 
+#include <fmt/format.h>
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "core/scene/map_reader.hpp"
 #include "core/types/version.hpp"
 #include "nodes/cli/help.hpp"
 #include "nodes/cli/verbs.hpp"
@@ -33,6 +39,15 @@ int fail(const CLI::App& app, const std::exception& error) {
   return 1;
 }
 
+void check_verb(const CLI::App& app, std::string_view verb) {
+  std::vector<std::string_view> names;
+  for (const CLI::App* one : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(one->get_name());
+  if (!verb.starts_with('-') && std::ranges::find(names, verb) == names.end())
+    throw std::invalid_argument(fmt::format("Unknown verb '{}'{} `voxtouch --help` lists all.",
+                                            verb, scene::suggestion(verb, names)));
+}
+
 }  // namespace
 
 int run(int argc, char** argv, std::span<AddVerb* const> verbs) {
@@ -48,6 +63,8 @@ int run(int argc, char** argv, std::span<AddVerb* const> verbs) {
     for (AddVerb* const add : verbs)
       add(app, action);
     describe_verbs(app);
+    if (argc > 1)
+      check_verb(app, argv[1]);
     runtime::parse(app, argc, argv);
     const int status = action();
     console::finish_results();

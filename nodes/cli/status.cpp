@@ -87,7 +87,10 @@ bool is_well(const Rows& rigs) {
 
 std::string to_text(const Rows& rigs, std::uint32_t domain) {
   if (rigs.empty())
-    return fmt::format("No node found on domain {}\n", domain);
+    return fmt::format(
+        "No node found on domain {}. Check that a ring runs, --domain, --interface and "
+        "--security.\n",
+        domain);
   std::string text;
   for (const auto& [name, rows] : rigs) {
     text += fmt::format("rig {}, domain {}\n  {:<10} {:<9} {:>16} {:>9}  {}\n", name, domain,

@@ -163,7 +163,9 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
                         : (end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                          : NodeState::kFailed);
   status.say(StatusPriority::kProgress,
-             running ? "running" + late_.network() : "waiting for " + peers_.missing());
+             running ? "running" + late_.network()
+                     : "waiting for " +
+                           (peers_.missing().empty() ? "the coupling design" : peers_.missing()));
   status.say(StatusPriority::kForeign, coupling_.diagnostic(registry));
   if (!rig_.conflicting().empty())
     status.say(StatusPriority::kConflict,

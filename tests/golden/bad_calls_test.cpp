@@ -45,7 +45,8 @@ class BadCall : public testing::Test {
 
 TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
   expect_refused({}, "subcommand");
-  expect_refused({"sing"}, "subcommand");
+  expect_refused({"sing"}, "Unknown verb 'sing'");
+  expect_refused({"upp", "cup"}, "Unknown verb 'upp'; did you mean 'up'?");
 }
 
 TEST_F(BadCall, WithARenamedOptionNamesTheNewOne) {
@@ -128,6 +129,99 @@ TEST_F(BadCall, OfBuild) {
   expect_refused({"build", file("empty.obj", ""), "--voxel", "0.1", "--out", out}, "empty.obj");
   expect_refused({"build", kMesh, "--voxel", "0.1", "--out", file("is_a_file", "")}, "is_a_file");
   EXPECT_FALSE(std::filesystem::exists(out)) << "a call that was refused leaves nothing behind";
+}
+
+TEST_F(BadCall, OfNoVerbOrAnUnknownOne) {
+  expect_refused({}, "subcommand");
+  expect_refused({"sing"}, "Unknown verb 'sing'");
+  expect_refused({"upp", "cup"}, "Unknown verb 'upp'; did you mean 'up'?");
+}
+
+TEST_F(BadCall, WithARenamedOptionNamesTheNewOne) {
+  expect_refused({"design", "--held"}, "--held; its name is --gripped");
+  expect_refused({"up", "cup", "--let-go-at=2"}, "--let-go-at; its name is --release-time");
+  expect_refused({"design", "--damping-floor", "0"},
+                 "--damping-floor; its name is --min-damping-ratio");
+  expect_refused({"report", "bag", "--beside", "bag"}, "--beside; its name is --compare-with");
+}
+
+TEST_F(BadCall, WithANameOf300LettersIsReported) {
+  const std::string name(300, 'a'), said = std::string(64, 'a');
+  for (const char* verb : {"up", "view", "plan", "accuracy", "report", "replay"})
+    expect_refused({verb, name}, said);
+  expect_refused({"new", kMesh, "--out", name}, "File name too long");
+  expect_refused({"probe", kScene, "--poses", name}, "File name too long");
+  expect_refused({"view", name + "/x.yaml"}, said);
+}
+
+TEST_F(BadCall, InAnInaccessibleFolderIsReported) {
+  const std::filesystem::path closed = folder_ / "closed";
+  std::filesystem::create_directories(closed / "in");
+  std::filesystem::permissions(closed, std::filesystem::perms::none);
+  if (access((closed / "in").c_str(), F_OK) == 0)
+    GTEST_SKIP() << "root enters every folder";
+  for (const char* verb : {"up", "view", "plan", "report", "replay"})
+    expect_refused({verb, (closed / "in/x").string()}, "in/x");
+  expect_refused({"new", kMesh, "--out", (closed / "in/x.yaml").string()}, "Permission denied");
+  expect_refused({"probe", kScene, "--poses", (closed / "in/x.csv").string()}, "Permission denied");
+  std::filesystem::permissions(closed, std::filesystem::perms::owner_all);
+}
+
+TEST_F(BadCall, OfProbeWithoutItsFiles) {
+  expect_refused({"probe", "no_such.yaml", "--poses", kPoses}, "no_such.yaml");
+  expect_refused({"probe", kScene, "--poses", "no_such.csv"}, "no_such.csv");
+  expect_refused({"probe", kScene}, "--poses");
+  expect_refused({"probe", kScene, "--poses", folder_.path().string()}, folder_.path().string());
+  expect_refused({"probe", kMesh, "--poses", kPoses}, "sphere.obj");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--no-such"}, "--no-such");
+}
+
+TEST_F(BadCall, OfProbeWithAnUnknownModel) {
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "best"}, "--model: best");
+  expect_refused({"probe", kScene, "--poses", kPoses, "--model", "Field"}, "--model: Field");
+}
+
+TEST_F(BadCall, OfProbeWithInvalidPoses) {
+  for (const char* row :
+       {"nan,0,0,0,0,0,0", "1,0,0,0,0,0,nan", "1,0,0,0,inf,0,0", "1,0,0,0,1e999,0,0",
+        "0,0,0,0,0,0,0", "1e-4,0,0,0,0,0,0", "1e4,0,0,0,0,0,0", "1,0,0,0,0,0", "1,0,0,0,0,0,one",
+        "1,0,0,0,0,0,0x1p3", "1,0,0,0,0,0,1;2"})
+    expect_refused({"probe", kScene, "--poses", poses(row)}, "poses.csv:2");
+  for (const char* model : {"original", "reference"})
+    expect_refused(
+        {"probe", kScene, "--model", model, "--poses", poses("1,0,0,0,0,0,0\nnan,0,0,0,0,0,0")},
+        "poses.csv:3");
+  expect_refused({"probe", kScene, "--poses", file("empty.csv", "")}, "empty.csv");
+  expect_refused({"probe", kScene, "--poses", file("other.csv", "x,y,z\n1,2,3\n")}, "'qw'");
+}
+
+TEST_F(BadCall, ProbeFarOutsideTheGridFindsNoContact) {
+  const Finished run =
+      voxtouch({"probe", kScene, "--poses", poses("1,0,0,0,1e300,0,0\n1,0,0,0,-1e12,1e12,0")});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(run.out, "nS,nI,coh,fx,fy,fz,tx,ty,tz\n0,0,0,0,0,0,0,0,0\n0,0,0,0,0,0,0,0,0\n");
+}
+
+TEST_F(BadCall, OfBuild) {
+  const std::string out = (folder_ / "out").string();
+  expect_refused({"build", "no_such.obj", "--voxel", "0.1", "--out", out}, "no_such.obj");
+  expect_refused({"build", kMesh, "--out", out}, "--voxel");
+  expect_refused({"build", kMesh, "--voxel", "0.1"}, "--out");
+  for (const char* voxel : {"0", "-0.1", "one", "inf"})
+    expect_refused({"build", kMesh, "--voxel", voxel, "--out", out}, "--voxel");
+  expect_refused({"build", kMesh, "--voxel", "nan", "--out", out}, "'nan'");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--scale", "-1", "--out", out}, "--scale");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--origin", "0,0", "--out", out}, "--origin");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--origin", "nan,0,0", "--out", out}, "origin");
+  expect_refused({"build", file("mesh.xyz", "0 0 0\n"), "--voxel", "0.1", "--out", out}, "xyz");
+  expect_refused({"build", file("empty.obj", ""), "--voxel", "0.1", "--out", out}, "empty.obj");
+  expect_refused({"build", kMesh, "--voxel", "0.1", "--out", file("is_a_file", "")}, "is_a_file");
+  EXPECT_FALSE(std::filesystem::exists(out)) << "a call that was refused leaves nothing behind";
+}
+
+TEST(BadCalls, UnknownVerbIsNamedWithTheNearest) {
+  expect_refused({"upp", "cup"}, "Unknown verb 'upp'; did you mean 'up'?");
+  expect_refused({"dance"}, "Unknown verb 'dance'");
 }
 
 TEST(Environment, WithAFaultyDomainOnlyStopsWhatJoinsOne) {

@@ -95,8 +95,7 @@ nlohmann::ordered_json multiplier_json(const cd::Multiplier& m) {
 
 std::string certificate_line(const cd::ContactCertificate& c) {
   if (c.contact == cd::ContactClass::kMonotone)
-    return fmt::format("any contact up to {} whose force does not decrease with depth",
-                       certified_limits(c));
+    return "any contact whose force does not decrease with depth, up to " + certified_limits(c);
   if (c.contact == cd::ContactClass::kLinear)
     return "linear contact up to the displayed stiffness; " + linear_reason(c);
   return "";

@@ -36,7 +36,7 @@ class Rows {
     if (found == verdict_.limits.end())
       return;
     add(name, found->measured ? value_text(*found->measured) : "-",
-        std::string(found->limit->unit == "1" ? "" : found->limit->unit),
+        std::string(found->limit->unit == "1" || !found->measured ? "" : found->limit->unit),
         fmt::format("{} {}", found->limit->at_least ? ">=" : "<=", value_text(found->bound)));
   }
   void add(std::string name, std::string value, std::string unit, std::string limit = "") {
@@ -50,14 +50,14 @@ class Rows {
   std::vector<Row> rows_;
 };
 
-/// In lockstep time is simulated: there is no latency to measure.
+/// "-" if no sample was answered, and in lockstep: its time is simulated.
 void add_latency(Rows& rows, const RunRecord& run) {
+  const bool is_measured =
+      run.mode != "lockstep" && number(run.reports, "device", "answered") > 0.0;
   for (const char* quantile : {"p50", "p99", "max"}) {
-    const std::string figure = fmt::format("latency_{}_us", quantile);
-    rows.add(
-        fmt::format("latency {}", quantile),
-        run.mode == "lockstep" ? "-" : fmt::format("{:.0f}", number(run.reports, "device", figure)),
-        "us");
+    const double us = number(run.reports, "device", fmt::format("latency_{}_us", quantile));
+    rows.add(fmt::format("latency {}", quantile), is_measured ? fmt::format("{:.0f}", us) : "-",
+             is_measured ? "us" : "");
   }
 }
 
@@ -66,12 +66,12 @@ std::vector<Row> rows_of(const RunRecord& run, const RunVerdict& verdict) {
   rows.add_count("samples", "device", "samples", "");
   rows.add_number("rate", "device", "rate_hz", "Hz");
   rows.add_limit("answered ratio", "answered_ratio");
-  rows.add_limit("skipped periods, ratio", "overrun_ratio");
-  rows.add_limit("deadline misses, ratio", "deadline_miss_ratio");
+  rows.add_limit("overrun ratio", "overrun_ratio");
+  rows.add_limit("deadline miss ratio", "deadline_miss_ratio");
   add_latency(rows, run);
   rows.add_limit("losses of force", "force_losses");
   rows.add_number("largest force", "device", "max_force_n", "N");
-  rows.add_limit("clamped commands, ratio", "clamped_ratio");
+  rows.add_limit("clamped ratio", "clamped_ratio");
   rows.add_number("certified stiffness", "coupling", "design_displayed_n_per_m", "N/m");
   rows.add_number("gain margin", "coupling", "design_gain_margin", "");
   rows.add_limit("oscillation", "swing_s");
@@ -93,7 +93,7 @@ std::vector<Row> rows_of(const RunRecord& run, const RunVerdict& verdict) {
 
 std::string line(const Row& left, const Row* right) {
   const auto cell = [](const Row& row) {
-    return fmt::format("{:<23} {:>8} {:<7} {:<8}", row.name, row.value, row.unit, row.limit);
+    return fmt::format("{:<21} {:>10} {:<7} {:<8}", row.name, row.value, row.unit, row.limit);
   };
   std::string text = "  " + cell(left) + (right ? " " + cell(*right) : "");
   text.erase(text.find_last_not_of(' ') + 1);

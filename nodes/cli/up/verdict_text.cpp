@@ -84,7 +84,7 @@ std::string sentence(const RunRecord& run, const Found& f) {
           "{:.0f} node statuses were refused: too long, too many, or from another participant{}",
           f.value, f.text.empty() ? "" : " (" + f.text + ")");
     case RunFact::kChanges:
-      return fmt::format("{:.0f} changes of the scene during the run; requested by: {}", f.value,
+      return fmt::format("changes of the scene during the run: {:.0f}; requests by: {}", f.value,
                          f.text.empty() ? "an unknown participant" : f.text);
     case RunFact::kRecovers:
       return fmt::format("{:.0f} Recover messages from {}", f.value, f.text);
@@ -124,10 +124,11 @@ void add(std::vector<std::string>& to, double n, const char* one, const char* ma
 
 std::string sentence_of(const CheckedLimit& judged) {
   const Limit& limit = *judged.limit;
-  return fmt::format("{}: {}{}, limit {}; {}", limit.what,
-                     with_unit(judged.measured.value_or(NAN), limit.unit),
+  const double measured = judged.measured.value_or(NAN);
+  return fmt::format("{}: {}{}, limit {} ({}); {}", limit.what,
+                     std::isinf(measured) ? "never" : with_unit(measured, limit.unit),
                      judged.of.empty() ? "" : " (" + judged.of + ")",
-                     with_unit(judged.bound, limit.unit), limit.means);
+                     with_unit(judged.bound, limit.unit), limit.name, limit.means);
 }
 
 std::vector<std::string> problems_of(const RunRecord& run, const RunVerdict& verdict) {

@@ -231,8 +231,10 @@ int main(int argc, char** argv) {
   faults(page, faulty, seed + 3, threads);
   const std::string text = fmt::format(
       "# Identification of random devices\n\n{}\n\n"
-      "`identification_table --devices {} --others {} --faulty {} --seed {}`, {:%Y-%m-%d}, {} "
-      "shared cores.\nThe full size is 500, 500 and 10000; one axis a device. The plants are not "
+      "Command: `build/bin/identification_table --devices {} --others {} --faulty {} --seed {}\n"
+      "--out deploy/results/identification.md` (built by `deploy/build identification_table`).\n\n"
+      "{:%Y-%m-%d}, {} shared cores.\nThe full size is 500, 500 and 10000; one axis a device. The "
+      "plants are not "
       "the model of the fit.\n{}",
       page.missed() == 0 ? "PASSED"
                          : fmt::format("FAILED ({} of {} limits)", page.missed(), page.limits()),

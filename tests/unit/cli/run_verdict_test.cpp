@@ -85,7 +85,7 @@ TEST(RunSummary, StatesThatLockstepMeasuresNoLatency) {
   EXPECT_EQ(to_json(run)["ring_latency_us"]["p50"], 170.0);
   run.mode = "lockstep";
   run.reports["device"].figures["latency_p50_us"] = {0, "us"};
-  EXPECT_TRUE(row(to_text(run), "latency p50").contains(" - us")) << to_text(run);
+  EXPECT_TRUE(row(to_text(run), "latency p50").ends_with(" -")) << to_text(run);
   EXPECT_TRUE(to_json(run)["ring_latency_us"]["p50"].is_null());
 }
 
