@@ -35,8 +35,8 @@ const CouplingSpec& checked(const CouplingSpec& spec, const CouplingLimits& limi
 /// Tolerance by which a contact exactly at the caps may appear to exceed them.
 constexpr double kScaleRounding = 1e-6;
 
-/// Force [N] and speed [m/s] that bound the power of effects and moving objects if the device has
-/// no smaller limit.
+/// Bound of the power of effects and moving objects [W]: min(max_force_n, kMaxSuppliedN) times
+/// kMaxSuppliedMPerS.
 constexpr double kMaxSuppliedN = 100.0, kMaxSuppliedMPerS = 2.0;
 
 /// Whether the static scene or an effect exerts a force, or would after a small displacement.
@@ -184,7 +184,7 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
     out.clamped =
         clamp_wrench(in.contact, limits_.max_force_n / gain, limits_.max_torque_nm / gain).any();
   } else {
-    in.contact = {};  // an unlimited input would stay in the law's state until the gain returns
+    in.contact = {};  // not clamped without gain, so the law's state would keep it
   }
   law_output_ = std::visit(
       [&](auto& law) {
@@ -218,13 +218,13 @@ void RunningCoupling::limit_command(Wrench& sum, const Wrench& law, CouplingOutp
     ++counters_.not_finite;
     sum = law;
   }
-  // After the contact the filter's output decays. Damping may reduce it and not add to it.
+  // After a contact the law's output decays. Damping may reduce it, not add to it.
   if (!in_contact_)
     clamp_wrench(sum, law.force.stableNorm(), law.torque.stableNorm());
   out.clamped |= clamp_wrench(sum, limits_.max_force_n, limits_.max_torque_nm).any();
 }
 
-/// Fades the command to zero, permanently, after self-excited growth of the force.
+/// Fades the command to zero after self-excited growth of the force, until `reset`.
 void RunningCoupling::fade_out(double dt_s, Wrench& sum, CouplingOutput& out) noexcept {
   if (!swing_.growing())
     return;
@@ -233,7 +233,7 @@ void RunningCoupling::fade_out(double dt_s, Wrench& sum, CouplingOutput& out) no
   sum.force *= fade_factor_, sum.torque *= fade_factor_;
 }
 
-/// Records the displacement during which the last command acted.
+/// Records the longest displacement in one period under force, for energy_bound_j.
 void RunningCoupling::count_path() noexcept {
   const Wrench& applied = passivity_.applied();
   if (applied.zero())

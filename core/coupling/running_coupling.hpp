@@ -1,11 +1,11 @@
 #pragma once
 /// The coupling between contact and device at run time, one step per sample:
 ///
-///   contact -> input policy -> scale -> clamp -> law -> + injected damping -> never pulling ->
-///   limits -> command
+///   contact -> input policy -> scale -> clamp -> law -> + injected damping -> never_pull ->
+///   limits -> fade_out -> command
 ///
-/// If the force grows over three cycles without work of the operator (swing_watch.hpp), the command
-/// fades to zero over kFadeOutS and stays zero until `reset`.
+/// If the force grows over three cycles without work of the operator (swing_watch.hpp), fade_out
+/// reduces the command to zero over kFadeOutS and holds it there until `reset`.
 #include <cstdint>
 #include <optional>
 #include <variant>
@@ -62,9 +62,10 @@ struct CouplingCounters {
 /// or exception.
 class RunningCoupling {
  public:
-  /// `sample_time_s`: nominal period T [s]. `ramp_s`: duration of a fade-in [s]. `speeds`: limits
-  /// beyond which a pose has jumped. Throws std::invalid_argument for the first error of
-  /// `validate` and for an invalid ramp or speed limit.
+  /// `sample_time_s`: nominal period T [s]. `ramp_s`: duration of a fade-in [s]. `speeds`: largest
+  /// plausible speeds of the tool [m/s, rad/s]; a faster displacement is a jump of the pose. Throws
+  /// std::invalid_argument for the first error of `validate` and for an invalid ramp or speed
+  /// limit.
   RunningCoupling(const CouplingSpec& spec, const CouplingLimits& limits, double sample_time_s,
                   double ramp_s = kDefaultRampS, const ToolSpeedLimits& speeds = {});
 
@@ -73,14 +74,14 @@ class RunningCoupling {
   /// law's force; if the law's force is zero too, the command is zero.
   CouplingOutput step(const CouplingInput& input, double dt_s) noexcept;
   /// Restarts from rest at the force `start`, clamped to the limits, and fades from it to the
-  /// contact without a jump; for a new session, a clutch or an intended jump of the pose.
+  /// contact, for a new session, a clutch or an intended jump of the pose. Clears velocity, energy
+  /// and self-excited growth.
   void reset(const Wrench& start) noexcept;
 
   /// Changes the parameters at run time, also in contact, without a jump.
-  /// Cut-off, damping ratio and velocity estimate change immediately (the filter's state cannot
-  /// grow by it). The gain changes at kGainSlewPerS; c and r of the spring-damper and the caps ramp
-  /// over kDefaultRampS; injected damping ramps over `ramp_behind_filter_s`. Another kind starts at
-  /// the force of the old law and fades to its own. Returns false, without any change, if
+  /// Immediately: cut-off, damping ratio, velocity estimate. At kGainSlewPerS: the gain. Over
+  /// kDefaultRampS: c and r of the spring-damper, and the caps. Over `ramp_behind_filter_s`:
+  /// injected damping. Another kind starts at the present force. Returns false, unchanged, if
   /// `validate` refuses. Call it between two steps; it allocates only for the messages of validate.
   bool redesign(const CouplingSpec& spec);
 

@@ -57,10 +57,17 @@ class SwingWatch {
  public:
   static constexpr int kCycles = 8, kGrowingCycles = 3;
   static constexpr int kFastestSamples = 8;  ///< of a cycle; shorter ones are encoder noise
-  static constexpr double kHandWorks = 0.01, kGrowth = 1.15, kAlike = 0.25, kNoSmaller = 0.8,
-                          kLeastN = 0.05, kSlowestS = 1.0;
-  static constexpr double kHidden = 0.1, kClosed = 1.0, kSteps = 3.5, kSlowSteps = 10.5;
-  static constexpr double kSmallerACycle = 0.03, kSwingS = 2.0;
+  static constexpr double kSlowestS = 1.0;   ///< [s]: longest cycle
+  static constexpr double kSwingS = 2.0;     ///< [s]: shortest swing of fewer than kCycles cycles
+  static constexpr double kLeastN = 0.05;    ///< [N]: least force of a swing, peak to peak
+  static constexpr double kSteps = 3.5, kSlowSteps = 10.5;  ///< [encoder steps]: least amplitudes
+  static constexpr double kHandWorks = 0.01;  ///< of the exchangeable energy: less counts as zero
+  static constexpr double kHidden = 0.1;      ///< of an encoder step times the force: hidden work
+  static constexpr double kAlike = 0.25;      ///< relative difference of similar periods
+  static constexpr double kClosed = 1.0;      ///< of the amplitude: largest gap of a closed cycle
+  static constexpr double kNoSmaller = 0.8;   ///< of the first amplitude: less is a decay
+  static constexpr double kSmallerACycle = 0.03;  ///< decrease a cycle: more is a decay
+  static constexpr double kGrowth = 1.15;         ///< force over that of the cycle before
   /// Voluntary motions have up to 4 Hz. In a slower cycle the operator must receive at least
   /// kHandTakes of the exchangeable energy, so that voluntary strokes do not count.
   static constexpr double kVoluntaryS = 0.25, kHandTakes = 0.1;
