@@ -1,6 +1,7 @@
 #pragma once
 /// Repeats rendering and coupling of a recorded run and compares the results with the recorded
 /// ones.
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -68,6 +69,13 @@ struct Replayed {
       losses;  ///< data that the bag's metadata states and its files do not hold
   bool equal() const noexcept {
     return contact.differ == 0 && command.differ == 0 && designs_differ == 0 && losses.empty();
+  }
+  /// Whether half of the samples that the rendering answered were compared, in both streams.
+  bool is_complete() const noexcept {
+    return 2 * std::min(contact.compared, command.compared) >= samples - std::min(skipped, samples);
+  }
+  bool passed() const noexcept {
+    return equal() && is_complete() && contact.compared + command.compared > 0;
   }
 };
 

@@ -681,6 +681,26 @@ class Replay(unittest.TestCase):
         self.assertEqual(len(said["losses"]), 1, said)
         self.assertIn("FAILED", voxtouch("replay", bag).stdout)
 
+    def test_a_recording_without_a_topic_fails(self):
+        """As a filtered copy: its metadata agrees with the messages that it has."""
+        for name in (CONTACT, COMMAND):
+            with self.subTest(without=name):
+                bag = self.copy("without" + name.replace("/", "_"))
+                topic = "topic_id IN (SELECT id FROM topics WHERE name LIKE '%" + name + "')"
+                with sqlite3.connect(database(bag)) as connection:
+                    gone = connection.execute(f"DELETE FROM messages WHERE {topic}").rowcount
+                connection.close()
+                self.assertGreater(gone, 0)
+                metadata = bag / "metadata.yaml"
+                text = metadata.read_text()
+                total = int(re.search(r"message_count: (\d+)", text)[1])
+                metadata.write_text(
+                    text.replace(f"message_count: {total}", f"message_count: {total - gone}")
+                )
+                status, said, _ = replay(bag)
+                self.assertEqual((status, said["ok"], said["losses"]), (1, False, []), said)
+                self.assertIn("FAILED: the recording is incomplete", voxtouch("replay", bag).stdout)
+
     def test_duplicate_command_is_replayed_once(self):
         bag = self.copy()
         edit(
