@@ -164,7 +164,10 @@ void check_scene(const MeshFile& file, const Json& doc) {
   const Json nodes = doc.value("nodes", Json::array());
   std::vector<std::size_t> open =
       doc.at("scenes").at(scene).value("nodes", std::vector<std::size_t>());
-  while (!open.empty()) {
+  // A ring of nodes ends after as many steps as there are nodes; assimp refuses it.
+  for (std::size_t step = 0; !open.empty(); ++step) {
+    if (step > nodes.size())
+      return;
     const Json& node = nodes.at(open.back());
     open.pop_back();
     if (node.contains("mesh"))

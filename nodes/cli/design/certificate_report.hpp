@@ -9,8 +9,8 @@
 
 namespace voxtouch::cli {
 
-/// "any contact up to 518 N/m, margin 1.98", or which one instead and why. Empty for a design
-/// without a certificate.
+/// "any contact whose force does not decrease with depth, up to 518 N/m, margin 1.98", or which one
+/// instead and why. Empty for a design without a certificate.
 std::string certificate_line(const coupling::design::ContactCertificate& certificate);
 /// Cases that the certificate does not cover, one sentence each.
 std::vector<std::string> certificate_gaps(const coupling::design::ContactCertificate& certificate);
