@@ -85,7 +85,7 @@ TEST(RunSummary, StatesThatLockstepMeasuresNoLatency) {
   EXPECT_EQ(to_json(run)["ring_latency_us"]["p50"], 170.0);
   run.mode = "lockstep";
   run.reports["device"].figures["latency_p50_us"] = {0, "us"};
-  EXPECT_TRUE(row(to_text(run), "latency p50").ends_with(" -")) << to_text(run);
+  EXPECT_TRUE(row(to_text(run), "latency p50").contains("  -  ")) << to_text(run);
   EXPECT_TRUE(to_json(run)["ring_latency_us"]["p50"].is_null());
 }
 
@@ -210,7 +210,7 @@ TEST(RunVerdict, NotesHarmlessForeignTraffic) {
   EXPECT_TRUE(verdict.passed());
   const std::string notes = ::testing::PrintToString(notes_of(run, verdict));
   for (const char* words :
-       {"1 changes", "requested by: 2 of ROS 2's /tuner", "12 node statuses",
+       {"during the run: 1;", "requests by: 2 of ROS 2's /tuner", "12 node statuses",
         "1625 Recover messages from tool (process 8 on host)", "on device/description"})
     EXPECT_TRUE(notes.contains(words)) << notes;
 }
