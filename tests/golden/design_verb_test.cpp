@@ -47,7 +47,10 @@ TEST(DesignVerb, PrintsOneJsonObjectWithTheRequestedMargin) {
 
 TEST(DesignVerb, PrintsCertifiedContactsAndTheLimits) {
   const Finished text = voxtouch({"design", "--device", "sim-phantom"});
-  EXPECT_NE(text.out.find("certificate   any contact whose force does not decrease with depth, up to "), std::string::npos) << text.out;
+  EXPECT_NE(
+      text.out.find("certificate   any contact whose force does not decrease with depth, up to "),
+      std::string::npos)
+      << text.out;
   EXPECT_NE(text.out.find("Not covered by the certificate:\n"
                           "   - Injected damping acts only in contact"),
             std::string::npos)
