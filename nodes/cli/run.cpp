@@ -44,7 +44,7 @@ void check_verb(const CLI::App& app, std::string_view verb) {
   for (const CLI::App* one : app.get_subcommands([](const CLI::App*) { return true; }))
     names.push_back(one->get_name());
   if (!verb.starts_with('-') && std::ranges::find(names, verb) == names.end())
-    throw std::invalid_argument(fmt::format("Unknown verb '{}'{} `voxtouch --help` lists all.",
+    throw std::invalid_argument(fmt::format("Unknown verb '{}'{} (voxtouch --help lists the verbs)",
                                             verb, scene::suggestion(verb, names)));
 }
 

@@ -169,11 +169,8 @@ std::string_view sentence_of(std::string_view status) noexcept {
       Row{"bandwidth_raised",
           "the requested stiffness is stable at a higher cut-off than requested"},
       Row{"damping_added", "the requested stiffness is stable with injected damping in contact"},
-      Row{"stiffness_reduced",
-          "less than the requested stiffness is stable; see the reasons of voxtouch design"},
-      Row{"infeasible",
-          "no usable stiffness is stable, so no force is commanded; see the reasons of voxtouch "
-          "design"},
+      Row{"stiffness_reduced", "less than the requested stiffness is stable"},
+      Row{"infeasible", "no usable stiffness is stable, so no force is commanded"},
       Row{"configured", "the scene sets the coupling; the designer only checks it"}};
   const auto found = std::ranges::find(kRows, status, &Row::first);
   return found == kRows.end() ? std::string_view() : found->second;

@@ -162,10 +162,10 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
   report.state = !ended ? (running ? NodeState::kRunning : NodeState::kReady)
                         : (end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                          : NodeState::kFailed);
+  const std::string missing = peers_.missing();
   status.say(StatusPriority::kProgress,
              running ? "running" + late_.network()
-                     : "waiting for " +
-                           (peers_.missing().empty() ? "the coupling design" : peers_.missing()));
+                     : "waiting for " + (missing.empty() ? "the coupling design" : missing));
   status.say(StatusPriority::kForeign, coupling_.diagnostic(registry));
   if (!rig_.conflicting().empty())
     status.say(StatusPriority::kConflict,

@@ -17,13 +17,13 @@ class LastSecond {
   double answered_ratio() const;
 
  private:
-  struct Look {
+  struct Poll {
     std::int64_t at_ns;
     std::uint64_t samples, answered;
     double largest_n;
   };
   /// The first entry marks the start of the second; only its counts are used.
-  std::deque<Look> looks_;
+  std::deque<Poll> polls_;
 };
 
 }  // namespace voxtouch::device_node

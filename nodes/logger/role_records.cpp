@@ -9,7 +9,7 @@ constexpr std::size_t kMaxAuthorised =
     64;  ///< the newest ones; a ring rarely changes its rendering
 constexpr std::size_t kMaxNamed = 16;
 /// The first poll may have begun when the record had not arrived.
-constexpr std::uint64_t kLooks = 2;
+constexpr std::uint64_t kPolls = 2;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ void RoleRecords::entitle(const bus::Guid& participant) {
 
 void RoleRecords::looked(bool bound) {
   const std::lock_guard lock(mutex_);
-  ++looks_;
+  ++polls_;
   bound_ = bound;
 }
 
@@ -38,7 +38,7 @@ void RoleRecords::take(const bus::Guid& writer, Record record) {
     released_ = released_ || authorised_.empty();
   }
   kept_bytes_[writer] += size, all_bytes_ += size;
-  kept_.push_back({writer, std::move(record), looks_ + kLooks});
+  kept_.push_back({writer, std::move(record), polls_ + kPolls});
 }
 
 std::vector<RoleRecords::Record> RoleRecords::decided() {
@@ -47,7 +47,7 @@ std::vector<RoleRecords::Record> RoleRecords::decided() {
   std::erase_if(kept_, [&](Kept& one) {
     const bool authorised =
         released_ || std::ranges::find(authorised_, one.writer) != authorised_.end();
-    const bool foreign = !authorised && bound_ && looks_ >= one.decided_at;
+    const bool foreign = !authorised && bound_ && polls_ >= one.decided_at;
     if (!authorised && !foreign)
       return false;
     const std::size_t size = one.record.bytes.size();

@@ -83,7 +83,7 @@ class RoleRecords {
   std::deque<Kept> kept_;
   std::map<bus::Guid, std::size_t> kept_bytes_;  ///< of each writer
   std::size_t all_bytes_ = 0;
-  std::uint64_t looks_ = 0, settled_ = 0, refused_ = 0;
+  std::uint64_t polls_ = 0, settled_ = 0, refused_ = 0;
   bool bound_ = false;
   std::map<bus::Guid, std::uint64_t> refused_writers_;
 };

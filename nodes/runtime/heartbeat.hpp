@@ -21,8 +21,8 @@ class WatchClock {
  public:
   /// Call at least every 20 ms, and first in each poll; then note new signs of life.
   void poll(std::int64_t now_ns) noexcept {
-    const std::int64_t gap_ns = last_look_ns_ ? now_ns - *last_look_ns_ : 0;
-    last_look_ns_ = now_ns;
+    const std::int64_t gap_ns = last_poll_ns_ ? now_ns - *last_poll_ns_ : 0;
+    last_poll_ns_ = now_ns;
     watched_ns_ += std::min(gap_ns, kLateNs);
   }
   /// Time spent watching [ns].
@@ -30,7 +30,7 @@ class WatchClock {
 
  private:
   static constexpr std::int64_t kLateNs = 100'000'000;
-  std::optional<std::int64_t> last_look_ns_;
+  std::optional<std::int64_t> last_poll_ns_;
   std::int64_t watched_ns_ = 0;
 };
 

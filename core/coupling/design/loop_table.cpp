@@ -132,7 +132,7 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
   // stiffness on.
   if (im(0) > 0.0 && re(0) < 0.0)
     return 0.0;
-  const auto look = [&](std::size_t i) {
+  const auto visit = [&](std::size_t i) {
     const double before = im(i - 1), now = im(i);
     if ((before < 0.0) == (now < 0.0))
       return;
@@ -154,10 +154,10 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
       crossings = crossings_of(one.loop, unit);
     for (const Crossing& crossing : crossings)
       if (crossing.least <= b && b <= crossing.most)
-        look(crossing.end);
+        visit(crossing.end);
   } else {
     for (std::size_t i = 1; i < kPoints; ++i)
-      look(i);
+      visit(i);
   }
   const double nyquist = re(kPoints - 1) / size(kPoints - 1);
   return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;

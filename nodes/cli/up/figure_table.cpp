@@ -1,6 +1,7 @@
 #include "nodes/cli/up/figure_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
@@ -17,7 +18,13 @@ struct Row {
 
 std::string value_text(double value) { return fmt::format("{:.4g}", value); }
 
-/// Fills the cells that do not need more than one figure of one node.
+/// ">= 0.95", "<= 0"; empty for a limit without a bound.
+std::string limit_text(const CheckedLimit& one) {
+  return std::isinf(one.bound)
+             ? ""
+             : fmt::format("{} {}", one.limit->at_least ? ">=" : "<=", value_text(one.bound));
+}
+
 class Rows {
  public:
   Rows(const RunRecord& run, const RunVerdict& verdict) : run_(run), verdict_(verdict) {}
@@ -37,7 +44,7 @@ class Rows {
       return;
     add(name, found->measured ? value_text(*found->measured) : "-",
         std::string(found->limit->unit == "1" || !found->measured ? "" : found->limit->unit),
-        fmt::format("{} {}", found->limit->at_least ? ">=" : "<=", value_text(found->bound)));
+        limit_text(*found));
   }
   void add(std::string name, std::string value, std::string unit, std::string limit = "") {
     rows_.push_back({std::move(name), std::move(value), std::move(unit), std::move(limit)});
@@ -50,10 +57,9 @@ class Rows {
   std::vector<Row> rows_;
 };
 
-/// "-" if no sample was answered, and in lockstep: its time is simulated.
+/// "-" if nothing was measured.
 void add_latency(Rows& rows, const RunRecord& run) {
-  const bool is_measured =
-      run.mode != "lockstep" && number(run.reports, "device", "answered") > 0.0;
+  const bool is_measured = measures_latency(run) && number(run.reports, "device", "answered") > 0.0;
   for (const char* quantile : {"p50", "p99", "max"}) {
     const double us = number(run.reports, "device", fmt::format("latency_{}_us", quantile));
     rows.add(fmt::format("latency {}", quantile), is_measured ? fmt::format("{:.0f}", us) : "-",
@@ -77,7 +83,7 @@ std::vector<Row> rows_of(const RunRecord& run, const RunVerdict& verdict) {
   rows.add_limit("oscillation", "swing_s");
   rows.add_count("samples with force", "rendering", "contact_samples", "");
   rows.add_limit("tool passed through", "passed_through_samples");
-  if (number(run.reports, "rendering", "spring_n_per_m") > 0.0) {
+  if (has_virtual_tool(run)) {
     rows.add_number("virtual tool residual", "rendering", "most_residual_m", "mm", 1e3);
     rows.add_count("not converged", "rendering", "not_converged_samples", "samples");
   } else {

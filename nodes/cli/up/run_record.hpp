@@ -93,5 +93,7 @@ struct RunRecord {
 RunFigures figures_of(const RunRecord& run);
 /// Whether its rendering has a virtual tool.
 bool has_virtual_tool(const RunRecord& run);
+/// In lockstep time is simulated: there is no latency to measure.
+bool measures_latency(const RunRecord& run);
 
 }  // namespace voxtouch::cli

@@ -26,14 +26,13 @@ bool has_virtual_tool(const RunRecord& run) {
   return number(run.reports, "rendering", "spring_n_per_m") > 0.0;
 }
 
+bool measures_latency(const RunRecord& run) { return run.mode != "lockstep"; }
+
 namespace {
 
 std::uint64_t count(const Reports& reports, const std::string& node, const std::string& name) {
   return runtime::as_count(number(reports, node, name));
 }
-
-/// In lockstep time is simulated: there is no latency to measure.
-bool measures_latency(const RunRecord& run) { return run.mode != "lockstep"; }
 
 using Names = std::initializer_list<const char*>;
 
@@ -146,7 +145,7 @@ std::string to_text(const RunSummary& s) {
     text += figure_table(s, s.verdict);
   const std::string design = word(s.reports, "coupling", "design_status");
   if (const std::string_view means = design_text::sentence_of(design); !means.empty())
-    text += fmt::format("  coupling    {}\n", means);
+    text += fmt::format("  coupling    {}; voxtouch design lists its limits\n", means);
   if (!s.bag.empty())
     text +=
         fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,

@@ -77,6 +77,15 @@ TEST(RunSummary, HasFifteenLinesOfAHundredColumns) {
   EXPECT_LE(number_of_lines, 16u) << to_text(run);
 }
 
+TEST(RunSummary, HasNoBoundForALimitThatIsLifted) {
+  RunSummary run;
+  static_cast<RunRecord&>(run) = good_run();
+  EXPECT_TRUE(choose_limit("overrun_ratio=inf", run.limits).empty());
+  run.verdict = judge(run);
+  EXPECT_TRUE(row(to_text(run), "answered ratio").contains(">= 0.95")) << to_text(run);
+  EXPECT_FALSE(row(to_text(run), "overrun ratio").contains("inf")) << to_text(run);
+}
+
 TEST(RunSummary, StatesThatLockstepMeasuresNoLatency) {
   RunSummary run;
   static_cast<RunRecord&>(run) = good_run();
