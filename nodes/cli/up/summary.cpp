@@ -145,7 +145,7 @@ std::string to_text(const RunSummary& s) {
     text += figure_table(s, s.verdict);
   const std::string design = word(s.reports, "coupling", "design_status");
   if (const std::string_view means = design_text::sentence_of(design); !means.empty())
-    text += fmt::format("  coupling    {}; voxtouch design lists its limits\n", means);
+    text += fmt::format("  coupling    {}\n", means);
   if (!s.bag.empty())
     text +=
         fmt::format("  bag         {} ({} messages, {} dropped)\n", s.bag,
