@@ -51,6 +51,20 @@ def up(*words, scene=DEPLOY / "scenes/cup.yaml", **more):
     )
 
 
+def mcap_chunks(data):
+    """The chunks of an MCAP file, as ranges of its bytes, without their headers. A record is its kind
+    in a byte, its length in eight, and its content.
+    """
+    chunks, at = [], len(b"\x89MCAP0\r\n")
+    while at + 9 <= len(data):
+        kind, length = struct.unpack_from("<BQ", data, at)
+        at += 9
+        if kind == 6:
+            chunks.append(range(at, at + length))
+        at += length
+    return chunks
+
+
 def with_matplotlib_from(file, *words):
     """As `up`, in a mount namespace in which matplotlib is `file`: the report takes Debian's Python
     and no other package.
@@ -600,11 +614,14 @@ class Reports(unittest.TestCase):
 
     def test_a_damaged_chunk_fails(self):
         bag = self.at / "damaged"
-        run = up("--motion", "slide", "--duration", "1", "--lockstep", "--record", bag)
+        run = up("--motion", "slide", "--duration", "4", "--lockstep", "--record", bag)
         self.assertEqual(run.returncode, 0, run.stderr)
         (file,) = bag.glob("*.mcap")
         data = bytearray(file.read_bytes())
-        middle = len(data) // 2
+        chunks = mcap_chunks(data)
+        self.assertGreater(len(chunks), 1, "no chunk would be left to report")
+        last = chunks[-1]
+        middle = (last.start + last.stop) // 2
         data[middle : middle + 64] = bytes(255 - byte for byte in data[middle : middle + 64])
         file.write_bytes(data)
         self.says(self.report_of(bag), "FAILED", "is only partly readable")
