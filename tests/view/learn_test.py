@@ -342,19 +342,23 @@ class InABrowser(BrowserTest):
             )
 
     def test_takes_a_mesh_that_is_dropped_on_it(self):
-        """Two that are refused first, and the ring goes on."""
+        """Three that are refused first, and the ring goes on."""
         with (
             tempfile.TemporaryDirectory() as folder,
             unittest.mock.patch.dict(os.environ, {"XDG_DATA_HOME": folder}),
             led_ring("cup") as up,
         ):
             self.opened(up)
-            large, broken = pathlib.Path(folder) / "large.stl", pathlib.Path(folder) / "broken.stl"
+            at = pathlib.Path(folder)
+            large, empty, broken = (at / f"{name}.stl" for name in ("large", "empty", "broken"))
             with open(large, "wb") as file:
                 file.truncate((16 << 20) + 1)
+            empty.touch()
             broken.write_text("solid nothing\nfacet nonsense\n")
             self.drop(large)
             self.until_says("#learn-text", "larger than 16 MiB")
+            self.drop(empty)
+            self.until_says("#learn-text", "is empty")
             self.drop(broken)
             self.until_says("#learn-text", "truncated or damaged")
             self.assertEqual(self.browser.facts()["plan"]["scene"], "cup")

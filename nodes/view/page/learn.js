@@ -106,12 +106,13 @@
     async sendMesh(file) {
       if (!file || !this.offered) return this.say('A mesh can be chosen where voxtouch try runs the ring.');
       const ending = file.name.slice(file.name.lastIndexOf('.')).toLowerCase(), device = $('choose-device').value || 'sim-phantom';
+      if (!file.size) return this.say('The file is empty.');
       if (file.size > 16 << 20) return this.say('The file is larger than 16 MiB.');
       const bytes = new Uint8Array(await file.arrayBuffer()), piece = 30000;
       for (let at = 0; at < bytes.length; at += piece) {
+        if (at) await new Promise(done => setTimeout(done, 33));
         this.say(`${file.name}: ${Math.round(100 * at / bytes.length)} % sent`);
         this.page.send({mesh: {ending, device, at, of: bytes.length, data: btoa(String.fromCharCode(...bytes.subarray(at, at + piece)))}});
-        await new Promise(done => setTimeout(done, 33));
       }
       this.say(`${file.name} is read; then the ring starts again.`);
     }
