@@ -91,7 +91,7 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
 
   const auto sample = driver_.read(std::chrono::microseconds(10 * period_ns_ / 1000));
   if (!sample) {
-    next_period();
+    note_overruns(next_period());
     runtime::sleep_until(deadline_ns_);  // keeps the loop from spinning if the device fails
                                          // immediately
     return on_device_error(sample.error());
@@ -293,7 +293,9 @@ std::optional<devices::GuardInput> DeviceLoop::wait_in_lockstep(const std::atomi
 
 std::optional<devices::GuardInput> DeviceLoop::wait_in_real_time() noexcept {
   std::optional<devices::GuardInput> newest;
-  next_period();
+  const auto skipped = next_period();
+  if (driver_.simulated())
+    note_overruns(skipped);  // those of a real device are counted by its time stamps
   for (std::int64_t left; (left = deadline_ns_ - runtime::monotonic_ns()) > 0;) {
     if (gate_.last_sequence() == sequence_)
       break;  // the sample is answered
@@ -314,13 +316,18 @@ void DeviceLoop::count_skipped(std::int64_t sample_ns) noexcept {
     return;  // a device that does not accept force yet may pause
   const std::int64_t periods = (sample_ns - last + period_ns_ / 2) / period_ns_;
   if (periods > 1)
-    progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(periods - 1));
+    note_overruns(static_cast<std::uint64_t>(periods - 1));
 }
 
-void DeviceLoop::next_period() noexcept {
+void DeviceLoop::note_overruns(std::uint64_t periods) noexcept {
+  progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(periods));
+}
+
+/// Returns the number of periods that have passed meanwhile.
+std::uint64_t DeviceLoop::next_period() noexcept {
   const auto next = runtime::next_deadline(deadline_ns_, runtime::monotonic_ns(), period_ns_);
   deadline_ns_ = next.at_ns;
-  progress_.counters.note(DeviceCounter::kOverruns, static_cast<double>(next.skipped));
+  return next.skipped;
 }
 
 /// Stores this sample, and records a fault if the guard refused, clipped or faded commands. Errors

@@ -178,7 +178,8 @@ class DeviceLoop {
   void stop_force() noexcept;
   bool has_stalled() noexcept;
   void note_loss() noexcept;
-  void next_period() noexcept;
+  std::uint64_t next_period() noexcept;
+  void note_overruns(std::uint64_t periods) noexcept;
   void count_skipped(std::int64_t sample_ns) noexcept;
   bool publish(const devices::DeviceSample& sample, const std::atomic<bool>& stop) noexcept;
   std::optional<devices::GuardInput> wait_in_lockstep(const std::atomic<bool>& stop,
