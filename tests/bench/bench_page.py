@@ -1,7 +1,10 @@
 #!/usr/bin/python3
-"""bench_page.py FOLDER: writes the results of deploy/bench (query.json, meshes.json, build.json,
-instructions.json, ring.json, as far as they exist) as one page, FOLDER/bench.md, with two
-pictures if matplotlib is installed."""
+"""bench_page.py FOLDER: writes the results of deploy/bench as two pages.
+
+FOLDER/contact_speed.md, with two pictures if matplotlib is installed, is from query.json,
+meshes.json, build.json and instructions.json. FOLDER/ring_latency.md is from ring.json. Files that
+do not exist are left out.
+"""
 
 import json
 import pathlib
@@ -10,6 +13,7 @@ import sys
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "deploy/tools"))
+from machine import machine  # noqa: E402
 from plot_style import *  # noqa: E402, F403
 from plot_style import NO_MATPLOTLIB  # noqa: E402
 
@@ -76,20 +80,11 @@ def table(head, rows):
     )
 
 
-def machine(context):
-    model = next(
-        (
-            line.split(":", 1)[1].strip()
-            for line in open("/proc/cpuinfo", encoding="utf-8")
-            if line.startswith("model name")
-        ),
-        "unknown processor",
-    )
+def conditions(context):
     kernels = {"0": "plain", "1": "AVX2", "2": "AVX-512"}.get(context.get("instructions", ""), "")
     load = ", ".join(f"{value:.1f}" for value in context["load_avg"])
-    return (
-        f"{context['date']}, {model}, {context['num_cpus']} processors, load at the start {load}"
-        + (f", kernels: {kernels}" if kernels else "")
+    return f"{context['date'][:10]}, {machine()}, load at the start {load}" + (
+        f", kernels: {kernels}" if kernels else ""
     )
 
 
@@ -127,7 +122,7 @@ def query_part(m):
     lines = [
         "## Contact query",
         "",
-        machine(m.context) + ".",
+        conditions(m.context) + ".",
         "",
         (
             "CPU time of a frame, and ns a point; in brackets over reading 12 bytes a point"
@@ -218,7 +213,7 @@ def mesh_part(m):
     lines = [
         "## Next to FCL and Bullet",
         "",
-        machine(m.context) + ".",
+        conditions(m.context) + ".",
         "",
         (
             "A query of the same two meshes at the same poses, one process. `find` and `render`"
@@ -266,7 +261,7 @@ def build_part(m):
     lines = [
         "## Build",
         "",
-        machine(m.context) + ".",
+        conditions(m.context) + ".",
         "",
         (
             "The cup at 0.5 mm, one thread. Our distances reach 2 voxels outside and 12 inside,"
@@ -334,12 +329,17 @@ def ring_part(ring):
             ]
         )
     lines = [
-        "## Ring",
+        (
+            f"{ring['date']}, {machine()}, load {ring['load']:.1f}. Medians of"
+            f" {ring['turns']} turns of {ring['seconds']:g} s, at 1 kHz, on loopback."
+        ),
         "",
         (
-            f"Medians of {ring['turns']} turns of {ring['seconds']:g} s each, load"
-            f" {ring['load']:.1f}. A round is three hops, at 1 kHz; ratios are of p50 within one"
-            " turn, median (least to most)."
+            "A round is three hops: device to rendering, to coupling, and back to the device."
+            " `ours` renders and couples the cup, with logger, validator and `up`. `bare` passes"
+            " messages of the same sizes through Cyclone DDS and does nothing else; its threads"
+            " wait in wait sets, or its listeners answer. Ratios are of p50 within one turn:"
+            " median (least to largest)."
         ),
         "",
     ]
@@ -368,7 +368,7 @@ def ring_part(ring):
     return lines
 
 
-def goals_part(query, meshes, build, ring):
+def goals_part(query=None, meshes=None, build=None, ring=None):
     """Figures compared with their targets."""
     rows = []
 
@@ -483,7 +483,7 @@ def draw_points(m, picture):
     figure, (axis,) = new_plane(
         1,
         "What a frame costs by the number of shell points",
-        machine(m.context) + "; CPU time, medians",
+        conditions(m.context) + "; CPU time, medians",
     )
     sizes = m.sizes()
     axis.plot(
@@ -543,7 +543,7 @@ def draw_triangles(m, picture):
     figure, axes = new_plane(
         3,
         "What a query costs by the number of triangles",
-        machine(m.context) + "; CPU time, medians; same meshes and poses",
+        conditions(m.context) + "; CPU time, medians; same meshes and poses",
     )
     sizes = m.sizes()
     lines = (
@@ -602,40 +602,48 @@ def main():
         Medians(result) if (result := read(name)) else None for name in ("query", "meshes", "build")
     )
     counted, ring = read("instructions"), read("ring")
-    parts = [
-        [
-            "# Benchmarks",
-            "",
-            (
-                "Medians of interleaved runs. Compare ratios within a part: they are of one"
-                " process, or of one turn."
-            ),
-            "",
-        ],
-        goals_part(query, meshes, build, ring),
-    ]
-    parts += [
-        part(result)
-        for part, result in (
-            (query_part, query),
-            (mesh_part, meshes),
-            (build_part, build),
-            (instructions_part, counted),
-            (ring_part, ring),
+    if query or meshes or build or counted:
+        parts = [head("Contact queries and their time", "query meshes build instructions")]
+        parts.append(
+            [
+                "Medians of interleaved runs, CPU time of one thread. Compare ratios within a"
+                " section: its rows ran in one process, in random order.",
+                "",
+            ]
         )
-        if result
-    ]
-    for draw, result, name in (
-        (draw_points, query, "points"),
-        (draw_triangles, meshes, "triangles"),
-    ):
-        if result and not NO_MATPLOTLIB:
-            draw(result, folder / f"bench_{name}.png")
-            parts.append([f"![Cost by {name}](bench_{name}.png)", ""])
-    (folder / "bench.md").write_text(
-        "\n".join(line for part in parts for line in part), encoding="utf-8"
+        parts.append(goals_part(query, meshes, build))
+        parts += [
+            part(result)
+            for part, result in (
+                (query_part, query),
+                (mesh_part, meshes),
+                (build_part, build),
+                (instructions_part, counted),
+            )
+            if result
+        ]
+        for draw, result, name in (
+            (draw_points, query, "points"),
+            (draw_triangles, meshes, "triangles"),
+        ):
+            if result and not NO_MATPLOTLIB:
+                draw(result, folder / f"bench_{name}.png")
+                parts.append([f"![Time by {name}](../pictures/bench_{name}.png)", ""])
+        write(folder / "contact_speed.md", parts)
+    if ring:
+        parts = [head("Latency of the ring", "ring"), ring_part(ring), goals_part(ring=ring)]
+        write(folder / "ring_latency.md", parts)
+
+
+def head(title, names):
+    return [f"# {title}", "", f"Command: `deploy/bench {names}`", ""]
+
+
+def write(page, parts):
+    page.write_text(
+        "\n".join(line for part in parts for line in part).rstrip() + "\n", encoding="utf-8"
     )
-    print(folder / "bench.md")
+    print(page)
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@
 round, which is three hops. Results depend on the machine and are only printed."""
 
 import argparse
+import datetime
 import json
 import os
 import pathlib
@@ -187,6 +188,7 @@ def write(ask, rounds, calls):
             {
                 "turns": len(next(iter(rounds.values()))),
                 "seconds": ask.seconds,
+                "date": str(datetime.date.today()),
                 "load": os.getloadavg()[0],
                 "rounds": rounds,
                 "calls": calls,

@@ -52,8 +52,8 @@ def up(*words, scene=DEPLOY / "scenes/cup.yaml", **more):
 
 
 def mcap_chunks(data):
-    """The chunks of an MCAP file, as ranges of its bytes, without their headers. A record is its kind
-    in a byte, its length in eight, and its content.
+    """The chunks of an MCAP file, as ranges of its bytes, without their headers. A record is its
+    kind in a byte, its length in eight, and its content.
     """
     chunks, at = [], len(b"\x89MCAP0\r\n")
     while at + 9 <= len(data):

@@ -27,6 +27,9 @@ import shapes
 import systems
 import truth
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "deploy/tools"))
+from machine import machine  # noqa: E402
+
 LEAST_WRENCH = 1e-9  # N or N m: less is none
 PENETRATION_EVERY = 10  # samples
 PASSED_SAMPLES = 20  # a contact lost for so long has let the tool through
@@ -105,13 +108,6 @@ def judged(row, wrenches, times):
         if row.name == "E3s":
             facts["curve"] = curve(row, np.sum(force * row.direction, axis=1))
     return facts
-
-
-def machine():
-    for line in pathlib.Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines():
-        if line.startswith("model name"):
-            return f"{line.split(':')[1].strip()}, {os.cpu_count()} processors"
-    return platform.machine()
 
 
 def reason(error):
