@@ -121,9 +121,10 @@ def main():
                 faults.append(f"`up` ends with {up.returncode} and these problems: {problems}")
             if force is None or not 0.05 < force <= ask.most:
                 faults.append(f"{force} N reached the device, at most {ask.most} are right")
+            print("\n".join(problems))
             print(
                 f"figure: largest force {force:.3f} N, {summary['samples']} samples, `up` ended"
-                f" with {up.returncode}: {'; '.join(problems) or 'no problem'}"
+                f" with {up.returncode} and {len(problems)} problems"
             )
     for fault in faults:
         print("FAULT:", fault)

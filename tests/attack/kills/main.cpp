@@ -2,6 +2,7 @@
 /// force and what was left. Exit status 1 if a check failed.
 #include <fmt/core.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -73,6 +74,7 @@ int run(int argc, char** argv) {
   ::setenv("TMPDIR", own.path().c_str(), 1);
   std::mt19937_64 random(o.seed);
   const std::size_t all = o.victims.size() * o.how.size() * static_cast<std::size_t>(o.times);
+  const bool on_terminal = ::isatty(STDERR_FILENO) == 1;
   std::size_t done = 0;
   int bad = 0;
   std::string table =
@@ -90,7 +92,9 @@ int run(int argc, char** argv) {
         ask.after_ms = static_cast<int>(random() % 1000);
         const RoundResult r = play(ask);
         add(row, r);
-        fmt::print(stderr, "\r{:3} % {:10} {:5}", 100 * ++done / all, victim, how);
+        ++done;
+        if (on_terminal)
+          fmt::print(stderr, "\r{:3} % {:10} {:5}", 100 * done / all, victim, how);
         if (o.each && r.zero_ms)
           fmt::print(
               "{} {}: zero after {:.1f} ms of samples, {:.1f} ms here; machine {:.1f} ms, gap "
@@ -107,15 +111,16 @@ int run(int argc, char** argv) {
       }
       bad += row.bad;
       fmt::print(
-          "figure: {} {}: {} rounds, zero after {} ms of samples, machine {:.1f} ms, bag loses "
-          "{:.2f} s, {} late or without force by the machine, {} bad\n",
-          victim, how, row.played, span(row.zero_ms), row.machine_ms, row.bag_lost_s, row.stalled,
-          row.bad);
+          "figure: {} {}: {} rounds, zero force after {} ms, bag loses {:.2f} s, {} not judged as "
+          "the machine stalled, {} bad\n",
+          victim, how == "kill" ? "killed" : "stopped", row.played, span(row.zero_ms),
+          row.bag_lost_s, row.stalled, row.bad);
       table += fmt::format("{:10} {:5} {:7} {:>25} {:>25} {:12.1f} {:10.1f} {:9.2f} {:5}\n", victim,
                            how, row.played, span(row.zero_ms), span(row.zero_wall_ms),
                            row.machine_ms, row.gap_ms, row.bag_lost_s, row.bad);
     }
-  fmt::print(stderr, "\n");
+  if (on_terminal)
+    fmt::print(stderr, "\n");
   fmt::print(
       "{}(least / median / most; machine: how long it kept a thread on any CPU waiting; gap: "
       "without a sample of the device)\n",

@@ -39,8 +39,14 @@ std::vector<std::uint64_t> sample_of(const dds_topic_descriptor_t& type, std::mt
   return memory;
 }
 
-void flood(const Options& o, const bus::Participant& participant, const qos::Topic& topic,
-           std::mt19937_64& random) {
+/// Messages written to one topic, of those intended, and their rate.
+struct Flood {
+  std::uint64_t written = 0, intended = 0;
+  double per_s = 0.0;
+};
+
+Flood flood(const Options& o, const bus::Participant& participant, const qos::Topic& topic,
+            std::mt19937_64& random) {
   const auto type = std::find_if(std::begin(msg::kAllTypes), std::end(msg::kAllTypes),
                                  [&](const msg::AnyType& t) { return t.ros_name == topic.type; });
   const bus::EndpointEntities writer =
@@ -57,19 +63,27 @@ void flood(const Options& o, const bus::Participant& participant, const qos::Top
     written += dds_write(writer.endpoint.get(), sample.data()) == DDS_RETCODE_OK;
   }
   const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
-  fmt::print("figure: {}: {} of {} written in {:.1f} s, {:.0f} a second, to {} readers\n",
-             topic.path, written, count, elapsed, static_cast<double>(written) / elapsed,
-             bus::matched_readers(writer.endpoint.get()).size());
+  const double per_s = static_cast<double>(written) / elapsed;
+  fmt::print("{}: {} of {} written in {:.1f} s, {:.0f} a second, to {} readers\n", topic.path,
+             written, count, elapsed, per_s, bus::matched_readers(writer.endpoint.get()).size());
   std::fflush(stdout);
+  return {written, count, per_s};
 }
 
 int run(const Options& o) {
   const bus::Participant participant(o.participant);
   std::mt19937_64 random(o.seed);
+  std::size_t topics = 0;
+  Flood all{.per_s = o.rate};
   for (const qos::Topic& topic : qos::kTopics)
     if (o.topics.empty() ||
-        std::find(o.topics.begin(), o.topics.end(), topic.path) != o.topics.end())
-      flood(o, participant, topic, random);
+        std::find(o.topics.begin(), o.topics.end(), topic.path) != o.topics.end()) {
+      const Flood one = flood(o, participant, topic, random);
+      ++topics, all.written += one.written, all.intended += one.intended;
+      all.per_s = std::min(all.per_s, one.per_s);
+    }
+  fmt::print("figure: {} topics, {} of {} messages written, {:.0f} a second or more\n", topics,
+             all.written, all.intended, all.per_s);
   return 0;
 }
 

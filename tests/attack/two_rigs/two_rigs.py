@@ -254,17 +254,14 @@ def play(ask, form, domains):
                         f" {', '.join(f'{1000 * machine.still_before(moment):.0f}' for moment in lost[:20])} ms"
                         f" of the {1000 * WINDOW_S:.0f} before"
                     )
-        own = "; ".join(right.summary["problems"]) or "none"
+        print("\n".join(right.summary["problems"]))
+        longest = max((end - begin for _, begin, end in machine.still), default=0)
         print(
-            f"figure: {form}: left ended with {left.status}; right ended with {right.status},"
-            f" {right.summary['samples']} samples at {right.summary['rate_hz']:.0f} Hz,"
-            f" {guard['refused']} commands refused, {guard['refused_late']} of them as too late,"
-            f" {len(lost)} samples without force, {by_machine} of them while a CPU stood still for"
-            f" {1000 * STILL_S:.0f} of the last {1000 * WINDOW_S:.0f} ms;"
-            f" {len(machine.still)} times a CPU stood still for more than {1000 * LATE_S:.0f} ms,"
-            f" {sum(end - begin for _, begin, end in machine.still):.1f} s in all (longest"
-            f" {1000 * max((end - begin for _, begin, end in machine.still), default=0):.0f} ms);"
-            f" problems of its own: {own}"
+            f"figure: {form}: {right.summary['samples']} samples at"
+            f" {right.summary['rate_hz']:.0f} Hz, {guard['refused']} commands refused"
+            f" ({guard['refused_late']} as too late), {len(lost)} samples without force"
+            f" ({by_machine} while a CPU stood still); CPUs stood still {len(machine.still)} times,"
+            f" {1000 * longest:.0f} ms at most; exit status {left.status} and {right.status}"
         )
     return [f"{form}: {fault}" for fault in faults]
 
