@@ -293,7 +293,7 @@ bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, Vi
   }
   limit_to(1.0, work);
   if (!listed || contacts_.passes_something(taken, work)) {
-    ++out.void_steps;
+    ++out.rejected_steps;
     return false;
   }
   contacts_.accept();
@@ -322,8 +322,8 @@ double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexce
   const Vec6 spring = spring_to(query.hand);
   const bool objects_move = query.objects_ratio > 0.0;
   double ratio = solve_query(query, spring, out, work);
-  converged_ =
-      out.residual_m < query.rest_m && !objects_move && (last_.count > 0 || out.residual_m == 0.0);
+  converged_ = out.residual_m < query.convergence_m && !objects_move &&
+               (last_.count > 0 || out.residual_m == 0.0);
   if (converged_ && last_.count > 0)
     return 0.0;
   if (!objects_move && last_.count > 0) {
@@ -397,7 +397,7 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
     remaining = limits::kFollowRatio * hand_path_m + std::max(catch_up, limits::kCatchUpM);
   }
   Query query{.hand = sample.pose, .friction = sample.friction};
-  query.rest_m = std::max(limits::kRestM, limits::kMovingRestRatio * hand_path_m);
+  query.convergence_m = std::max(limits::kRestM, limits::kMovingRestRatio * hand_path_m);
   double expected =
       std::clamp(limits::kReachRatio * longest_step_m_, limits::kMinReachM, limits::kMaxReachM);
   const double closing = closing_m_;
@@ -499,8 +499,9 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
   out.not_converged = !converged_;
   if (out.constrained) {
     // Without an active row no direction is known to be free, so all are displayed as stiff.
-    const Mat6 gives = last_.count > 0 ? Mat6(Mat6::Identity() - last_.held) : Mat6(Mat6::Zero());
-    out.displayed = Mat6::Identity() - loose_ * gives * loose_;
+    const Mat6 unconstrained =
+        last_.count > 0 ? Mat6(Mat6::Identity() - last_.held) : Mat6(Mat6::Zero());
+    out.displayed = Mat6::Identity() - loose_ * unconstrained * loose_;
   }
   pressed_ = out.constrained;
   if (!unfinished)

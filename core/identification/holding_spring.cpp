@@ -35,7 +35,7 @@ void HoldingSpring::sample(double time_s, double position_m, double step) noexce
   if (first_) {
     first_ = false;
     time_ = interval_start_ = time_s;
-    position_ = low_ = high_ = rest_ = position_m;
+    position_ = low_ = high_ = rest_position_ = position_m;
     return;
   }
   const double dt = time_s - time_;
@@ -54,7 +54,7 @@ void HoldingSpring::sample(double time_s, double position_m, double step) noexce
 }
 
 void HoldingSpring::catch_fall(double time_s, double step) noexcept {
-  const double away = position_ - rest_;
+  const double away = position_ - rest_position_;
   if (std::abs(away) < std::max(kCatchM, 4.0 * step) || away * velocity_ <= 0.0)
     return;
   if (std::abs(velocity_) < kCatchSpeed || time_s - caught_s_ < kCatchS)

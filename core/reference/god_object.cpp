@@ -165,14 +165,14 @@ struct GodObject::Solver {
 
   /// Gaps may shrink to a fraction of the margin, which later steps restore at the cost of energy.
   /// If both alternate, gaps may not shrink, and then steps become shorter. \returns whether the
-  /// last step was shorter than `rest_m`.
-  bool steps_to(const Pose& hand, int most, double rest_m) {
+  /// last step was shorter than `convergence_m`.
+  bool steps_to(const Pose& hand, int most, double convergence_m) {
     step_m = longest_m = scaled(kLongestStep);
     strict = false;
     double least = spring(hand, pose).squaredNorm();
     int without_gain = 0;
     for (int n = 0; n < most; ++n) {
-      if (step(hand) < rest_m)
+      if (step(hand) < convergence_m)
         return true;
       const double energy = spring(hand, pose).squaredNorm();
       without_gain = energy < least ? 0 : without_gain + 1;
