@@ -81,10 +81,10 @@ FrictionStep with_friction(std::span<const FrictionContact> contacts,
   if (!(patch.force_m > 0.0))
     return out;
   const Vec3& m = patch.normal;
-  const bool turns_held = patch.radius_m > 0.0;
-  const Vec3 turn = turns_held ? across(m, free.tail<3>()) : Vec3(free.tail<3>());
+  const bool rotation_held = patch.radius_m > 0.0;
+  const Vec3 rotation = rotation_held ? across(m, free.tail<3>()) : Vec3(free.tail<3>());
   Vec6 sticking;
-  sticking << -across(m, (turn / lever_m).cross(patch.centre)), turn;
+  sticking << -across(m, (rotation / lever_m).cross(patch.centre)), rotation;
   const double requested = m.dot(spring.head<3>() - sticking.head<3>());
   double goes = 0.0;
   if (!along_normal(rows, sticking, m, requested, goes))
@@ -94,13 +94,13 @@ FrictionStep with_friction(std::span<const FrictionContact> contacts,
   const double force_sticking = std::max(0.0, goes - requested);
   const Vec6 unbalanced = spring - sticking;
   const double shift = across(m, unbalanced.head<3>()).norm();
-  const double twist = turns_held ? m.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m : 0.0;
+  const double twist = rotation_held ? m.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m : 0.0;
   const double needed = std::hypot(shift, twist), at_most = friction * force_sticking;
   if (needed <= at_most) {
     out.delta = sticking;
     Mat6 loose = Mat6::Identity();
     loose.topLeftCorner<3, 3>() = m * m.transpose();
-    if (turns_held)
+    if (rotation_held)
       loose.bottomRightCorner<3, 3>() -= m * m.transpose();
     // Near the limit the friction fades: encoder steps would make a sliding tool alternately stick
     // and slip, and damping depends on the stiffness.

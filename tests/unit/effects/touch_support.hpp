@@ -98,10 +98,10 @@ inline double work(const Wrench& from, const Wrench& to, const Pose& start, cons
 /// A smooth closed path of the tool, seeded: three harmonics on each axis.
 class ClosedPath {
  public:
-  ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& path_m, double turn_rad)
+  ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& path_m, double rotation_rad)
       : middle_(middle),
         path_m_(path_m),
-        turn_rad_(turn_rad) {
+        turn_rad_(rotation_rad) {
     std::normal_distribution<double> number;
     for (int h = 0; h < 3; ++h)
       for (int a = 0; a < 6; ++a)
