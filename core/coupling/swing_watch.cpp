@@ -17,7 +17,7 @@ double least_force_n(const SwingDevice& device, double part) noexcept {
 
 void SwingWatch::clear() noexcept {
   now_ = last_ = {};
-  position_m_ = turn_m_ = 0.0;
+  position_m_ = outermost_m_ = 0.0;
   outward_ = swinging_ = false;
   alike_ = 0;
   if (!growing())
@@ -98,12 +98,13 @@ void SwingWatch::observe(const ToolStep& step, const Vec3& command, const Vec3& 
   }
   // A reversal counts once the tool has returned by more than encoder noise at rest.
   const double back = 1.5 * device_.resolution_m;
-  turn_m_ = outward_ ? std::max(turn_m_, position_m_) : std::min(turn_m_, position_m_);
-  const double returned = outward_ ? turn_m_ - position_m_ : position_m_ - turn_m_;
+  outermost_m_ =
+      outward_ ? std::max(outermost_m_, position_m_) : std::min(outermost_m_, position_m_);
+  const double returned = outward_ ? outermost_m_ - position_m_ : position_m_ - outermost_m_;
   if (!(returned > back))
     return;
   outward_ = !outward_;
-  turn_m_ = position_m_;
+  outermost_m_ = position_m_;
   if (outward_)
     return;  // a cycle lasts from one outermost point to the next
   end_cycle();

@@ -124,8 +124,9 @@ class SwingWatch {
   Vec3 lagged_ = Vec3::Zero(), axis_ = Vec3::Zero(), rested_sum_ = Vec3::Zero();
   int rested_ = 0;  ///< samples since the last encoder step; the sum of their forces is above
   double rested_s_ = 0.0;
-  double position_m_ = 0.0, turn_m_ = 0.0;  ///< along the axis; outermost since the last reversal
-  bool outward_ = false;                    ///< moving to larger positions
+  double position_m_ = 0.0,
+         outermost_m_ = 0.0;  ///< along the axis; outermost since the last reversal
+  bool outward_ = false;      ///< moving to larger positions
   bool swinging_ = false;
   int alike_ = 0, grown_ = 0;
   double alike_s_ = 0.0,

@@ -37,7 +37,7 @@ struct DampingWords {
   const char *damp, *unit, *effort, *inertia;
 };
 constexpr DampingWords kMoving{"damp", "Ns/m", "force", "kg"},
-    kTurning{"damp rotation", "Nms/rad", "torque", "kg m^2"};
+    kRotation{"damp rotation", "Nms/rad", "torque", "kg m^2"};
 
 std::string damps_too_much(const DampingDemand& demand, double scale, double late_s, double inertia,
                            const DampingWords& words) {
@@ -111,7 +111,7 @@ std::string effects_damp_too_much(const SceneRequirements& demand,
   if (!why.empty() || !device.gives_torque)
     return why;
   return damps_too_much(demand.rotation, hand_scales(scales).rotation, late_s,
-                        device.rotation.inertia_min, kTurning);
+                        device.rotation.inertia_min, kRotation);
 }
 
 std::string force_not_displayed(const scene::Scene& scene, const coupling::CouplingSpec* runs,

@@ -40,17 +40,17 @@ struct Bristle {
   Vec3 normal = Vec3::Zero();  ///< of the last sample; zero: none so far
   double torn = 0.0;           ///< 0: sticking with sticks_n, 1: sliding with slides_n
 
-  void turn(const Vec3& to, const Vec3& object_turn) noexcept;
+  void follow_contact(const Vec3& to, const Vec3& object_rotation) noexcept;
   void drag(const Vec3& displacement, const Law& law) noexcept;
 };
 
 /// Rotates the bend with the object and with the normal, along the shortest arc, without increasing
 /// it.
-void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
+void Bristle::follow_contact(const Vec3& to, const Vec3& object_rotation) noexcept {
   constexpr double kOpposite = -0.9;
-  if (const double angle = object_turn.norm(); angle > 0.0) {
-    const Eigen::AngleAxisd turned(angle, object_turn / angle);
-    bend = turned * bend, normal = turned * normal;
+  if (const double angle = object_rotation.norm(); angle > 0.0) {
+    const Eigen::AngleAxisd rotation(angle, object_rotation / angle);
+    bend = rotation * bend, normal = rotation * normal;
   }
   const double cosine = normal.dot(to);
   if (!(cosine > kOpposite) || normal.isZero(0.0)) {
@@ -115,7 +115,7 @@ class Friction final : public Effect {
   void rub(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
            const Vec3& arm, const Law& law, Bristle& bristle) const noexcept {
     const bool fresh = bristle.normal.isZero(0.0);
-    bristle.turn(point.normal, frame.dt_s * touch.twist.angular);
+    bristle.follow_contact(point.normal, frame.dt_s * touch.twist.angular);
     if (fresh)
       return;
     const Vec3 displacement =

@@ -88,10 +88,10 @@ class ToolDisplacement {
  public:
   /// Real-time safe.
   void advance(const Pose& tool) noexcept {
-    const Quat turned = tool.orientation.normalized();
+    const Quat orientation = tool.orientation.normalized();
     shift_ = known_ ? Vec3(tool.position - last_.position) : Vec3::Zero();
-    back_ = known_ ? last_.orientation * turned.conjugate() : Quat::Identity();
-    last_ = {tool.position, turned};
+    back_ = known_ ? last_.orientation * orientation.conjugate() : Quat::Identity();
+    last_ = {tool.position, orientation};
     known_ = true;
   }
   /// Treats the next pose as the first. Real-time safe.

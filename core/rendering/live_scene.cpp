@@ -41,14 +41,14 @@ void LiveScene::advance(double time_s) noexcept {
 
 SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
   if (series_.returns_torque() || tool.clutched || now_->scene_renderer().grips_a_body()) {
-    turn_.reset();
+    latched_rotation_.reset();
     return render_scenes(tool, time_s);
   }
   const double step = last_s_ < 0.0 ? SceneRenderer::kDefaultStepS : time_s - last_s_;
   ToolState held = tool;
-  held.pose.orientation = turn_.follow(tool.pose.orientation, step);
+  held.pose.orientation = latched_rotation_.follow(tool.pose.orientation, step);
   SceneFrame frame = render_scenes(held, time_s);
-  turn_.see(frame.touch.contact.wrench.torque);
+  latched_rotation_.see(frame.touch.contact.wrench.torque);
   return frame;
 }
 
@@ -131,7 +131,7 @@ void LiveScene::finish() noexcept {
 void LiveScene::reset() noexcept {
   finish();
   now_->scene_renderer().reset();
-  turn_.reset();
+  latched_rotation_.reset();
   last_s_ = -1.0;
   external_.reset();
   supplied_j_ = supplied_now_j_ = supplied_old_j_ = 0.0;

@@ -70,7 +70,7 @@ class LiveScene {
   double weight_ = 1.0;  ///< of now_
   double spring_n_per_m_ = 0.0;
   Compliance series_;
-  LatchedRotation turn_;
+  LatchedRotation latched_rotation_;
   std::optional<effects::ExternalWrench> external_;
   double last_s_ = -1.0;  ///< time of the last frame; negative: none
   double supplied_j_ = 0.0, supplied_now_j_ = 0.0,

@@ -47,12 +47,12 @@ class TargetFollower {
   /// Position and velocity at `time_s` since the start, within the period that `advance` has begun.
   MotionPoint position_at(double time_s) const noexcept;
   /// Orientation and angular velocity.
-  MotionTurnPoint turn_at(double time_s) const noexcept;
+  MotionOrientation orientation_at(double time_s) const noexcept;
 
  private:
   struct Step {
     Vec3 displacement = Vec3::Zero();
-    Quat turn = Quat::Identity();  ///< its scalar part is not below 0
+    Quat rotation = Quat::Identity();  ///< its scalar part is not below 0
     double start_s = 0.0;
   };
   Step begin_step(const Pose& tip, const Wrench& push) const noexcept;

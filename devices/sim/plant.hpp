@@ -70,11 +70,11 @@ class SimPlant {
 
  private:
   MotionPoint target_at(double time_s) const noexcept;
-  MotionTurnPoint target_turn_at(double time_s) const noexcept;
+  MotionOrientation target_orientation_at(double time_s) const noexcept;
   /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. It is the
   /// torque of a spring with the energy 4 k (1 - cos(angle / 2)), and within 0.2 % of the angle up
   /// to 12 degrees.
-  Vec3 turn_to(const Quat& target) const noexcept;
+  Vec3 rotation_to(const Quat& target) const noexcept;
   /// Force with which a hand that carries the tool compensates the device's drag at the target's
   /// velocity [N].
   Vec3 carrying_force(const Vec3& target_velocity) const noexcept;
@@ -84,7 +84,7 @@ class SimPlant {
   OperatorConfig hand_;
   Motion motion_;
   std::optional<hand::TargetFollower> leader_;
-  Mobility free_move_, free_turn_, held_move_, held_turn_;
+  Mobility free_translation_, free_rotation_, held_translation_, held_rotation_;
   Pose pose_;
   Twist twist_;
 };

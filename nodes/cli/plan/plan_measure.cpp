@@ -97,10 +97,10 @@ class ToolPath {
  private:
   rendering::ToolState along(double t_s) const {
     const MotionPoint point = motion_at(*motion_, t_s);
-    const MotionTurnPoint turn = turn_at(*motion_, t_s);
+    const MotionOrientation angular = orientation_at(*motion_, t_s);
     rendering::ToolState tool;
-    tool.pose = {point.position, turn.orientation};
-    tool.twist = {point.velocity, turn.rate};
+    tool.pose = {point.position, angular.orientation};
+    tool.twist = {point.velocity, angular.rate};
     return tool;
   }
 
