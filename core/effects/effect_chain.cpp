@@ -9,10 +9,10 @@
 namespace voxtouch::effects {
 namespace {
 
-bool usable(const EffectForce& push) noexcept {
-  return push.wrench.finite() && push.stiffness.allFinite() &&
-         std::isfinite(push.stiffness_bound_n_per_m) && std::isfinite(push.potential_j) &&
-         std::isfinite(push.energy_generated_j);
+bool usable(const EffectForce& force) noexcept {
+  return force.wrench.finite() && force.stiffness.allFinite() &&
+         std::isfinite(force.stiffness_bound_n_per_m) && std::isfinite(force.potential_j) &&
+         std::isfinite(force.energy_generated_j);
 }
 
 /// The same frame with the contact of one object only.

@@ -80,12 +80,12 @@ class EnergyBudget {
 class External final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
-    push.energy_generated_j += book(frame, values);
+             EffectForce& sum) noexcept override {
+    sum.energy_generated_j += book(frame, values);
     follow(frame, values);
     const double fraction = budget_.fraction(values.number(kEnergy));
     const Wrench out{fraction * filtered_.force, fraction * filtered_.torque};
-    push.wrench.force += out.force, push.wrench.torque += out.torque;
+    sum.wrench.force += out.force, sum.wrench.torque += out.torque;
     given_ = {frame.fraction * out.force, frame.fraction * out.torque};
   }
   /// Keeps the budget: leaving and entering a region gives no new one.

@@ -153,18 +153,20 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
   Mat6 stiffness = load.stiffness;
   stiffness.diagonal() += stacked(Vec3::Constant(grip.c), Vec3::Constant(grip.c_rotation));
   const Vec3 weight = p.mass_kg * p.gravity_m_per_s2, spin = twist_.angular;
-  Vec6 push = stacked(load.wrench.force + weight + grip.c * grip.stretch,
-                      load.wrench.torque + arm.cross(weight) + grip.c_rotation * grip.twisted);
-  push += grip.damping * stacked(grip.goal_velocity_W, grip.spin_W);
-  push += tau * load.stiffness_times_velocity;
-  push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
+  Vec6 generalised_force =
+      stacked(load.wrench.force + weight + grip.c * grip.stretch,
+              load.wrench.torque + arm.cross(weight) + grip.c_rotation * grip.twisted);
+  generalised_force += grip.damping * stacked(grip.goal_velocity_W, grip.spin_W);
+  generalised_force += tau * load.stiffness_times_velocity;
+  generalised_force -=
+      stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
   // Motion together with the tool or an object does not stretch the springs: they act on the
   // relative displacement.
   Vec6 spring_ahead = load.stiffness_times_velocity;
   spring_ahead += stacked(grip.c * grip.goal_velocity_W, grip.c_rotation * tool_twist.angular);
   const Mat6 left = mass.all + dt_s * damping + (dt_s * dt_s) * stiffness;
   const Vec6 velocity = left.ldlt().solve(mass.all * stacked(twist_.linear, twist_.angular) +
-                                          dt_s * push + (dt_s * dt_s) * spring_ahead);
+                                          dt_s * generalised_force + (dt_s * dt_s) * spring_ahead);
   if (!velocity.allFinite()) {  // invalid velocity: the body stops
     twist_ = {};
     return {};

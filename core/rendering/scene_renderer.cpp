@@ -25,7 +25,7 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
 }
 
 /// The contact is computed at the pose of the hand, or of the body.
-SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) noexcept {
+SceneFrame SceneRenderer::render_direct(const ToolState& tool, double time_s) noexcept {
   SceneFrame frame;
   frame.object = body_ ? object_pose(tool.pose) : tool.pose;
   frame.touch = contact_.render(frame.object, time_s);

@@ -59,7 +59,7 @@ class SceneRenderer {
     // Separate functions construct the frame in place; one with two returns would copy it.
     if (constrained_)
       return render_constrained(tool, time_s);
-    return body_ || series_.rigid() ? render_pushed(tool, time_s) : render_in_series(tool, time_s);
+    return body_ || series_.rigid() ? render_direct(tool, time_s) : render_in_series(tool, time_s);
   }
   /// Clears all state of previous samples.
   void reset() noexcept;
@@ -106,7 +106,7 @@ class SceneRenderer {
     effects::RigidBody body;
     std::size_t effect = 0;  ///< index in the chain
   };
-  SceneFrame render_pushed(const ToolState& tool, double time_s) noexcept;
+  SceneFrame render_direct(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_in_series(const ToolState& tool, double time_s) noexcept;
   bool settle_in_series(double time_s, contact::StageResult& touch) noexcept;

@@ -52,7 +52,7 @@ void TargetFollower::aim(const Pose& target) noexcept {
   since_target_ = 0;
 }
 
-void TargetFollower::advance(const Pose& tip, const Wrench& push) noexcept {
+void TargetFollower::advance(const Pose& tip, const Wrench& device_wrench) noexcept {
   ++periods_;
   if (since_target_ < rest_periods_)
     ++since_target_;
@@ -62,24 +62,24 @@ void TargetFollower::advance(const Pose& tip, const Wrench& push) noexcept {
   Step& step = steps_[oldest_];
   base_.position += step.displacement;
   base_.orientation = (step.rotation * base_.orientation).normalized();
-  step = begin_step(tip, push);
+  step = begin_step(tip, device_wrench);
   goal_.position += step.displacement;
   goal_.orientation = (step.rotation * goal_.orientation).normalized();
   oldest_ = (oldest_ + 1) % kSteps;
 }
 
 Pose TargetFollower::within_reach(const Pose& requested, const Pose& tip,
-                                  const Wrench& push) const noexcept {
+                                  const Wrench& device_wrench) const noexcept {
   Pose reached = requested;
   const Vec3 displacement = requested.position - tip.position;
   const Vec3 limited_displacement =
-      limited_lead(displacement, load_of(push.force, strength_.force_n),
+      limited_lead(displacement, load_of(device_wrench.force, strength_.force_n),
                    full_lead(strength_.force_n, strength_.stiffness_n_per_m));
   if (limited_displacement != displacement)
     reached.position = tip.position + limited_displacement;
   const Vec3 rotation = chord_vector(requested.orientation * tip.orientation.conjugate());
   const Vec3 limited_rotation =
-      limited_lead(rotation, load_of(push.torque, strength_.torque_nm),
+      limited_lead(rotation, load_of(device_wrench.torque, strength_.torque_nm),
                    full_lead(strength_.torque_nm, strength_.stiffness_nm_per_rad));
   if (limited_rotation != rotation)
     reached.orientation = (rotation_from_chord(limited_rotation) * tip.orientation).normalized();
@@ -87,10 +87,11 @@ Pose TargetFollower::within_reach(const Pose& requested, const Pose& tip,
 }
 
 TargetFollower::Step TargetFollower::begin_step(const Pose& tip,
-                                                const Wrench& push) const noexcept {
+                                                const Wrench& device_wrench) const noexcept {
   Step step;
   step.start_s = static_cast<double>(periods_) * period_s_;
-  const Pose target = within_reach(since_target_ < rest_periods_ ? target_ : goal_, tip, push);
+  const Pose target =
+      within_reach(since_target_ < rest_periods_ ? target_ : goal_, tip, device_wrench);
   const double interval_s = static_cast<double>(interval_) * period_s_;
   const auto cut = [](const Vec3& whole, double most) -> Vec3 {
     const double length = whole.stableNorm();

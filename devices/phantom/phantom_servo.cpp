@@ -132,7 +132,7 @@ bool PhantomServo::see_pose() noexcept {
 
 void PhantomServo::answer() noexcept {
   Command command;
-  if (!commands_.take(command) || !command.push)
+  if (!commands_.take(command) || !command.active)
     return;
   const bool same = command.errors == errors_.count() && errors_.fatal() == hd::kSuccess;
   if (!same || !seen_.sample.pose_valid)
@@ -155,7 +155,7 @@ void PhantomServo::set(const Wrench& wrench) noexcept {
     torque /= kMilli;
     api_.hdSetDoublev(hd::kCurrentTorque, torque.data());
   }
-  count(counts_.pushed);
+  count(counts_.applied);
 }
 
 // --- the side of the other thread

@@ -75,19 +75,20 @@ void SimPlant::be_led(double period_s, const DeviceDescription& device) noexcept
                                                  grip * hand_.stiffness_nm_per_rad});
 }
 
-void SimPlant::step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept {
+void SimPlant::step(const Wrench& device_wrench, const Vec3& tremor, double time_s,
+                    double dt_s) noexcept {
   const bool held = held_at(time_s);
   const MotionPoint target = target_at(time_s + 0.5 * dt_s);
-  const Vec3 force =
-      held ? Vec3(push.force + tremor + carrying_force(target.velocity)) : push.force;
+  const Vec3 force = held ? Vec3(device_wrench.force + tremor + carrying_force(target.velocity))
+                          : device_wrench.force;
   pose_.position +=
       dt_s * step_mobility(held ? gripped(held_translation_, time_s) : free_translation_,
                            target.position - pose_.position, target.velocity, force, dt_s,
                            twist_.linear);
   const MotionOrientation angular = target_orientation_at(time_s + 0.5 * dt_s);
   const Vec3 rate = step_mobility(held ? gripped(held_rotation_, time_s) : free_rotation_,
-                                  rotation_to(angular.orientation), angular.rate, push.torque, dt_s,
-                                  twist_.angular);
+                                  rotation_to(angular.orientation), angular.rate,
+                                  device_wrench.torque, dt_s, twist_.angular);
   if (rate.isZero(0.0))
     return;  // no rotation: the quaternion stays bit-identical
   const Vec3 half_rotation =

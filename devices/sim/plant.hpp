@@ -43,15 +43,15 @@ class SimPlant {
     if (leader_)
       leader_->aim(target);
   }
-  /// Ends a period of the device, which then gives `push`.
-  void next_period(const Wrench& push) noexcept {
+  /// Ends a period of the device, which then gives `device_wrench`.
+  void next_period(const Wrench& device_wrench) noexcept {
     if (leader_)
-      leader_->advance(pose_, push);
+      leader_->advance(pose_, device_wrench);
   }
 
-  /// Advances by one substep with the wrench `push` of the device and the force `tremor` of the
-  /// hand.
-  void step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept;
+  /// Advances by one substep with the wrench `device_wrench` of the device and the force `tremor`
+  /// of the hand.
+  void step(const Wrench& device_wrench, const Vec3& tremor, double time_s, double dt_s) noexcept;
 
   const Pose& pose() const noexcept { return pose_; }
   const Twist& twist() const noexcept { return twist_; }
