@@ -97,7 +97,7 @@ void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry
   coupling_.update(registry, session);
   const auto& bound = coupling_.participant();
   const runtime::NodeReport* const coupling = bound ? registry.report_of(*bound) : nullptr;
-  if (coupling && coupling_faults_.see(*coupling))
+  if (coupling && coupling_faults_.is_new(*coupling))
     requests_.coupling_fault.store(true);
   reset_receiver_.receive(session, progress_.latch);
   // In a ring that was started by hand, the loss of a role ends the session.
