@@ -83,7 +83,7 @@ void LiveScene::swap_to(BuiltScene& next) noexcept {
   now_->scene_renderer().set_spring_target(spring_n_per_m_);
   now_->scene_renderer().set_series_target(series_);
   if (external_)
-    now_->scene_renderer().external_is(*external_);
+    now_->scene_renderer().set_external_wrench(*external_);
   now_->scene_renderer().start_tool_from(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
   supplied_old_j_ = std::exchange(supplied_now_j_, 0.0);
   weight_ = 0.0;
@@ -107,11 +107,11 @@ void LiveScene::set_series_target(const Compliance& spring) noexcept {
       scene->scene_renderer().set_series_target(spring);
 }
 
-void LiveScene::external_is(const effects::ExternalWrench& newest) noexcept {
+void LiveScene::set_external_wrench(const effects::ExternalWrench& newest) noexcept {
   external_ = newest;
   for (BuiltScene* scene : {now_, old_})
     if (scene != nullptr)
-      scene->scene_renderer().external_is(newest);
+      scene->scene_renderer().set_external_wrench(newest);
 }
 
 void LiveScene::reset_virtual_tool() noexcept {

@@ -87,7 +87,7 @@ class SceneRenderer {
   /// Whether the dynamic object is a body, which the hand grips.
   bool grips_a_body() const noexcept { return body_.has_value(); }
   /// Sets the wrench for the effect `external` from the next sample on. Real-time safe.
-  void external_is(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
+  void set_external_wrench(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
   /// Takes over the virtual tool of `before`, if both scenes have one and its pose is free in this
   /// one. Real-time safe.
   void start_tool_from(const SceneRenderer& before, double time_s) noexcept;
