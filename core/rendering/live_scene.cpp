@@ -48,7 +48,7 @@ SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
   ToolState held = tool;
   held.pose.orientation = latched_rotation_.follow(tool.pose.orientation, step);
   SceneFrame frame = render_scenes(held, time_s);
-  latched_rotation_.see(frame.touch.contact.wrench.torque);
+  latched_rotation_.set_torque(frame.touch.contact.wrench.torque);
   return frame;
 }
 

@@ -92,8 +92,8 @@ class PhantomServo {
   void read_frame() noexcept;
   void publish() noexcept;
   std::int64_t now_ns() const noexcept;
-  void see(std::int64_t now_ns, bool frame_good) noexcept;
-  bool see_pose() noexcept;
+  void update(std::int64_t now_ns, bool frame_good) noexcept;
+  bool update_pose() noexcept;
   void answer() noexcept;
   void set(const Wrench& wrench) noexcept;
 
