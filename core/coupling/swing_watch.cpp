@@ -46,9 +46,9 @@ bool SwingWatch::large_enough(const Cycle& cycle) const noexcept {
 bool SwingWatch::without_hand(const Cycle& cycle) const noexcept {
   const double exchanged = 0.25 * std::numbers::pi * cycle.amplitude_m() * cycle.force_n();
   if (cycle.period_s > kVoluntaryS)
-    return cycle.hand_j() < -kHandTakes * exchanged;
+    return cycle.hand_j() < -kReceivedRatio * exchanged;
   const double hidden = kHidden * device_.resolution_m * cycle.force_n();
-  if (tremor_like(cycle) && cycle.hand_j() > -kGripTakes * exchanged &&
+  if (tremor_like(cycle) && cycle.hand_j() > -kDampedRatio * exchanged &&
       cycle.hand_j() < -kHandWorks * exchanged - hidden)
     return false;
   return cycle.hand_j() < kHandWorks * exchanged - hidden;

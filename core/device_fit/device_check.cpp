@@ -62,15 +62,15 @@ struct EffortWords {
 };
 
 /// NaN does not pass.
-std::string asks_too_much(const ExternalDemand& external, double at_hand, double given,
-                          const EffortWords& words) {
-  if (at_hand <= given)
+std::string check_demand(const ExternalDemand& external, double at_hand, double limit,
+                         const EffortWords& words) {
+  if (at_hand <= limit)
     return {};
   return fmt::format(
       "{}{}the effect '{}' may request a {} of {:.4g} {} at the hand, device limit {:.4g} {}. "
       "Reduce {} to {:.4g} {}.",
       external.place, external.place.empty() ? "" : ": ", external.name, words.effort, at_hand,
-      words.unit, given, words.unit, words.key, given / words.scale, words.unit);
+      words.unit, limit, words.unit, words.key, limit / words.scale, words.unit);
 }
 
 }  // namespace
@@ -93,11 +93,11 @@ std::string external_too_strong(const SceneRequirements& demand,
   const double force_scale = scales.force_scale,
                torque_scale = scales.force_scale / scales.position_scale;
   std::string why =
-      asks_too_much(external, external.force_n * force_scale, device.translation.max_effort,
-                    {"force", "N", "max_force_n", force_scale});
+      check_demand(external, external.force_n * force_scale, device.translation.max_effort,
+                   {"force", "N", "max_force_n", force_scale});
   if (why.empty() && device.gives_torque)
-    why = asks_too_much(external, external.torque_nm * torque_scale, device.rotation.max_effort,
-                        {"torque", "Nm", "max_torque_nm", torque_scale});
+    why = check_demand(external, external.torque_nm * torque_scale, device.rotation.max_effort,
+                       {"torque", "Nm", "max_torque_nm", torque_scale});
   return why;
 }
 

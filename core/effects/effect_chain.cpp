@@ -125,9 +125,9 @@ EffectForce EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* su
     advance(link, at_hand.dt_s);
     if (surface != nullptr && link.goal.kind->friction != nullptr)
       continue;
-    const bool feels_contact = surface != nullptr && link.goal.kind->needs(link.now).contact;
+    const bool depends_on_contact = surface != nullptr && link.goal.kind->needs(link.now).contact;
     const bool behind_spring = softened != nullptr && is_of_position(link.goal, link.now);
-    const EffectFrame& frame = behind_spring ? *softened : feels_contact ? *surface : at_hand;
+    const EffectFrame& frame = behind_spring ? *softened : depends_on_contact ? *surface : at_hand;
     const RegionWeight weight = link.gain.now() > 0.0
                                     ? weight_at(link.goal.region, frame.tool.position)
                                     : RegionWeight{0.0};

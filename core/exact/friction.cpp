@@ -49,7 +49,7 @@ Patch patch_of(std::span<const FrictionContact> contacts, double lever_m) noexce
 /// How far the step that sticks goes along `m` from `from`; false where no such step keeps the
 /// rows.
 bool along_normal(std::span<const Halfspace> rows, const Vec6& from, const Vec3& m,
-                  double requested, double& goes) noexcept {
+                  double requested, double& normal_step) noexcept {
   double least = -std::numeric_limits<double>::infinity(), most = -least;
   for (const Halfspace& row : rows) {
     const double opens = row.jacobian.head<3>().dot(m);
@@ -65,7 +65,7 @@ bool along_normal(std::span<const Halfspace> rows, const Vec6& from, const Vec3&
   }
   if (least > most + kKeptM)
     return false;
-  goes = std::max(least, std::min(requested, most));
+  normal_step = std::max(least, std::min(requested, most));
   return true;
 }
 
@@ -86,12 +86,12 @@ FrictionStep with_friction(std::span<const FrictionContact> contacts,
   Vec6 sticking;
   sticking << -across(m, (rotation / lever_m).cross(patch.centre)), rotation;
   const double requested = m.dot(spring.head<3>() - sticking.head<3>());
-  double goes = 0.0;
-  if (!along_normal(rows, sticking, m, requested, goes))
+  double normal_step = 0.0;
+  if (!along_normal(rows, sticking, m, requested, normal_step))
     return out;
-  sticking.head<3>() += goes * m;
+  sticking.head<3>() += normal_step * m;
 
-  const double force_sticking = std::max(0.0, goes - requested);
+  const double force_sticking = std::max(0.0, normal_step - requested);
   const Vec6 unbalanced = spring - sticking;
   const double shift = across(m, unbalanced.head<3>()).norm();
   const double twist = rotation_held ? m.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m : 0.0;

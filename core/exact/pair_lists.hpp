@@ -443,7 +443,7 @@ class PairLists {
   bool store(std::uint32_t element, double path_m, Work& work) noexcept {
     if (!store_.has_room(scratch_.size(), element)) {
       work.add(states_.size() / 16);
-      give_back_expired(path_m);
+      release_expired(path_m);
       if (!store_.has_room(scratch_.size(), element))
         return false;
     }
@@ -458,7 +458,7 @@ class PairLists {
 
   /// Discards the lists of expired leaves. A valid leaf keeps its list even if its parent is far
   /// from the object, because it counts as complete later.
-  void give_back_expired(double path_m) noexcept {
+  void release_expired(double path_m) noexcept {
     for (std::size_t at = 0; at < states_.size(); ++at) {
       const ElementTree::Node& node = tree_.nodes()[at];
       if (!node.leaf || states_[at].until_m > path_m)

@@ -43,7 +43,7 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
   const double dt_s = step_to(time_s);
   SceneFrame frame;
   const double friction =
-      effects_.friction_at(constrained_->pose().position, constrained_->leans_on());
+      effects_.friction_at(constrained_->pose().position, constrained_->contact_object());
   frame.touch.contact = constrained_->render(tool.pose, time_s, dt_s, friction, frame.tool);
   const contact::ContactResult& contact = frame.touch.contact;
   frame.object = constrained_->pose();

@@ -67,7 +67,7 @@ class SceneRenderer {
   /// hand if that is in free space; otherwise the tool stays in place. Real-time safe.
   void reset_virtual_tool() noexcept {
     if (constrained_)
-      constrained_->lose_hand();
+      constrained_->expect_jump();
     series_.lose();
   }
   /// Sets the stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::set_target.
