@@ -71,11 +71,11 @@ void say(void*, const dds_log_data_t* data) {
   if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING | DDS_LC_CONFIG)) != 0)
     start_lines().add({data->message, data->size});
   static console::RateLimiter few(4);
-  const auto [is_said, skipped] =
+  const auto [is_printed, skipped] =
       few.take(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
   if (skipped > 0)
     console::log("({} more lines of DDS skipped)\n", skipped);
-  if (!is_said && (data->priority & DDS_LC_FATAL) == 0)
+  if (!is_printed && (data->priority & DDS_LC_FATAL) == 0)
     return;
   console::log("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
 }

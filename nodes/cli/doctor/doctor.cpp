@@ -38,7 +38,7 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
        fmt::format("{} participants of ROS 2 or voxtouch on domain {}, {} others; Cyclone DDS {}",
                    found.ros_participants(), o.domain, found.other_participants(), DDS_VERSION)}};
   if (std::string mismatch = found.mismatch(o.ros); !mismatch.empty())
-    findings.push_back({Health::kMind, std::move(mismatch)});
+    findings.push_back({Health::kWarning, std::move(mismatch)});
   return findings;
 }
 
@@ -101,7 +101,7 @@ int doctor(const runtime::NodeOptions& o) {
     }
   };
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && bus::names_cards(uri))
-    say({{Health::kMind,
+    say({{Health::kWarning,
           "CYCLONEDDS_URI selects network cards and overrides --interface: other machines can "
           "reach the ring"}});
   else
