@@ -67,7 +67,7 @@ StartLines& start_lines() {
 /// would stall the receiving thread. DDS prints a message for each malformed datagram, so the rate
 /// is limited; otherwise a sender could fill a disk. The configuration enables no tracing, which
 /// DDS writes by itself.
-void say(void*, const dds_log_data_t* data) {
+void log_from_dds(void*, const dds_log_data_t* data) {
   if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING | DDS_LC_CONFIG)) != 0)
     start_lines().add({data->message, data->size});
   static console::RateLimiter few(4);
@@ -181,7 +181,7 @@ void configure_domain(const ParticipantOptions& options) {
   static std::mutex mutex;
   static std::map<std::uint32_t, ParticipantOptions> configured;
   const std::lock_guard lock(mutex);
-  dds_set_log_sink(say, nullptr);
+  dds_set_log_sink(log_from_dds, nullptr);
   require_descriptors();
   require_threads();
   const auto settings = [](const ParticipantOptions& o) {

@@ -110,7 +110,7 @@ void CouplingWatch::report_to(const runtime::NodeRegistry& registry,
   records_.report_to(report);
   reset_receiver_.receive(device.session(), latch_);
   latch_.report_to(report, runs);
-  status.say(runtime::StatusPriority::kFaultLatched, std::exchange(report.message, {}));
+  status.set(runtime::StatusPriority::kFaultLatched, std::exchange(report.message, {}));
 }
 
 }  // namespace voxtouch::coupling_node

@@ -172,7 +172,7 @@ void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::N
   report.values["external_writer"] = bound_ ? registry.name_of(*bound_) : "";
   report.figures["external_foreign"] = {following_->refused(), "samples"};
   counters_.report_to(report.figures);
-  status.say(runtime::StatusPriority::kFault, diagnostic(registry));
+  status.set(runtime::StatusPriority::kFault, diagnostic(registry));
 }
 
 std::string ExternalSource::diagnostic(const runtime::NodeRegistry& registry) const {
