@@ -34,15 +34,15 @@ constexpr double kNodesBelowVoxels = 2.0;
 
 /// The gap at which the force begins on the path in; minus the last tested depth if there is none.
 double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, double edge) {
-  const auto pushes = [&](double depth) {
+  const auto has_force = [&](double depth) {
     return !renderer.probe(place.at(depth)).wrench.force.isZero(0.0);
   };
   double before = -kLookAheadEdges * edge, step = kStepEdges * edge;
-  while (before < kLookInEdges * edge && !pushes(before + step))
+  while (before < kLookInEdges * edge && !has_force(before + step))
     before += step;
   for (int n = 0; n < kHalvings; ++n) {
     step *= 0.5;
-    if (!pushes(before + step))
+    if (!has_force(before + step))
       before += step;
   }
   return -(before + step);

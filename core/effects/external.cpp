@@ -100,11 +100,12 @@ class External final : public Effect {
   double book(const EffectFrame& frame, const EffectValues& values) noexcept {
     const Pose before = last_.value_or(frame.tool);
     last_ = frame.tool;
-    const double moved_j = given_.force.dot(frame.tool.position - before.position);
-    const double turned_j =
+    const double translation_j = given_.force.dot(frame.tool.position - before.position);
+    const double rotation_j =
         given_.torque.dot(rotation_vector(before.orientation, frame.tool.orientation));
-    budget_.book(moved_j + turned_j, values.number(kEnergy), values.number(kPower), frame.dt_s);
-    return moved_j;
+    budget_.book(translation_j + rotation_j, values.number(kEnergy), values.number(kPower),
+                 frame.dt_s);
+    return translation_j;
   }
 
   void follow(const EffectFrame& frame, const EffectValues& values) noexcept {

@@ -271,12 +271,12 @@ Touch passed_touch(const NearPair& pair, const ToolBody& tool, const ObjectBody&
   const double gap = offset.norm();
   const Vec3 normal = gap > 0.0 ? Vec3(offset / gap) : Vec3(e.u.cross(e.v).normalized());
   const Edges then = edges_of(pair, tool, object, next);
-  Vec3 turned = then.u.cross(then.v).normalized();
-  if (turned.dot(normal) < 0.0)
-    turned = -turned;
-  const bool crossed = turned.dot(normal) > 0.5;  // else nearly parallel: the same points
+  Vec3 normal_after = then.u.cross(then.v).normalized();
+  if (normal_after.dot(normal) < 0.0)
+    normal_after = -normal_after;
+  const bool crossed = normal_after.dot(normal) > 0.5;  // else nearly parallel: the same points
   const Vec3 between = then.p + on.s * then.u - then.q - on.t * then.v;
-  found_m = crossed ? turned.dot(then.p - then.q) : normal.dot(between);
+  found_m = crossed ? normal_after.dot(then.p - then.q) : normal.dot(between);
   return {normal, e.p + on.s * e.u, gap};
 }
 

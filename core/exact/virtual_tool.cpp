@@ -111,7 +111,7 @@ bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& to
                            const Pose& hand) const noexcept {
   double missing = 0.0;
   for (const Row& row : contacts_.rows())
-    missing = std::max(missing, std::min(limits::kMarginM - row.gap_m, limits::kMaxPushOutM));
+    missing = std::max(missing, std::min(limits::kMarginM - row.gap_m, limits::kMaxMarginRestoreM));
   const double falls = 0.5 * (spring.squaredNorm() - spring_between(tool, hand).squaredNorm());
   return falls + 2.0 * missing * spring.norm() >= limits::kArmijoRatio * taken.squaredNorm();
 }
@@ -200,12 +200,12 @@ void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Wor
 }
 
 /// Projects `target` on the rows. `rotation_rad`: expected rotation of the step; the point of a row
-/// leaves its tangent by at most rotation^2 |arm| / 2 (Taylor). `push_out`: rows nearer than the
-/// margin require the tool to move out. Otherwise their gap must not decrease, which the zero step
-/// fulfils unless an object moves.
-Projection VirtualTool::solve_with(const Vec6& target, double rotation_rad, bool push_out,
+/// leaves its tangent by at most rotation^2 |arm| / 2 (Taylor). `restore_margin`: rows nearer than
+/// the margin require the tool to move out. Otherwise their gap must not decrease, which the zero
+/// step fulfils unless an object moves.
+Projection VirtualTool::solve_with(const Vec6& target, double rotation_rad, bool restore_margin,
                                    VirtualToolFrame& out, Work& work) noexcept {
-  const double most = push_out ? limits::kMaxPushOutM : 0.0;
+  const double most = restore_margin ? limits::kMaxMarginRestoreM : 0.0;
   const std::span<const Row> rows = contacts_.rows();
   const std::span<Halfspace> halfspaces = contacts_.halfspaces();
   for (std::size_t k = 0; k < rows.size(); ++k) {

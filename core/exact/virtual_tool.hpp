@@ -159,7 +159,7 @@ class VirtualTool {
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
   void solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept;
   Vec6 kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept;
-  Projection solve_with(const Vec6& target, double rotation_rad, bool push_out,
+  Projection solve_with(const Vec6& target, double rotation_rad, bool restore_margin,
                         VirtualToolFrame& out, Work& work) noexcept;
   bool try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                 Work& work) noexcept;

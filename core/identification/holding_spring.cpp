@@ -50,7 +50,7 @@ void HoldingSpring::sample(double time_s, double position_m, double step) noexce
   if (!follows_mass_)
     catch_fall(time_s, step);
   if (time_s - interval_start_ >= kIntervalS)
-    raise(time_s, step);
+    raise_gains(time_s, step);
 }
 
 void HoldingSpring::catch_fall(double time_s, double step) noexcept {
@@ -65,7 +65,7 @@ void HoldingSpring::catch_fall(double time_s, double step) noexcept {
   gain_ = std::min(kMostGain, 2.0 * gain_);
 }
 
-void HoldingSpring::raise(double time_s, double step) noexcept {
+void HoldingSpring::raise_gains(double time_s, double step) noexcept {
   const double range = high_ - low_;
   if (!follows_mass_) {
     const bool grows =

@@ -27,7 +27,7 @@ class HoldingSpring {
 
  private:
   void catch_fall(double time_s, double encoder_step_m) noexcept;
-  void raise(double time_s, double encoder_step_m) noexcept;
+  void raise_gains(double time_s, double encoder_step_m) noexcept;
 
   double stiffness_ = 20.0, damping_ = 1.0;  // [N/m], [Ns/m]
   double gain_ = 1.0 / 32.0;
