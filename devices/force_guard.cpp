@@ -43,13 +43,13 @@ Wrench ForceGuard::pass(const std::optional<GuardInput>& command, std::int64_t n
   const std::int64_t dt_ns = elapsed_ns(now_ns);
   if (phase_ == Phase::kStopped)
     return {};
-  const bool faded_out = age(dt_ns, now_ns);
+  const bool faded_out = update_phase(dt_ns, now_ns);
   if (command)
     accept(*command, now_ns);
   // This period's slew was used to reach zero; a new command starts there in the next period.
   if (faded_out)
     return output_;
-  lead(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
+  update_output(static_cast<double>(std::min(dt_ns, hold_ns_)) * kSecondsPerNs);
   return output_;
 }
 
@@ -64,7 +64,7 @@ std::int64_t ForceGuard::elapsed_ns(std::int64_t now_ns) noexcept {
   return gap_ns(*last, now_ns);
 }
 
-bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
+bool ForceGuard::update_phase(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
   if (phase_ == Phase::kIdle)
     return false;
   age_ns_ = std::min(age_ns_ + dt_ns, kLongestGapNs);
@@ -78,8 +78,8 @@ bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
     ++counts_.faded;
   }
   if (phase_ == Phase::kLive) {
-    raise(static_cast<double>(dt_ns) *
-          kSecondsPerNs);  // at most the hold: a longer gap begins a fade
+    advance_ramp(static_cast<double>(dt_ns) *
+                 kSecondsPerNs);  // at most the hold: a longer gap begins a fade
     return false;
   }
   fade_ = std::min(fade_, 1.0 - static_cast<double>(over_ns) * kSecondsPerNs / config_.fade_s);
@@ -91,7 +91,7 @@ bool ForceGuard::age(std::int64_t dt_ns, std::int64_t now_ns) noexcept {
   return true;
 }
 
-void ForceGuard::raise(double dt_s) noexcept {
+void ForceGuard::advance_ramp(double dt_s) noexcept {
   const double ramp_s = ramped_once_ ? config_.return_ramp_s : config_.start_ramp_s;
   fraction_ = ramp_s > 0.0 ? std::min(1.0, fraction_ + dt_s / ramp_s) : 1.0;
   if (fraction_ >= 1.0)
@@ -116,11 +116,11 @@ void ForceGuard::accept(const GuardInput& command, std::int64_t now_ns) noexcept
   if (phase_ == Phase::kFading)
     fraction_ *= fade_;
   if (phase_ == Phase::kIdle)
-    fraction_ = 0.0, raise(0.0);
+    fraction_ = 0.0, advance_ramp(0.0);
   phase_ = Phase::kLive;
 }
 
-void ForceGuard::lead(double dt_s) noexcept {
+void ForceGuard::update_output(double dt_s) noexcept {
   if (phase_ == Phase::kIdle)
     return;
   if (phase_ == Phase::kFading) {
@@ -192,11 +192,11 @@ void GuardConfig::validate() const {
   const auto in = [](double value, double low, double high) {
     return value >= low && value <= high;
   };
-  constexpr double kMaxPush = 1e9;  // above the force of any device
+  constexpr double kMaxLimit = 1e9;  // above the force of any device
   require(in(period_s, 1e-6, 1.0), "period_s", period_s, "in [1e-6, 1] s");
-  require(max_force_n > 0.0 && max_force_n <= kMaxPush, "max_force_n", max_force_n,
+  require(max_force_n > 0.0 && max_force_n <= kMaxLimit, "max_force_n", max_force_n,
           "> 0 and finite");
-  require(in(max_torque_nm, 0.0, kMaxPush), "max_torque_nm", max_torque_nm,
+  require(in(max_torque_nm, 0.0, kMaxLimit), "max_torque_nm", max_torque_nm,
           ">= 0 (0: no torque) and finite");
   require(in(hold_periods, 1.0, 1000.0), "hold_periods", hold_periods, "in [1, 1000]");
   require(fade_s > 0.0 && fade_s <= 1.0, "fade_s", fade_s, "in (0, 1] s");

@@ -91,11 +91,11 @@ class ForceGuard {
  private:
   enum class Phase : std::uint8_t { kIdle, kLive, kFading, kStopped };
   std::int64_t elapsed_ns(std::int64_t now_ns) noexcept;
-  bool age(std::int64_t dt_ns,
-           std::int64_t now_ns) noexcept;  // true: the fade ended in this period
-  void raise(double dt_s) noexcept;
+  bool update_phase(std::int64_t dt_ns,
+                    std::int64_t now_ns) noexcept;  // true: the fade ended in this period
+  void advance_ramp(double dt_s) noexcept;
   void accept(const GuardInput& command, std::int64_t now_ns) noexcept;
-  void lead(double dt_s) noexcept;
+  void update_output(double dt_s) noexcept;
 
   GuardConfig config_;
   std::int64_t period_ns_, hold_ns_;

@@ -9,7 +9,7 @@
 
 #include "core/accuracy/contact_errors.hpp"
 #include "core/accuracy/contact_places.hpp"
-#include "core/accuracy/guessed_costs.hpp"
+#include "core/accuracy/estimated_costs.hpp"
 #include "core/accuracy/measured_progress.hpp"
 #include "core/accuracy/tool_row.hpp"
 #include "core/accuracy/true_forces.hpp"
@@ -34,15 +34,15 @@ constexpr double kNodesBelowVoxels = 2.0;
 
 /// The gap at which the force begins on the path in; minus the last tested depth if there is none.
 double onset_gap(contact::ContactRenderer& renderer, const ContactPlace& place, double edge) {
-  const auto pushes = [&](double depth) {
+  const auto has_force = [&](double depth) {
     return !renderer.probe(place.at(depth)).wrench.force.isZero(0.0);
   };
   double before = -kLookAheadEdges * edge, step = kStepEdges * edge;
-  while (before < kLookInEdges * edge && !pushes(before + step))
+  while (before < kLookInEdges * edge && !has_force(before + step))
     before += step;
   for (int n = 0; n < kHalvings; ++n) {
     step *= 0.5;
-    if (!pushes(before + step))
+    if (!has_force(before + step))
       before += step;
   }
   return -(before + step);
@@ -60,17 +60,17 @@ double law_stiffness(const contact::ContactParameters& parameters,
   return parameters.stiffness * static_cast<double>(shell.size()) / area;
 }
 
-GuessedCosts guessed_costs(const scene::Scene& scene) {
-  GuessedCosts guess;
+EstimatedCosts estimated_costs(const scene::Scene& scene) {
+  EstimatedCosts costs;
   for (const scene::MeshSpec& spec : scene.static_meshes) {
     const reference::ReferenceMesh mesh = reference::read_reference_mesh(spec);
-    guess.triangles += static_cast<double>(mesh.triangles.size());
+    costs.triangles += static_cast<double>(mesh.triangles.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-      guess.area_m2 += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0))
+      costs.area_m2 += 0.5 * (mesh.corner(t, 1) - mesh.corner(t, 0))
                                  .cross(mesh.corner(t, 2) - mesh.corner(t, 0))
                                  .norm();
   }
-  return guess;
+  return costs;
 }
 
 void widen(Interval& all, double value) {
@@ -86,14 +86,14 @@ class Measurement {
         options_(options),
         parallel_for_(parallel_for),
         settings_(settings),
-        guess_(guessed_costs(scene)),
+        costs_(estimated_costs(scene)),
         progress_(options.cpu_time_s, options.progress) {
     if (!scene.objects.empty())
       throw std::runtime_error(
           scene.file.string() +
           ": the reference force needs one material at rest; this scene has objects");
     plan_steps();
-    progress_.begin(Step::kPlaces, "contact places", guess_.places_s(options.contacts));
+    progress_.begin(Step::kPlaces, "contact places", costs_.places_s(options.contacts));
     reference_ = std::make_unique<reference::ReferenceScene>(scene);
     places_ = contact_places(scene, options.contacts, options.seed,
                              [this](double fraction) { progress_.at(fraction); });
@@ -149,29 +149,29 @@ class Measurement {
   }
 
   void plan_steps() {
-    progress_.plan(Step::kPlaces, guess_.places_s(options_.contacts));
+    progress_.plan(Step::kPlaces, costs_.places_s(options_.contacts));
     std::map<double, std::size_t> truths, tool_truths;
     for (const AccuracySetting& s : settings_) {
-      progress_.plan(Step::kBuild, guess_.build_s(s)),
-          progress_.plan(Step::kJudge, guess_.judge_s(s, options_.contacts));
+      progress_.plan(Step::kBuild, costs_.build_s(s)),
+          progress_.plan(Step::kJudge, costs_.judge_s(s, options_.contacts));
       std::map<double, std::size_t>& all = s.virtual_tool ? tool_truths : truths;
       for (const auto& [depth_m, count] : truths_of(s.voxel_m, judged_edges(s)))
         all[depth_m] = std::max(all[depth_m], count);
     }
     for (const auto& [depth_m, count] : truths)
-      progress_.plan(Step::kTruth, guess_.truth_s(count));
+      progress_.plan(Step::kTruth, costs_.truth_s(count));
     for (const auto& [depth_m, count] : tool_truths)
-      progress_.plan(Step::kToolTruth, tool_truth_guess_s(count));
+      progress_.plan(Step::kToolTruth, tool_truth_estimate_s(count));
     if (options_.spread_contacts > 0)
       for (const double voxel_m : voxel_sizes())
-        progress_.plan(Step::kPhase, options_.phases * guess_.phase_s(voxel_m));
+        progress_.plan(Step::kPhase, options_.phases * costs_.phase_s(voxel_m));
   }
 
   double judged_edges(const AccuracySetting& setting) const {
     return setting.virtual_tool ? kHandDepthEdges : options_.depth_edges;
   }
-  double tool_truth_guess_s(std::size_t count) const {
-    return guess_.tool_truth_s(count, tool_truth(scene_) == ToolTruth::kGodObject);
+  double tool_truth_estimate_s(std::size_t count) const {
+    return costs_.tool_truth_s(count, tool_truth(scene_) == ToolTruth::kGodObject);
   }
 
   AccuracyRow row(const AccuracySetting& setting) {
@@ -180,7 +180,7 @@ class Measurement {
     try {
       const std::string name(setting.virtual_tool ? "virtual tool"
                                                   : contact::name_of(setting.model));
-      progress_.begin(Step::kBuild, "building " + name, guess_.build_s(setting));
+      progress_.begin(Step::kBuild, "building " + name, costs_.build_s(setting));
       const double begin = now();
       const std::unique_ptr<rendering::BuiltScene> built = build(setting, scene_.grid_origin);
       row.build_s = now() - begin;
@@ -188,10 +188,10 @@ class Measurement {
       origins_.emplace(setting.voxel_m, built->voxmap().grid().origin);
       // After the build: a voxel size that is too fine to build is also too fine to integrate.
       if (setting.virtual_tool)
-        know_tool_truth(setting.voxel_m);
+        compute_tool_truth(setting.voxel_m);
       else
-        know_truth(setting.voxel_m);
-      progress_.begin(Step::kJudge, name, guess_.judge_s(setting, options_.contacts));
+        compute_truth(setting.voxel_m);
+      progress_.begin(Step::kJudge, name, costs_.judge_s(setting, options_.contacts));
       if (setting.virtual_tool) {
         judge_tool(*built, row);
         return row;
@@ -235,20 +235,20 @@ class Measurement {
   }
 
   /// The reference that the rows of this voxel size are compared with.
-  void know_truth(double voxel_m) {
+  void compute_truth(double voxel_m) {
     if (!known_.insert({voxel_m, true}).second)
       return;
     for (const auto& [depth_m, count] : truths_of(voxel_m, options_.depth_edges)) {
       progress_.begin(Step::kTruth, "true forces",
-                      guess_.truth_s(truth().unknown(places_, count, depth_m)));
+                      costs_.truth_s(truth().unknown(places_, count, depth_m)));
       truth().at(places_, count, depth_m, [this](double fraction) { progress_.at(fraction); });
     }
   }
 
-  void know_tool_truth(double voxel_m) {
+  void compute_tool_truth(double voxel_m) {
     for (const auto& [depth_m, count] : truths_of(voxel_m, kHandDepthEdges)) {
       progress_.begin(Step::kToolTruth, "true virtual tool",
-                      tool_truth_guess_s(true_tools().unknown(places_, count, depth_m)));
+                      tool_truth_estimate_s(true_tools().unknown(places_, count, depth_m)));
       true_tools().at(places_, count, depth_m, [this](double fraction) { progress_.at(fraction); });
     }
   }
@@ -331,7 +331,7 @@ class Measurement {
       slides.push_back(press.slide(places_[n], depth, options_.cpu_time_s));
     }
     judge_wrenches(pairs, row);
-    keep_slides(slides, row);
+    store_slides(slides, row);
     row.onset_error_m = row.onset_worst_m =
         std::numeric_limits<double>::quiet_NaN();  // it has none
     if (spread_count() == 0)
@@ -356,7 +356,7 @@ class Measurement {
 
   /// Frames of one place are correlated, so the interval of the median is that of the places'
   /// medians.
-  void keep_slides(const std::vector<std::vector<SlideFrame>>& slides, AccuracyRow& row) const {
+  void store_slides(const std::vector<std::vector<SlideFrame>>& slides, AccuracyRow& row) const {
     const double clock_s = options_.cpu_time_s ? clock_cost_s() : 0.0;
     double queries = 0.0;
     std::vector<double> all, of_places;
@@ -413,7 +413,7 @@ class Measurement {
     std::mt19937_64 random(options_.seed);
     const auto fraction = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
     for (std::uint32_t n = 0; n < options_.phases; ++n) {
-      progress_.begin(Step::kPhase, "grid offsets", guess_.phase_s(voxel_m));
+      progress_.begin(Step::kPhase, "grid offsets", costs_.phase_s(voxel_m));
       const Vec3 moved(fraction(), fraction(), fraction());
       add_phase(voxel_m, origin->second - voxel_m * moved, rows);
     }
@@ -474,7 +474,7 @@ class Measurement {
   const AccuracyOptions& options_;
   const ParallelFor& parallel_for_;
   const std::vector<AccuracySetting>& settings_;
-  GuessedCosts guess_;
+  EstimatedCosts costs_;
   MeasuredProgress progress_;
   std::unique_ptr<TrueForces> truth_;
   std::unique_ptr<TrueTools> true_tools_;

@@ -69,7 +69,7 @@ Interval median_interval(std::vector<double> values) {
 
 void judge_forces(const std::vector<WrenchPair>& pairs, ErrorFigures& figures) {
   std::vector<double> ratios;
-  double turned = 0.0;
+  double angle_sum = 0.0;
   figures.contacts = figures.missed = 0;
   for (const auto& [given, truth] : pairs) {
     const double size = given.force.norm(), requested = truth.force.norm();
@@ -77,10 +77,11 @@ void judge_forces(const std::vector<WrenchPair>& pairs, ErrorFigures& figures) {
       continue;
     ++(size > 0.0 ? figures.contacts : figures.missed);
     ratios.push_back(size / requested);
-    turned += angle_deg(given.force, truth.force);
+    angle_sum += angle_deg(given.force, truth.force);
   }
   const Spread size = spread_of(ratios);
-  figures.direction_mean_deg = ratios.empty() ? 0.0 : turned / static_cast<double>(ratios.size());
+  figures.direction_mean_deg =
+      ratios.empty() ? 0.0 : angle_sum / static_cast<double>(ratios.size());
   figures.force_ratio = size.mean;
   figures.magnitude_noise = size.over_mean;
 }

@@ -86,11 +86,11 @@ struct Tool {
 
 /// Moves on by the gap, which no step can jump, until the tool touches.
 std::optional<ContactPlace> approach(const reference::ReferenceScene& reference, const Tool& tool,
-                                     const Surface::Aim& aim, const Quat& turn) {
+                                     const Surface::Aim& aim, const Quat& rotation) {
   ContactPlace place;
   place.into = -aim.normal;
-  place.touch.orientation = turn;
-  place.touch.position = aim.point + kClear * tool.reach * aim.normal - turn * tool.centre;
+  place.touch.orientation = rotation;
+  place.touch.position = aim.point + kClear * tool.reach * aim.normal - rotation * tool.centre;
   double gap = reference.apart_m(place.touch), gone = 0.0;
   if (!(gap > 0.0) || !(reference.gap(place.touch).gap_m > 0.0))
     return std::nullopt;  // another surface is in the path
@@ -124,8 +124,8 @@ std::vector<ContactPlace> contact_places(const scene::Scene& scene, std::uint32_
   for (std::uint32_t attempt = 0; attempt < kAttemptsPerPlace * count && places.size() < count;
        ++attempt) {
     const Surface::Aim aim = surface.aim(random);
-    const Quat turn = random.rotation();
-    if (const auto place = approach(reference, tool, aim, turn))
+    const Quat rotation = random.rotation();
+    if (const auto place = approach(reference, tool, aim, rotation))
       places.push_back(*place);
     if (progress)
       progress(std::max(

@@ -25,28 +25,29 @@ class MeasuredProgress {
       : now_s_(std::move(now_s)),
         report_(std::move(report)) {}
 
-  void plan(Step kind, double guess_s) { of(kind).planned_s += guess_s; }
+  void plan(Step kind, double estimate_s) { of(kind).planned_s += estimate_s; }
   /// The step before has ended, and the next of `kind` begins.
-  void begin(Step kind, std::string what, double guess_s) {
+  void begin(Step kind, std::string what, double estimate_s) {
     end();
-    kind_ = kind, what_ = std::move(what), guess_s_ = guess_s, begun_s_ = now();
-    of(kind).planned_s = std::max(0.0, of(kind).planned_s - guess_s);
+    kind_ = kind, what_ = std::move(what), estimate_s_ = estimate_s, begun_s_ = now();
+    of(kind).planned_s = std::max(0.0, of(kind).planned_s - estimate_s);
     at(0.0);
   }
   /// `fraction` of the present step is done.
   void at(double fraction) {
     if (!report_)
       return;
-    const double gone = now_s_ ? now() - begun_s_ : fraction * guess_s_;
+    const double gone = now_s_ ? now() - begun_s_ : fraction * estimate_s_;
     const bool reports_itself = now_s_ && fraction > kReportedRatio &&
-                                guess_s_ > 0.0;  // the present step, of itself and of its kind
-    double left = (1.0 - fraction) *
-                  (reports_itself ? gone / fraction : std::max(guess_s_ * correction(kind_), gone));
+                                estimate_s_ > 0.0;  // the present step, of itself and of its kind
+    double left =
+        (1.0 - fraction) *
+        (reports_itself ? gone / fraction : std::max(estimate_s_ * correction(kind_), gone));
     for (std::size_t k = 0; k < kinds_.size(); ++k) {
       const bool present = reports_itself && static_cast<Step>(k) == kind_;
-      left += kinds_[k].planned_s *
-              (present ? (kinds_[k].took_s + gone) / (kinds_[k].guessed_s + fraction * guess_s_)
-                       : correction(static_cast<Step>(k)));
+      left += kinds_[k].planned_s * (present ? (kinds_[k].took_s + gone) /
+                                                   (kinds_[k].estimated_s + fraction * estimate_s_)
+                                             : correction(static_cast<Step>(k)));
     }
     const double done = done_s_ + gone;
     if (done + left > 0.0)
@@ -56,8 +57,8 @@ class MeasuredProgress {
 
  private:
   struct Kind {
-    double planned_s = 0.0;                ///< estimates of the remaining steps
-    double guessed_s = 0.0, took_s = 0.0;  ///< of those done
+    double planned_s = 0.0;                  ///< estimates of the remaining steps
+    double estimated_s = 0.0, took_s = 0.0;  ///< of those done
   };
   static constexpr double kReportedRatio =
       0.05;  ///< from this fraction on a step reports its progress
@@ -66,17 +67,17 @@ class MeasuredProgress {
   double now() const { return now_s_ ? now_s_() : 0.0; }
   double correction(Step kind) const {
     const Kind& k = kinds_[static_cast<std::size_t>(kind)];
-    if (k.guessed_s > 0.0)
-      return k.took_s / k.guessed_s;
-    return guessed_s_ > 0.0 ? took_s_ / guessed_s_ : 1.0;
+    if (k.estimated_s > 0.0)
+      return k.took_s / k.estimated_s;
+    return estimated_s_ > 0.0 ? took_s_ / estimated_s_ : 1.0;
   }
   void end() {
-    const double took = now_s_ ? now() - begun_s_ : guess_s_;
-    if (guess_s_ > 0.0) {
-      of(kind_).guessed_s += guess_s_, of(kind_).took_s += took;
-      guessed_s_ += guess_s_, took_s_ += took;
+    const double took = now_s_ ? now() - begun_s_ : estimate_s_;
+    if (estimate_s_ > 0.0) {
+      of(kind_).estimated_s += estimate_s_, of(kind_).took_s += took;
+      estimated_s_ += estimate_s_, took_s_ += took;
     }
-    if (guess_s_ > 0.0 || !what_.empty())
+    if (estimate_s_ > 0.0 || !what_.empty())
       done_s_ += took;
   }
 
@@ -85,7 +86,7 @@ class MeasuredProgress {
   Report report_;
   Step kind_ = Step::kPlaces;
   std::string what_;
-  double guess_s_ = 0.0, begun_s_ = 0.0, done_s_ = 0.0, guessed_s_ = 0.0, took_s_ = 0.0,
+  double estimate_s_ = 0.0, begun_s_ = 0.0, done_s_ = 0.0, estimated_s_ = 0.0, took_s_ = 0.0,
          last_ = 0.0;
 };
 

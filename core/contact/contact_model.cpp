@@ -7,7 +7,7 @@
 
 #include "core/contact/field_model.hpp"
 #include "core/contact/limits.hpp"
-#include "core/contact/push_sums.hpp"
+#include "core/contact/penalty_sums.hpp"
 #include "core/contact/stiffness_sum.hpp"
 #include "core/types/smoothstep.hpp"
 
@@ -28,14 +28,15 @@ bool summarise(const HitList& hits, ContactResult& result) noexcept {
   begin_result(hits, result);
   if (!(hits.surface.weight_sum() > 0.0))
     return true;
-  give_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
+  set_mean_normal(hits.surface.normal_sum(), hits.surface.weight_sum(), result);
   return result.coherence > limits::kFallbackCoherence;
 }
 
 /// McNeely 1999: F = K sum w_i d_i n_i, d_i = max(0, n_i . (c_i - x_i)).
-void push_along_own_normals(const HitList& hits, double stiffness, ContactResult& result) noexcept {
+void add_forces_along_own_normals(const HitList& hits, double stiffness,
+                                  ContactResult& result) noexcept {
   StiffnessSum sum;
-  push_along_directions(hits.surface, {}, stiffness, hits.pose_WT.position, result, sum);
+  add_forces_along_directions(hits.surface, {}, stiffness, hits.pose_WT.position, result, sum);
   if (sum.any())
     sum.add_to(stiffness, result.stiffness);
 }
@@ -55,7 +56,7 @@ class OriginalModel final : public ContactModel {
   ContactModelKind kind() const noexcept override { return ContactModelKind::kOriginal; }
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override {
     summarise(hits, result);
-    push_along_own_normals(hits, stiffness_, result);
+    add_forces_along_own_normals(hits, stiffness_, result);
   }
 
  private:
@@ -82,9 +83,10 @@ class AdaptedModel final : public ContactModel {
       return;
     if (agree)
       // Paper, section 2.2: F = K m sum w_i d_i, d_i = max(0, m . (c_i - x_i)), m the mean normal.
-      push_along_mean(hits.surface, result.mean_normal, stiffness_, hits.pose_WT.position, result);
+      add_forces_along_mean(hits.surface, result.mean_normal, stiffness_, hits.pose_WT.position,
+                            result);
     else
-      push_along_own_normals(hits, stiffness_, result);
+      add_forces_along_own_normals(hits, stiffness_, result);
   }
 
   double stiffness_;

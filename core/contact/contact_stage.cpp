@@ -14,7 +14,7 @@ namespace voxtouch::contact {
 struct ContactStage::Frame {
   double moved_m = 0.0;  ///< bound on the path of every point since the last pose
   /// Force direction of surface points: mean_weight 1 is the mean normal, 0 each point's own.
-  PushDirection direction;
+  ForceDirection direction;
   std::uint32_t common_points = 0;  ///< number of points with force along g in this frame
   StiffnessSum stiffness;           ///< of the points that the model has not summed
   CommonDirectionSum common;        ///< of those with force along g
@@ -128,7 +128,7 @@ void ContactStage::update_common_direction(const HitList& hits) noexcept {
 }
 
 /// Depth of a surface point along its force direction [m].
-double ContactStage::surface_depth(const Hit& hit, const PushDirection& direction) const noexcept {
+double ContactStage::surface_depth(const Hit& hit, const ForceDirection& direction) const noexcept {
   const double fraction = direction.mean_weight;
   Vec3 along = fraction >= 1.0 ? direction.mean : hit.normal;
   if (fraction > 0.0 && fraction < 1.0) {
@@ -190,8 +190,8 @@ void ContactStage::surface_points(const HitList& hits, Frame& frame,
     contact.deepest_point.setZero();
     contact.stiffness_bound_n_per_m = 0.0;
     contact.stiffness.setZero();
-    push_along_directions(hits.surface, frame.direction, config_.stiffness, hits.pose_WT.position,
-                          contact, frame.stiffness);
+    add_forces_along_directions(hits.surface, frame.direction, config_.stiffness,
+                                hits.pose_WT.position, contact, frame.stiffness);
   }
 }
 
@@ -234,10 +234,10 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
     }
   };
   if (!hits.interior.empty()) {
-    const PushKernel& kernel = push_kernel(instructions());
-    PushLanes lanes;
+    const PenaltyKernel& kernel = penalty_kernel(instructions());
+    PenaltyLanes lanes;
     HitBlock block;
-    Pushes pushes;
+    PenaltyForces forces;
     for (std::size_t begin = 0; begin < hits.interior.size(); begin += HitBlock::kHits) {
       fill_block(kernel, hits.interior, begin, block);
       for (std::size_t n = 0; n < block.count; ++n) {
@@ -250,8 +250,8 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
         inside_.push_back(latched);
         frame.common_points += latched.direction == Direction::kCommon;
       }
-      add_latched_forces(block, begin, pushes, lanes);
-      kernel.add(block, pushes, lanes);
+      add_latched_forces(block, begin, forces, lanes);
+      kernel.add(block, forces, lanes);
     }
     add_lanes(hits.interior, lanes, config_.stiffness, hits.pose_WT.position, result.contact,
               frame.stiffness);
@@ -261,16 +261,16 @@ void ContactStage::latched_points(const HitList& hits, Frame& frame, StageResult
 }
 
 /// Forces of the points of a block; their depths and directions are in inside_, from `first` on.
-void ContactStage::add_latched_forces(const HitBlock& block, std::size_t first, Pushes& pushes,
-                                      PushLanes& lanes) const noexcept {
-  pushes.add_all(block);
+void ContactStage::add_latched_forces(const HitBlock& block, std::size_t first,
+                                      PenaltyForces& forces, PenaltyLanes& lanes) const noexcept {
+  forces.add_all(block);
   for (std::size_t n = 0; n < block.filled(); ++n) {
     const LatchedHit& latched = inside_[first + (n < block.count ? n : 0)];
     const bool common = latched.direction == Direction::kCommon;
     for (int axis = 0; axis < 3; ++axis)
-      pushes.j[axis][n] = common ? common_now_[axis] : block.normal[axis][n];
-    pushes.push[n] = block.weight[n] * latched.depth_m;
-    pushes.weight[n] = block.weight[n];
+      forces.j[axis][n] = common ? common_now_[axis] : block.normal[axis][n];
+    forces.force[n] = block.weight[n] * latched.depth_m;
+    forces.weight[n] = block.weight[n];
     const std::size_t lane = n % kLanes;
     if (latched.depth_m > lanes.deepest[lane])
       lanes.deepest[lane] = latched.depth_m,

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/contact/contact_model.hpp"
-#include "core/contact/push_sums.hpp"
+#include "core/contact/penalty_sums.hpp"
 
 namespace voxtouch::contact {
 
@@ -91,7 +91,7 @@ class ContactStage {
   bool has_memory() const noexcept { return remembers(config_.model) && !config_.memoryless; }
   double motion_bound(const Pose& pose) const noexcept;
   void update_common_direction(const HitList& hits) noexcept;
-  double surface_depth(const Hit& hit, const PushDirection& direction) const noexcept;
+  double surface_depth(const Hit& hit, const ForceDirection& direction) const noexcept;
   Vec3 latched_direction(Direction direction, const Hit& hit) const noexcept;
   Direction choose_direction(const HitList& hits, const Hit& hit) const noexcept;
   void surface_points(const HitList& hits, Frame& frame, StageResult& result) const noexcept;
@@ -99,8 +99,8 @@ class ContactStage {
                        StageResult& result) noexcept;
   void latched_points(const HitList& hits, Frame& frame, StageResult& result) noexcept;
   LatchedHit latch(const HitList& hits, const Hit& hit) const noexcept;
-  void add_latched_forces(const HitBlock& block, std::size_t first, Pushes& pushes,
-                          PushLanes& lanes) const noexcept;
+  void add_latched_forces(const HitBlock& block, std::size_t first, PenaltyForces& forces,
+                          PenaltyLanes& lanes) const noexcept;
   void add_force(const HitList& hits, const Hit& hit, double depth, const Vec3& direction,
                  ContactResult& result) const noexcept;
   void add_stiffness(Direction direction, const Hit& hit, Frame& frame,
@@ -110,7 +110,7 @@ class ContactStage {
   // State of the last frame: the points in the surface layer with their force direction (depths are
   // computed only if they pass through), and the latched points, ascending.
   Hits last_surface_;
-  PushDirection last_direction_;
+  ForceDirection last_direction_;
   std::vector<LatchedHit> latched_;
   std::vector<LatchedHit> returning_, inside_;  ///< of the present frame
   Pose last_pose_;

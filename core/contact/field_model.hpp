@@ -23,7 +23,7 @@ class FieldModel final : public ContactModel {
   void evaluate(const HitList& hits, ContactResult& result) const noexcept override;
 
  private:
-  void add_pushes(const Hits& hits, const Vec3& tool, StiffnessSum& sum,
+  void add_forces(const Hits& hits, const Vec3& tool, StiffnessSum& sum,
                   ContactResult& result) const noexcept;
 
   const voxmap::DistanceField& field_;

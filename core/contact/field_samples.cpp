@@ -94,22 +94,23 @@ VOXTOUCH_INLINE double one_where_zero(double length) noexcept {
 
 /// `ends`: 1 if the force would not grow with depth, else 0.
 VOXTOUCH_CLONES void weigh(const HitBlock& __restrict block, const FieldSamples& __restrict samples,
-                           double depth_voxels, Pushes& __restrict normal,
-                           Pushes& __restrict gradient, double (&__restrict ends)[kHits]) noexcept {
+                           double depth_voxels, PenaltyForces& __restrict normal,
+                           PenaltyForces& __restrict gradient,
+                           double (&__restrict ends)[kHits]) noexcept {
   constexpr double kFlat = limits::kFlatGradient;
   const std::size_t filled = block.filled();
   for (std::size_t n = 0; n < filled; ++n) {
     const double gx = samples.gradient[0][n], gy = samples.gradient[1][n],
                  gz = samples.gradient[2][n];
     const double nx = block.normal[0][n], ny = block.normal[1][n], nz = block.normal[2][n];
-    const double weight = block.weight[n], push = weight * -samples.distance_m[n];
+    const double weight = block.weight[n], force = weight * -samples.distance_m[n];
     const double squared = dot(gx * gx, gy * gy, gz * gz), steepness = std::sqrt(squared);
     const double over = 1.0 / one_where_zero(steepness);
     normal.j[0][n] = nx, normal.j[1][n] = ny, normal.j[2][n] = nz;
     gradient.j[0][n] = gx * over, gradient.j[1][n] = gy * over, gradient.j[2][n] = gz * over;
-    normal.push[n] = push > 0.0 ? push : 0.0;
+    normal.force[n] = force > 0.0 ? force : 0.0;
     const double half = 0.5 * weight * steepness;
-    normal.weight[n] = gradient.weight[n] = push > 0.0 ? half : 0.0;
+    normal.weight[n] = gradient.weight[n] = force > 0.0 ? half : 0.0;
     const double deep = samples.least[n] <= -depth_voxels ? 1.0 : 0.0,
                  flat = squared < kFlat * kFlat ? 1.0 : deep;
     ends[n] = dot(nx * gx, ny * gy, nz * gz) < -kFlat ? 1.0 : flat;
@@ -129,8 +130,9 @@ void sample_block(const voxmap::DistanceField& field, const Vec3& local, const H
   interpolate(places, nodes, block.filled(), edge, samples);
 }
 
-bool push_by_field(const HitBlock& block, const FieldSamples& samples, double depth_voxels,
-                   Pushes& along_normal, Pushes& along_gradient, PushLanes& lanes) noexcept {
+bool field_forces(const HitBlock& block, const FieldSamples& samples, double depth_voxels,
+                  PenaltyForces& along_normal, PenaltyForces& along_gradient,
+                  PenaltyLanes& lanes) noexcept {
   alignas(64) double ends[kHits];
   weigh(block, samples, depth_voxels, along_normal, along_gradient, ends);
   bool at_its_end = false;
@@ -138,7 +140,7 @@ bool push_by_field(const HitBlock& block, const FieldSamples& samples, double de
   for (std::size_t begin = 0; begin < block.filled(); begin += kLanes) {
     bool any = false;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      if (!(along_normal.push[begin + lane] > 0.0))
+      if (!(along_normal.force[begin + lane] > 0.0))
         continue;
       any = true;
       at_its_end = at_its_end || ends[begin + lane] > 0.0;

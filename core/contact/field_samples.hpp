@@ -1,7 +1,7 @@
 #pragma once
 /// Samples of the distance field at the hits of a block, and their forces. The loops over many
 /// points are bit-identical to DistanceField::at.
-#include "core/contact/push_kernel.hpp"
+#include "core/contact/penalty_kernel.hpp"
 #include "core/voxmap/distance_field.hpp"
 
 namespace voxtouch::contact {
@@ -23,7 +23,8 @@ void sample_block(const voxmap::DistanceField& field, const Vec3& local, const H
 /// \returns whether the force of any hit would not grow with depth. It is beyond the stored depth,
 /// near the middle of a body, where the gradient vanishes, or past it, where the force points away
 /// from the nearest exit.
-bool push_by_field(const HitBlock& block, const FieldSamples& samples, double depth_voxels,
-                   Pushes& along_normal, Pushes& along_gradient, PushLanes& lanes) noexcept;
+bool field_forces(const HitBlock& block, const FieldSamples& samples, double depth_voxels,
+                  PenaltyForces& along_normal, PenaltyForces& along_gradient,
+                  PenaltyLanes& lanes) noexcept;
 
 }  // namespace voxtouch::contact

@@ -7,7 +7,7 @@
 
 #include "core/contact/leaf_kernel.hpp"
 #include "core/contact/limits.hpp"
-#include "core/contact/push_sums.hpp"
+#include "core/contact/penalty_sums.hpp"
 
 namespace voxtouch::contact {
 namespace {

@@ -17,7 +17,7 @@ double least_force_n(const SwingDevice& device, double part) noexcept {
 
 void SwingWatch::clear() noexcept {
   now_ = last_ = {};
-  position_m_ = turn_m_ = 0.0;
+  position_m_ = outermost_m_ = 0.0;
   outward_ = swinging_ = false;
   alike_ = 0;
   if (!growing())
@@ -46,9 +46,9 @@ bool SwingWatch::large_enough(const Cycle& cycle) const noexcept {
 bool SwingWatch::without_hand(const Cycle& cycle) const noexcept {
   const double exchanged = 0.25 * std::numbers::pi * cycle.amplitude_m() * cycle.force_n();
   if (cycle.period_s > kVoluntaryS)
-    return cycle.hand_j() < -kHandTakes * exchanged;
+    return cycle.hand_j() < -kReceivedRatio * exchanged;
   const double hidden = kHidden * device_.resolution_m * cycle.force_n();
-  if (tremor_like(cycle) && cycle.hand_j() > -kGripTakes * exchanged &&
+  if (tremor_like(cycle) && cycle.hand_j() > -kDampedRatio * exchanged &&
       cycle.hand_j() < -kHandWorks * exchanged - hidden)
     return false;
   return cycle.hand_j() < kHandWorks * exchanged - hidden;
@@ -98,12 +98,13 @@ void SwingWatch::observe(const ToolStep& step, const Vec3& command, const Vec3& 
   }
   // A reversal counts once the tool has returned by more than encoder noise at rest.
   const double back = 1.5 * device_.resolution_m;
-  turn_m_ = outward_ ? std::max(turn_m_, position_m_) : std::min(turn_m_, position_m_);
-  const double returned = outward_ ? turn_m_ - position_m_ : position_m_ - turn_m_;
+  outermost_m_ =
+      outward_ ? std::max(outermost_m_, position_m_) : std::min(outermost_m_, position_m_);
+  const double returned = outward_ ? outermost_m_ - position_m_ : position_m_ - outermost_m_;
   if (!(returned > back))
     return;
   outward_ = !outward_;
-  turn_m_ = position_m_;
+  outermost_m_ = position_m_;
   if (outward_)
     return;  // a cycle lasts from one outermost point to the next
   end_cycle();

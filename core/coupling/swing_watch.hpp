@@ -69,13 +69,13 @@ class SwingWatch {
   static constexpr double kSmallerACycle = 0.03;  ///< decrease a cycle: more is a decay
   static constexpr double kGrowth = 1.15;         ///< force over that of the cycle before
   /// Voluntary motions have up to 4 Hz. In a slower cycle the operator must receive at least
-  /// kHandTakes of the exchangeable energy, so that voluntary strokes do not count.
-  static constexpr double kVoluntaryS = 0.25, kHandTakes = 0.1;
+  /// kReceivedRatio of the exchangeable energy, so that voluntary strokes do not count.
+  static constexpr double kVoluntaryS = 0.25, kReceivedRatio = 0.1;
   /// Tremor has 7.5 to 13 Hz and less than kTremorM from peak to peak. A loop that amplifies it
-  /// gives the hand a little energy. So such a cycle counts only if the hand receives kGripTakes,
+  /// gives the hand a little energy. So such a cycle counts only if the hand receives kDampedRatio,
   /// as from a swing that it damps, or nothing, as if released.
   static constexpr double kTremorS = 1.0 / 7.5, kFastTremorS = 1.0 / 13.0, kTremorM = 2e-3,
-                          kGripTakes = 0.15;
+                          kDampedRatio = 0.15;
   /// A growing swing with a smaller peak-to-peak force, as a fraction of the device's largest, is
   /// not ended.
   static constexpr double kGrowingForce = 0.02;
@@ -124,8 +124,9 @@ class SwingWatch {
   Vec3 lagged_ = Vec3::Zero(), axis_ = Vec3::Zero(), rested_sum_ = Vec3::Zero();
   int rested_ = 0;  ///< samples since the last encoder step; the sum of their forces is above
   double rested_s_ = 0.0;
-  double position_m_ = 0.0, turn_m_ = 0.0;  ///< along the axis; outermost since the last reversal
-  bool outward_ = false;                    ///< moving to larger positions
+  double position_m_ = 0.0,
+         outermost_m_ = 0.0;  ///< along the axis; outermost since the last reversal
+  bool outward_ = false;      ///< moving to larger positions
   bool swinging_ = false;
   int alike_ = 0, grown_ = 0;
   double alike_s_ = 0.0,

@@ -37,7 +37,7 @@ struct DampingWords {
   const char *damp, *unit, *effort, *inertia;
 };
 constexpr DampingWords kMoving{"damp", "Ns/m", "force", "kg"},
-    kTurning{"damp rotation", "Nms/rad", "torque", "kg m^2"};
+    kRotation{"damp rotation", "Nms/rad", "torque", "kg m^2"};
 
 std::string damps_too_much(const DampingDemand& demand, double scale, double late_s, double inertia,
                            const DampingWords& words) {
@@ -62,15 +62,15 @@ struct EffortWords {
 };
 
 /// NaN does not pass.
-std::string asks_too_much(const ExternalDemand& external, double at_hand, double given,
-                          const EffortWords& words) {
-  if (at_hand <= given)
+std::string check_demand(const ExternalDemand& external, double at_hand, double limit,
+                         const EffortWords& words) {
+  if (at_hand <= limit)
     return {};
   return fmt::format(
       "{}{}the effect '{}' may request a {} of {:.4g} {} at the hand, device limit {:.4g} {}. "
       "Reduce {} to {:.4g} {}.",
       external.place, external.place.empty() ? "" : ": ", external.name, words.effort, at_hand,
-      words.unit, given, words.unit, words.key, given / words.scale, words.unit);
+      words.unit, limit, words.unit, words.key, limit / words.scale, words.unit);
 }
 
 }  // namespace
@@ -93,11 +93,11 @@ std::string external_too_strong(const SceneRequirements& demand,
   const double force_scale = scales.force_scale,
                torque_scale = scales.force_scale / scales.position_scale;
   std::string why =
-      asks_too_much(external, external.force_n * force_scale, device.translation.max_effort,
-                    {"force", "N", "max_force_n", force_scale});
+      check_demand(external, external.force_n * force_scale, device.translation.max_effort,
+                   {"force", "N", "max_force_n", force_scale});
   if (why.empty() && device.gives_torque)
-    why = asks_too_much(external, external.torque_nm * torque_scale, device.rotation.max_effort,
-                        {"torque", "Nm", "max_torque_nm", torque_scale});
+    why = check_demand(external, external.torque_nm * torque_scale, device.rotation.max_effort,
+                       {"torque", "Nm", "max_torque_nm", torque_scale});
   return why;
 }
 
@@ -111,7 +111,7 @@ std::string effects_damp_too_much(const SceneRequirements& demand,
   if (!why.empty() || !device.gives_torque)
     return why;
   return damps_too_much(demand.rotation, hand_scales(scales).rotation, late_s,
-                        device.rotation.inertia_min, kTurning);
+                        device.rotation.inertia_min, kRotation);
 }
 
 std::string force_not_displayed(const scene::Scene& scene, const coupling::CouplingSpec* runs,

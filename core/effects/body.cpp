@@ -9,7 +9,15 @@
 namespace voxtouch::effects {
 namespace {
 
-enum : std::size_t { kMass, kGravity, kGrip, kGripTurn, kGripDamping, kGrabButton, kGrabDistance };
+enum : std::size_t {
+  kMass,
+  kGravity,
+  kGrip,
+  kGripRotation,
+  kGripDamping,
+  kGrabButton,
+  kGrabDistance
+};
 
 constexpr std::array kParameters = {
     row::number("mass_kg", 0.001, 100.0, "Mass of the body [kg]."),
@@ -61,7 +69,7 @@ BodyParameters body_parameters(const EffectValues& values) noexcept {
   BodyParameters p;
   p.mass_kg = values.number(kMass);
   p.gravity_m_per_s2 = values.vector(kGravity);
-  p.grip_n_per_m = values.number(kGrip), p.grip_nm_per_rad = values.number(kGripTurn);
+  p.grip_n_per_m = values.number(kGrip), p.grip_nm_per_rad = values.number(kGripRotation);
   p.grip_damping_ratio = values.number(kGripDamping);
   return p;
 }

@@ -78,9 +78,9 @@ struct EffectForce {
 class Effect {
  public:
   virtual ~Effect() = default;
-  /// Adds wrench, stiffness and energy to `push`. All values in `frame` are finite. Real-time safe.
+  /// Adds wrench, stiffness and energy to `sum`. All values in `frame` are finite. Real-time safe.
   virtual void apply(const EffectFrame& frame, const EffectValues& values,
-                     EffectForce& push) noexcept = 0;
+                     EffectForce& sum) noexcept = 0;
   /// Clears the state, for a new session or an intended jump. Real-time safe.
   virtual void reset() noexcept {}
 };

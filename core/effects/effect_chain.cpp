@@ -9,10 +9,10 @@
 namespace voxtouch::effects {
 namespace {
 
-bool usable(const EffectForce& push) noexcept {
-  return push.wrench.finite() && push.stiffness.allFinite() &&
-         std::isfinite(push.stiffness_bound_n_per_m) && std::isfinite(push.potential_j) &&
-         std::isfinite(push.energy_generated_j);
+bool usable(const EffectForce& force) noexcept {
+  return force.wrench.finite() && force.stiffness.allFinite() &&
+         std::isfinite(force.stiffness_bound_n_per_m) && std::isfinite(force.potential_j) &&
+         std::isfinite(force.energy_generated_j);
 }
 
 /// The same frame with the contact of one object only.
@@ -125,9 +125,9 @@ EffectForce EffectChain::apply(const EffectFrame& at_hand, const EffectFrame* su
     advance(link, at_hand.dt_s);
     if (surface != nullptr && link.goal.kind->friction != nullptr)
       continue;
-    const bool feels_contact = surface != nullptr && link.goal.kind->needs(link.now).contact;
+    const bool depends_on_contact = surface != nullptr && link.goal.kind->needs(link.now).contact;
     const bool behind_spring = softened != nullptr && is_of_position(link.goal, link.now);
-    const EffectFrame& frame = behind_spring ? *softened : feels_contact ? *surface : at_hand;
+    const EffectFrame& frame = behind_spring ? *softened : depends_on_contact ? *surface : at_hand;
     const RegionWeight weight = link.gain.now() > 0.0
                                     ? weight_at(link.goal.region, frame.tool.position)
                                     : RegionWeight{0.0};

@@ -51,7 +51,7 @@ class EffectChain {
   const EffectValues& values(std::size_t effect) const noexcept { return links_[effect].now; }
   /// Upper bound of the energy that effects may have generated since construction, over a path of
   /// `metres` [J].
-  double given_over(double metres) const noexcept { return per_metre_j_ * metres; }
+  double max_energy_generated_j(double metres) const noexcept { return per_metre_j_ * metres; }
   /// Applies a command validated by `judge`: a switch, a gain or a parameter. Call it between two
   /// calls of `apply`. Real-time safe.
   void carry_out(const EffectCommand& command) noexcept;

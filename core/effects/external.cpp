@@ -80,12 +80,12 @@ class EnergyBudget {
 class External final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
-    push.energy_generated_j += book(frame, values);
+             EffectForce& sum) noexcept override {
+    sum.energy_generated_j += book(frame, values);
     follow(frame, values);
     const double fraction = budget_.fraction(values.number(kEnergy));
     const Wrench out{fraction * filtered_.force, fraction * filtered_.torque};
-    push.wrench.force += out.force, push.wrench.torque += out.torque;
+    sum.wrench.force += out.force, sum.wrench.torque += out.torque;
     given_ = {frame.fraction * out.force, frame.fraction * out.torque};
   }
   /// Keeps the budget: leaving and entering a region gives no new one.
@@ -100,11 +100,12 @@ class External final : public Effect {
   double book(const EffectFrame& frame, const EffectValues& values) noexcept {
     const Pose before = last_.value_or(frame.tool);
     last_ = frame.tool;
-    const double moved_j = given_.force.dot(frame.tool.position - before.position);
-    const double turned_j =
+    const double translation_j = given_.force.dot(frame.tool.position - before.position);
+    const double rotation_j =
         given_.torque.dot(rotation_vector(before.orientation, frame.tool.orientation));
-    budget_.book(moved_j + turned_j, values.number(kEnergy), values.number(kPower), frame.dt_s);
-    return moved_j;
+    budget_.book(translation_j + rotation_j, values.number(kEnergy), values.number(kPower),
+                 frame.dt_s);
+    return translation_j;
   }
 
   void follow(const EffectFrame& frame, const EffectValues& values) noexcept {

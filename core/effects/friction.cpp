@@ -26,9 +26,9 @@ struct Law {
 
 /// `fraction` scales the force at which the bristles slip, not the stored force: half the friction
 /// at a region's border is that of a surface half as rough.
-Law law_at(double push_n, double fraction, const EffectValues& values) noexcept {
+Law law_at(double force_n, double fraction, const EffectValues& values) noexcept {
   const double most = fraction * values.number(kMaxForce),
-               slides = fraction * values.number(kCoulomb) * push_n;
+               slides = fraction * values.number(kCoulomb) * force_n;
   return {std::min(slides, most), std::min(values.number(kSticking) * slides, most),
           values.number(kStiffness)};
 }
@@ -40,17 +40,17 @@ struct Bristle {
   Vec3 normal = Vec3::Zero();  ///< of the last sample; zero: none so far
   double torn = 0.0;           ///< 0: sticking with sticks_n, 1: sliding with slides_n
 
-  void turn(const Vec3& to, const Vec3& object_turn) noexcept;
+  void follow_contact(const Vec3& to, const Vec3& object_rotation) noexcept;
   void drag(const Vec3& displacement, const Law& law) noexcept;
 };
 
 /// Rotates the bend with the object and with the normal, along the shortest arc, without increasing
 /// it.
-void Bristle::turn(const Vec3& to, const Vec3& object_turn) noexcept {
+void Bristle::follow_contact(const Vec3& to, const Vec3& object_rotation) noexcept {
   constexpr double kOpposite = -0.9;
-  if (const double angle = object_turn.norm(); angle > 0.0) {
-    const Eigen::AngleAxisd turned(angle, object_turn / angle);
-    bend = turned * bend, normal = turned * normal;
+  if (const double angle = object_rotation.norm(); angle > 0.0) {
+    const Eigen::AngleAxisd rotation(angle, object_rotation / angle);
+    bend = rotation * bend, normal = rotation * normal;
   }
   const double cosine = normal.dot(to);
   if (!(cosine > kOpposite) || normal.isZero(0.0)) {
@@ -83,7 +83,7 @@ void Bristle::drag(const Vec3& displacement, const Law& law) noexcept {
 class Friction final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     const double reach = values.number(kReach), k = values.number(kStiffness);
     const double stiffer = stiffness_ > 0.0 && k > stiffness_
                                ? stiffness_ / k
@@ -101,8 +101,8 @@ class Friction final : public Effect {
       bristle->bend *= stiffer;
       const Vec3 arm =
           arm_to(point, bristle->height.follow(point.height_m, step_.most(reach)), reach);
-      rub(frame, touch, point, arm, law_at(point.push_n, frame.fraction, values), *bristle);
-      add(*bristle, arm, values, touch.contact->stiffness_bound_n_per_m, push);
+      rub(frame, touch, point, arm, law_at(point.force_n, frame.fraction, values), *bristle);
+      add(*bristle, arm, values, touch.contact->stiffness_bound_n_per_m, sum);
     }
     bristles_.end();
   }
@@ -115,7 +115,7 @@ class Friction final : public Effect {
   void rub(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
            const Vec3& arm, const Law& law, Bristle& bristle) const noexcept {
     const bool fresh = bristle.normal.isZero(0.0);
-    bristle.turn(point.normal, frame.dt_s * touch.twist.angular);
+    bristle.follow_contact(point.normal, frame.dt_s * touch.twist.angular);
     if (fresh)
       return;
     const Vec3 displacement =
@@ -127,17 +127,17 @@ class Friction final : public Effect {
   /// contact force by g newtons per metre of depth. This adds g/2 (z n' + n z'), which is below k z
   /// z' + g^2/(4k) n n' as long as k >= g/2.
   static void add(const Bristle& bristle, const Vec3& arm, const EffectValues& values,
-                  double contact_n_per_m, EffectForce& push) noexcept {
+                  double contact_n_per_m, EffectForce& sum) noexcept {
     const double k = values.number(kStiffness), sticking = values.number(kSticking);
     const Vec3 force = -k * bristle.bend, &n = bristle.normal;
-    push.wrench.force += force;
-    push.wrench.torque += arm.cross(force);
+    sum.wrench.force += force;
+    sum.wrench.torque += arm.cross(force);
     const double g =
         (sticking > 1.0 ? 2.0 : 1.0) * sticking * values.number(kCoulomb) * contact_n_per_m;
     const double across = std::max(k, 0.5 * g), along = 0.25 * g * g / across;
     const Mat3 normal = n * n.transpose();
-    push.stiffness += seen_from_origin(across * (Mat3::Identity() - normal) + along * normal, arm);
-    push.stiffness_bound_n_per_m += std::hypot(k, g);
+    sum.stiffness += seen_from_origin(across * (Mat3::Identity() - normal) + along * normal, arm);
+    sum.stiffness_bound_n_per_m += std::hypot(k, g);
   }
 
   PerObject<Bristle> bristles_;

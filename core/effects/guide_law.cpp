@@ -59,19 +59,19 @@ double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept {
 }
 
 void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained,
-                   EffectForce& push) noexcept {
+                   EffectForce& sum) noexcept {
   const double s = away.norm();
   const GuideForce at = guide_force(law, s);
-  push.potential_j += guide_potential_j(law, at.potential_j);
-  push.wrench.force -= at.per_metre_n_per_m * (constrained * away);
+  sum.potential_j += guide_potential_j(law, at.potential_j);
+  sum.wrench.force -= at.per_metre_n_per_m * (constrained * away);
   Mat3 bent = at.per_metre_n_per_m * Mat3::Identity();
   // If f' = f / s, as for an ideal spring, the direction has no influence and need not exist.
   if (const double more = std::max(at.slope_n_per_m, 0.0) - at.per_metre_n_per_m; more != 0.0) {
     const Vec3 u = away / s;
     bent += more * u * u.transpose();
   }
-  push.stiffness.topLeftCorner<3, 3>() += constrained * bent * constrained;
-  push.stiffness_bound_n_per_m += std::max(std::abs(at.slope_n_per_m), at.per_metre_n_per_m);
+  sum.stiffness.topLeftCorner<3, 3>() += constrained * bent * constrained;
+  sum.stiffness_bound_n_per_m += std::max(std::abs(at.slope_n_per_m), at.per_metre_n_per_m);
 }
 
 GuideLaw guide_law(const EffectValues& values) noexcept {

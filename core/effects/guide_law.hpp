@@ -46,7 +46,7 @@ double guide_potential_j(const GuideLaw& law, double from_guide_j) noexcept;
 ///     force     -f A away / |away|
 ///     stiffness A (max(f', 0) u u' + f/s (1 - u u')) A
 void pull_to_guide(const GuideLaw& law, const Vec3& away, const Mat3& constrained,
-                   EffectForce& push) noexcept;
+                   EffectForce& sum) noexcept;
 
 /// Parameters of every guide, at these indices of its table.
 enum GuideParameter : std::size_t {

@@ -20,14 +20,14 @@ constexpr auto kParameters =
 class GuideLine final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     const Vec3 from_point = frame.tool.position - values.vector(kPoint),
                along = values.vector(kDirection);
     const Mat3 across = Mat3::Identity() - along * along.transpose();
     if (values.number(kEnds) != kSegment) {
       // A direction that ramps is shorter than 1: `across` then includes a part along the line, up
       // to the force of a point guide.
-      pull_to_guide(guide_law(values), across * from_point, across, push);
+      pull_to_guide(guide_law(values), across * from_point, across, sum);
       return;
     }
     // During a ramp the segment shrinks with its direction, at most to its centre.
@@ -38,7 +38,7 @@ class GuideLine final : public Effect {
     pull_to_guide(
         guide_law(values), from_point - nearest * unit,
         inside_segment ? Mat3(Mat3::Identity() - unit * unit.transpose()) : Mat3(Mat3::Identity()),
-        push);
+        sum);
   }
 };
 

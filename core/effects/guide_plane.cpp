@@ -22,7 +22,7 @@ bool one_sided(const EffectValues& values) noexcept { return values.number(kSide
 class GuidePlane final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     const GuideLaw law = guide_law(values);
     const Vec3 normal = values.vector(kNormal);
     const double height = normal.dot(frame.tool.position - values.vector(kPoint));
@@ -30,11 +30,11 @@ class GuidePlane final : public Effect {
       return;
     const GuideForce at = guide_force(law, std::abs(height));
     // A normal that ramps is shorter than 1, and so is the gradient of the height.
-    push.wrench.force -= std::copysign(at.force_n, height) * normal;
-    push.stiffness.topLeftCorner<3, 3>() +=
+    sum.wrench.force -= std::copysign(at.force_n, height) * normal;
+    sum.stiffness.topLeftCorner<3, 3>() +=
         std::max(at.slope_n_per_m, 0.0) * normal * normal.transpose();
-    push.stiffness_bound_n_per_m += std::abs(at.slope_n_per_m);
-    push.potential_j += one_sided(values) ? at.potential_j : guide_potential_j(law, at.potential_j);
+    sum.stiffness_bound_n_per_m += std::abs(at.slope_n_per_m);
+    sum.potential_j += one_sided(values) ? at.potential_j : guide_potential_j(law, at.potential_j);
   }
 };
 

@@ -11,9 +11,9 @@ constexpr auto kParameters = guide_rows(row::place("point", "The point, in W [m]
 class GuidePoint final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     pull_to_guide(guide_law(values), frame.tool.position - values.vector(kPoint), Mat3::Identity(),
-                  push);
+                  sum);
   }
 };
 

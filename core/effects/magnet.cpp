@@ -22,7 +22,7 @@ const double kDepth = 25.0 * std::sqrt(5.0) / 96.0;  ///< U0 / (F R)
 class Magnet final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     const double radius = values.number(kRadius);
     const Vec3 away = (frame.tool.position - values.vector(kPoint)) / radius;
     const double q = away.squaredNorm(), left = 1.0 - q;
@@ -30,8 +30,8 @@ class Magnet final : public Effect {
       return;
     const double depth = kDepth * values.number(kForce) * radius,
                  core = 6.0 * depth / (radius * radius);
-    push.potential_j -= depth * left * left * left;
-    push.wrench.force -= (core * radius * left * left) * away;
+    sum.potential_j -= depth * left * left * left;
+    sum.wrench.force -= (core * radius * left * left) * away;
     // Across the radius core left^2, along it core left (1 - 5 q) = core left^2 - 4 core left q;
     // only the restoring part counts.
     const double across = core * left * left, along = core * left * (1.0 - 5.0 * q);
@@ -40,8 +40,8 @@ class Magnet final : public Effect {
       stiffness -= (across / q) * away * away.transpose();
     else
       stiffness -= (4.0 * core * left) * away * away.transpose();
-    push.stiffness.topLeftCorner<3, 3>() += stiffness;
-    push.stiffness_bound_n_per_m += std::max(across, std::abs(along));
+    sum.stiffness.topLeftCorner<3, 3>() += stiffness;
+    sum.stiffness_bound_n_per_m += std::max(across, std::abs(along));
   }
 };
 

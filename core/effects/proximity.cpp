@@ -51,13 +51,13 @@ Layer layer_at(double limit, double range, double d) noexcept {
 /// Adds the tool's points one by one; arms in W axes.
 class Sums {
  public:
-  Sums(bool torque, EffectForce& push) noexcept : torque_(torque), push_(push) {}
+  Sums(bool torque, EffectForce& sum) noexcept : torque_(torque), sum_(sum) {}
 
   void add(const Vec3& arm, double fraction, const Layer& layer,
            const ProximitySample& sample) noexcept {
     const Vec3 force = (fraction * layer.force_n) * sample.gradient;
-    push_.wrench.force += force;
-    push_.potential_j += fraction * layer.potential_j;
+    sum_.wrench.force += force;
+    sum_.potential_j += fraction * layer.potential_j;
     // -dF/dx = p'' g g' + p' H, with p' = -force. Of the first term the restoring part is used. Of
     // the second, Gershgorin's diagonal, which is at least -p' |H| in every direction and exact for
     // flat walls.
@@ -65,8 +65,8 @@ class Sums {
     Mat3 stiffness = (fraction * layer.force_n) * Mat3(rows.asDiagonal());
     if (layer.slope_n_per_m > 0.0)
       stiffness += (fraction * layer.slope_n_per_m) * sample.gradient * sample.gradient.transpose();
-    push_.stiffness.topLeftCorner<3, 3>() += stiffness;
-    push_.stiffness_bound_n_per_m +=
+    sum_.stiffness.topLeftCorner<3, 3>() += stiffness;
+    sum_.stiffness_bound_n_per_m +=
         fraction * (std::abs(layer.slope_n_per_m) * sample.gradient.squaredNorm() +
                     layer.force_n * rows.maxCoeff());
     if (torque_)
@@ -75,27 +75,27 @@ class Sums {
 
  private:
   void add_rotation(const Vec3& arm, const Vec3& force, const Mat3& stiffness) noexcept {
-    push_.wrench.torque += arm.cross(force);
+    sum_.wrench.torque += arm.cross(force);
     const Mat3 cross = cross_matrix(arm);
-    push_.stiffness.topRightCorner<3, 3>() -= stiffness * cross;
-    push_.stiffness.bottomLeftCorner<3, 3>() += cross * stiffness;
-    push_.stiffness.bottomRightCorner<3, 3>() -= cross * stiffness * cross;
+    sum_.stiffness.topRightCorner<3, 3>() -= stiffness * cross;
+    sum_.stiffness.bottomLeftCorner<3, 3>() += cross * stiffness;
+    sum_.stiffness.bottomRightCorner<3, 3>() -= cross * stiffness * cross;
     // The arm rotates under the force.
-    push_.stiffness.bottomRightCorner<3, 3>().diagonal().array() += arm.norm() * force.norm();
+    sum_.stiffness.bottomRightCorner<3, 3>().diagonal().array() += arm.norm() * force.norm();
   }
 
   bool torque_;
-  EffectForce& push_;
+  EffectForce& sum_;
 };
 
 class ProximityEffect final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     if (frame.proximity == nullptr)
       return;
     const double limit = values.number(kLimit), range = values.number(kRange);
-    Sums sums(values.number(kLever) > 0.0, push);
+    Sums sums(values.number(kLever) > 0.0, sum);
     for (const ToolPoint& point : frame.tool_points) {
       const Vec3 arm = frame.tool.orientation * point.position;
       const ProximitySample sample = frame.proximity->at(frame.tool.position + arm);

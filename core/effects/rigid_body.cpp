@@ -18,11 +18,11 @@ struct MassMatrix {
   Mat3 inertia;  ///< its rotational block
 };
 
-/// `turn`: rotation from B's axes to W's; `arm`: from the origin to the centre of mass, in W.
-MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn,
+/// `rotation`: rotation from B's axes to W's; `arm`: from the origin to the centre of mass, in W.
+MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& rotation,
                        const Vec3& arm) noexcept {
   const Mat3 across = cross_matrix(arm),
-             central = mass_kg * (turn * shape.inertia_m2 * turn.transpose());
+             central = mass_kg * (rotation * shape.inertia_m2 * rotation.transpose());
   MassMatrix mass;
   mass.inertia = central - mass_kg * across * across;
   mass.all.topLeftCorner<3, 3>() = mass_kg * Mat3::Identity();
@@ -34,8 +34,8 @@ MassMatrix mass_matrix(const BodyShape& shape, double mass_kg, const Mat3& turn,
 
 /// Spring and damper to the grip position of the body; W axes.
 struct Grip {
-  double c, c_turn;  ///< stiffness [N/m, Nm/rad]
-  Mat6 damping;      ///< [Ns/m, Ns, Nms/rad]
+  double c, c_rotation;  ///< stiffness [N/m, Nm/rad]
+  Mat6 damping;          ///< [Ns/m, Ns, Nms/rad]
   Pose goal_WB;
   Vec3 goal_velocity_W, spin_W;
   Vec3 stretch, twisted;  ///< from the body to the goal [m, rad]
@@ -43,7 +43,7 @@ struct Grip {
   Grip(const BodyParameters& p, const Mat6& full_damping, double strength, const Pose& pose_WB,
        const Pose& pose_TB, const Pose& pose_WT, const Twist& tool_twist) noexcept
       : c(strength * p.grip_n_per_m),
-        c_turn(strength * p.grip_nm_per_rad),
+        c_rotation(strength * p.grip_nm_per_rad),
         damping(strength * full_damping),
         goal_WB(pose_WT * pose_TB),
         goal_velocity_W(tool_twist.linear +
@@ -62,18 +62,18 @@ struct Grip {
     const Vec6 damper =
         damping * stacked(goal_velocity_W - twist.linear, tool_twist.angular - twist.angular);
     const Vec3 on_body = c * stretch_after + damper.head<3>();
-    const Vec3 turn_body = c_turn * twisted_after + damper.tail<3>();
+    const Vec3 torque_on_body = c_rotation * twisted_after + damper.tail<3>();
     const Vec3 lever = goal_WB.position - pose_WT.position;
     const Mat3 lever_across = cross_matrix(lever);
     BodyGrip grip;
-    grip.wrench = {-on_body, -turn_body - lever.cross(on_body)};
+    grip.wrench = {-on_body, -torque_on_body - lever.cross(on_body)};
     grip.stiffness.topLeftCorner<3, 3>() = c * Mat3::Identity();
     grip.stiffness.topRightCorner<3, 3>() = -c * lever_across;
     grip.stiffness.bottomLeftCorner<3, 3>() = c * lever_across;
     grip.stiffness.bottomRightCorner<3, 3>() =
-        c_turn * Mat3::Identity() - c * lever_across * lever_across;
+        c_rotation * Mat3::Identity() - c * lever_across * lever_across;
     grip.stiffness_bound_n_per_m = c;
-    energy_j = 0.5 * (c * stretch_after.squaredNorm() + c_turn * twisted_after.squaredNorm());
+    energy_j = 0.5 * (c * stretch_after.squaredNorm() + c_rotation * twisted_after.squaredNorm());
     return grip;
   }
 };
@@ -105,13 +105,13 @@ Mat6 grip_damping(const BodyShape& shape, const BodyParameters& p) noexcept {
   return 0.5 * (damping + damping.transpose());
 }
 
-/// The damping of the grip, W axes; recomputed after parameter changes. `turn`: rotation from T's
-/// axes to W's.
-Mat6 RigidBody::damping_W(const BodyParameters& p, const Mat3& turn) noexcept {
+/// The damping of the grip, W axes; recomputed after parameter changes. `rotation`: rotation from
+/// T's axes to W's.
+Mat6 RigidBody::damping_W(const BodyParameters& p, const Mat3& rotation) noexcept {
   if (!damping_known_ || !(damped_ == p))
     damped_ = p, damping_ = grip_damping(shape_, p), damping_known_ = true;
   Mat6 both = Mat6::Zero();
-  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = turn;
+  both.topLeftCorner<3, 3>() = both.bottomRightCorner<3, 3>() = rotation;
   return both * damping_ * both.transpose();
 }
 
@@ -138,10 +138,11 @@ void RigidBody::follow_hold(const Pose& pose_WT, bool hold, double grab_m, doubl
 BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist& tool_twist,
                          bool hold, double grab_m, const BodyParameters& p, double dt_s) noexcept {
   follow_hold(pose_WT, hold, grab_m, dt_s);
-  const Mat3 turn = pose_WB_.orientation.toRotationMatrix();
-  const Vec3 arm = turn * shape_.centre;
-  const MassMatrix mass = mass_matrix(shape_, p.mass_kg, turn, arm);
-  const Grip grip(p, damping_W(p, turn), strength_.now(), pose_WB_, pose_TB_, pose_WT, tool_twist);
+  const Mat3 rotation = pose_WB_.orientation.toRotationMatrix();
+  const Vec3 arm = rotation * shape_.centre;
+  const MassMatrix mass = mass_matrix(shape_, p.mass_kg, rotation, arm);
+  const Grip grip(p, damping_W(p, rotation), strength_.now(), pose_WB_, pose_TB_, pose_WT,
+                  tool_twist);
 
   // Contact damping relative to the touched object; grip damping relative to the tool.
   const double tau =
@@ -150,20 +151,22 @@ BodyGrip RigidBody::step(const BodyLoad& load, const Pose& pose_WT, const Twist&
           : 0.0;
   const Mat6 damping = tau * load.stiffness + grip.damping;
   Mat6 stiffness = load.stiffness;
-  stiffness.diagonal() += stacked(Vec3::Constant(grip.c), Vec3::Constant(grip.c_turn));
+  stiffness.diagonal() += stacked(Vec3::Constant(grip.c), Vec3::Constant(grip.c_rotation));
   const Vec3 weight = p.mass_kg * p.gravity_m_per_s2, spin = twist_.angular;
-  Vec6 push = stacked(load.wrench.force + weight + grip.c * grip.stretch,
-                      load.wrench.torque + arm.cross(weight) + grip.c_turn * grip.twisted);
-  push += grip.damping * stacked(grip.goal_velocity_W, grip.spin_W);
-  push += tau * load.stiffness_times_velocity;
-  push -= stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
+  Vec6 generalised_force =
+      stacked(load.wrench.force + weight + grip.c * grip.stretch,
+              load.wrench.torque + arm.cross(weight) + grip.c_rotation * grip.twisted);
+  generalised_force += grip.damping * stacked(grip.goal_velocity_W, grip.spin_W);
+  generalised_force += tau * load.stiffness_times_velocity;
+  generalised_force -=
+      stacked(p.mass_kg * spin.cross(spin.cross(arm)), spin.cross(mass.inertia * spin));
   // Motion together with the tool or an object does not stretch the springs: they act on the
   // relative displacement.
   Vec6 spring_ahead = load.stiffness_times_velocity;
-  spring_ahead += stacked(grip.c * grip.goal_velocity_W, grip.c_turn * tool_twist.angular);
+  spring_ahead += stacked(grip.c * grip.goal_velocity_W, grip.c_rotation * tool_twist.angular);
   const Mat6 left = mass.all + dt_s * damping + (dt_s * dt_s) * stiffness;
   const Vec6 velocity = left.ldlt().solve(mass.all * stacked(twist_.linear, twist_.angular) +
-                                          dt_s * push + (dt_s * dt_s) * spring_ahead);
+                                          dt_s * generalised_force + (dt_s * dt_s) * spring_ahead);
   if (!velocity.allFinite()) {  // invalid velocity: the body stops
     twist_ = {};
     return {};

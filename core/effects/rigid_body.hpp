@@ -94,7 +94,7 @@ class RigidBody {
  private:
   void follow_hold(const Pose& pose_WT, bool hold, double grab_m, double dt_s) noexcept;
   void move(double dt_s) noexcept;
-  Mat6 damping_W(const BodyParameters& parameters, const Mat3& turn) noexcept;
+  Mat6 damping_W(const BodyParameters& parameters, const Mat3& rotation) noexcept;
 
   BodyShape shape_;
   BodyParameters damped_;        ///< parameters of `damping_`

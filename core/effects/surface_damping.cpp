@@ -21,7 +21,7 @@ constexpr std::array kParameters = {
 class SurfaceDamping final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     const double reach = values.number(kReach),
                  fraction = weight_of_each(frame, values.number(kFull));
     step_.advance(frame.tool);
@@ -34,7 +34,7 @@ class SurfaceDamping final : public Effect {
       if (height == nullptr)
         continue;
       const Vec3 arm = arm_to(point, height->follow(point.height_m, step_.most(reach)), reach);
-      add(frame, touch, point, arm, fraction, values, push);
+      add(frame, touch, point, arm, fraction, values, sum);
     }
     heights_.end();
   }
@@ -48,22 +48,22 @@ class SurfaceDamping final : public Effect {
   /// along a direction other than that of the depth. Half of it on every axis is an upper bound.
   static void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
                   const Vec3& arm, double fraction, const EffectValues& values,
-                  EffectForce& push) noexcept {
+                  EffectForce& sum) noexcept {
     const Vec3 displacement =
         within_hand_speed(frame.twist.linear - touch.twist.linear +
                           (frame.twist.angular - touch.twist.angular).cross(arm));
     const double into = point.normal.dot(displacement);
     const Vec3 full = -values.number(kAlong) * (displacement - into * point.normal) -
                       values.number(kAgainst) * into * point.normal;
-    const Vec3 force = fraction * smoothstep(0.0, values.number(kFull), point.push_n) * full;
-    push.wrench.force += force;
-    push.wrench.torque += arm.cross(force);
+    const Vec3 force = fraction * smoothstep(0.0, values.number(kFull), point.force_n) * full;
+    sum.wrench.force += force;
+    sum.wrench.torque += arm.cross(force);
     const double slope =
         kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
     const double coupling = (fraction < 1.0 ? 2.0 : 1.0) * slope *
                             full.norm();  // the fraction of each also changes with the others
-    push.stiffness += seen_from_origin(0.5 * coupling * Mat3::Identity(), arm);
-    push.stiffness_bound_n_per_m += coupling;
+    sum.stiffness += seen_from_origin(0.5 * coupling * Mat3::Identity(), arm);
+    sum.stiffness_bound_n_per_m += coupling;
   }
 
   PerObject<FollowedHeight> heights_;

@@ -63,7 +63,7 @@ double bend_of(const EffectValues& values) noexcept {
 class Texture final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
+             EffectForce& sum) noexcept override {
     const double most = relief_.follow(values, frame.dt_s) * values.number(kForce);
     const double reach = values.number(kReach),
                  fraction = weight_of_each(frame, values.number(kFull));
@@ -71,28 +71,28 @@ class Texture final : public Effect {
       TouchPoint point;
       if (!find_touch(touch, frame.tool.position, reach, point))
         continue;
-      add(frame, touch, point, fraction * most, fraction < 1.0, values, push);
+      add(frame, touch, point, fraction * most, fraction < 1.0, values, sum);
     }
   }
   void reset() noexcept override { relief_.forget(); }
 
  private:
   void add(const EffectFrame& frame, const ObjectContact& touch, const TouchPoint& point,
-           double most, bool shared, const EffectValues& values, EffectForce& push) const noexcept {
+           double most, bool shared, const EffectValues& values, EffectForce& sum) const noexcept {
     const Vec3& n = point.normal;
     const PatternSample relief = relief_.at(frame.tool.position + point.contact_centre,
                                             static_cast<int>(values.number(kPattern)));
-    const Vec3 force = -most * smoothstep(0.0, values.number(kFull), point.push_n) *
+    const Vec3 force = -most * smoothstep(0.0, values.number(kFull), point.force_n) *
                        (relief.slope - n.dot(relief.slope) * n);
-    push.wrench.force += force;
-    push.wrench.torque += point.contact_centre.cross(force);
+    sum.wrench.force += force;
+    sum.wrench.torque += point.contact_centre.cross(force);
     const double slope =
         kSteepestStep / values.number(kFull) * touch.contact->stiffness_bound_n_per_m;
     const double coupling = (shared ? 2.0 : 1.0) * slope * most;
     const double own = most * bend_of(values) / relief_.wavelength_m();
-    push.stiffness +=
+    sum.stiffness +=
         seen_from_origin((own + 0.5 * coupling) * Mat3::Identity(), point.contact_centre);
-    push.stiffness_bound_n_per_m += own + coupling;
+    sum.stiffness_bound_n_per_m += own + coupling;
   }
 
   Relief relief_;

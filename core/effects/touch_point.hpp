@@ -15,7 +15,7 @@ namespace voxtouch::effects {
 /// The contact force of one object, W axes. Its direction is that of the force and not the mean
 /// normal, which jumps with every point that enters or leaves.
 struct TouchPoint {
-  double push_n = 0.0;         ///< |F| > 0
+  double force_n = 0.0;        ///< |F| > 0
   Vec3 normal = Vec3::Zero();  ///< F / |F|: direction of the object's force on the tool
   /// Contact centre, from the tool's origin: the nearest point of the wrench's axis, (F x torque) /
   /// F^2. It is the force-weighted mean of the contact points as seen along the normal, shortened
@@ -25,7 +25,7 @@ struct TouchPoint {
 };
 
 /// Smaller contact forces count as zero: their direction is rounding error.
-inline constexpr double kMinPushN = 1e-9;
+inline constexpr double kMinForceN = 1e-9;
 
 /// Returns false without contact. Real-time safe.
 inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, double reach_m,
@@ -33,11 +33,11 @@ inline bool find_touch(const ObjectContact& touch, const Vec3& tool_origin, doub
   if (touch.contact == nullptr)
     return false;
   const Wrench& wrench = touch.contact->wrench;
-  point.push_n = wrench.force.norm();
-  if (!(point.push_n > kMinPushN))
+  point.force_n = wrench.force.norm();
+  if (!(point.force_n > kMinForceN))
     return false;
-  point.normal = wrench.force / point.push_n;
-  point.contact_centre = point.normal.cross(wrench.torque) / point.push_n;
+  point.normal = wrench.force / point.force_n;
+  point.contact_centre = point.normal.cross(wrench.torque) / point.force_n;
   if (const double length = point.contact_centre.norm(); length > reach_m)
     point.contact_centre *= reach_m / length;
   const double height = point.normal.dot(touch.contact->deepest_point - tool_origin);
@@ -88,10 +88,10 @@ class ToolDisplacement {
  public:
   /// Real-time safe.
   void advance(const Pose& tool) noexcept {
-    const Quat turned = tool.orientation.normalized();
+    const Quat orientation = tool.orientation.normalized();
     shift_ = known_ ? Vec3(tool.position - last_.position) : Vec3::Zero();
-    back_ = known_ ? last_.orientation * turned.conjugate() : Quat::Identity();
-    last_ = {tool.position, turned};
+    back_ = known_ ? last_.orientation * orientation.conjugate() : Quat::Identity();
+    last_ = {tool.position, orientation};
     known_ = true;
   }
   /// Treats the next pose as the first. Real-time safe.

@@ -17,9 +17,9 @@ constexpr std::array kParameters = {
 class Viscosity final : public Effect {
  public:
   void apply(const EffectFrame& frame, const EffectValues& values,
-             EffectForce& push) noexcept override {
-    push.wrench.force -= values.number(kDamping) * within_hand_speed(frame.twist.linear);
-    push.wrench.torque -= values.number(kRotation) * frame.twist.angular;
+             EffectForce& sum) noexcept override {
+    sum.wrench.force -= values.number(kDamping) * within_hand_speed(frame.twist.linear);
+    sum.wrench.torque -= values.number(kRotation) * frame.twist.angular;
   }
 };
 

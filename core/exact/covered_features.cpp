@@ -44,7 +44,7 @@ class Cover {
   }
 
   /// Whether the surface goes on flush beyond a rim of `face`.
-  bool goes_on(const Vec3& point, const Vec3& inward, std::uint32_t face) const {
+  bool continues_at(const Vec3& point, const Vec3& inward, std::uint32_t face) const {
     const Vec3 beyond = point - kProbeOffsetM * inward;
     bool on = false;
     visit_near(beyond, kOnM, [&](std::uint32_t f) {
@@ -116,7 +116,7 @@ class Cover {
 
 bool stands_free(const Cover& cover, const FeatureMesh& mesh, const Edge& edge, const Vec3& point) {
   if (edge.kind == EdgeKind::kRim)
-    return !cover.goes_on(point, edge.inward[0], edge.faces[0]);
+    return !cover.continues_at(point, edge.inward[0], edge.faces[0]);
   for (std::size_t k = 0; k < 2; ++k)
     if (cover.covers(point, edge.inward[k], mesh.faces[edge.faces[k]]))
       return false;

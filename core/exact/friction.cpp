@@ -49,7 +49,7 @@ Patch patch_of(std::span<const FrictionContact> contacts, double lever_m) noexce
 /// How far the step that sticks goes along `m` from `from`; false where no such step keeps the
 /// rows.
 bool along_normal(std::span<const Halfspace> rows, const Vec6& from, const Vec3& m,
-                  double requested, double& goes) noexcept {
+                  double requested, double& normal_step) noexcept {
   double least = -std::numeric_limits<double>::infinity(), most = -least;
   for (const Halfspace& row : rows) {
     const double opens = row.jacobian.head<3>().dot(m);
@@ -65,7 +65,7 @@ bool along_normal(std::span<const Halfspace> rows, const Vec6& from, const Vec3&
   }
   if (least > most + kKeptM)
     return false;
-  goes = std::max(least, std::min(requested, most));
+  normal_step = std::max(least, std::min(requested, most));
   return true;
 }
 
@@ -81,26 +81,26 @@ FrictionStep with_friction(std::span<const FrictionContact> contacts,
   if (!(patch.force_m > 0.0))
     return out;
   const Vec3& m = patch.normal;
-  const bool turns_held = patch.radius_m > 0.0;
-  const Vec3 turn = turns_held ? across(m, free.tail<3>()) : Vec3(free.tail<3>());
+  const bool rotation_held = patch.radius_m > 0.0;
+  const Vec3 rotation = rotation_held ? across(m, free.tail<3>()) : Vec3(free.tail<3>());
   Vec6 sticking;
-  sticking << -across(m, (turn / lever_m).cross(patch.centre)), turn;
+  sticking << -across(m, (rotation / lever_m).cross(patch.centre)), rotation;
   const double requested = m.dot(spring.head<3>() - sticking.head<3>());
-  double goes = 0.0;
-  if (!along_normal(rows, sticking, m, requested, goes))
+  double normal_step = 0.0;
+  if (!along_normal(rows, sticking, m, requested, normal_step))
     return out;
-  sticking.head<3>() += goes * m;
+  sticking.head<3>() += normal_step * m;
 
-  const double force_sticking = std::max(0.0, goes - requested);
+  const double force_sticking = std::max(0.0, normal_step - requested);
   const Vec6 unbalanced = spring - sticking;
   const double shift = across(m, unbalanced.head<3>()).norm();
-  const double twist = turns_held ? m.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m : 0.0;
+  const double twist = rotation_held ? m.dot(unbalanced.tail<3>()) * lever_m / patch.radius_m : 0.0;
   const double needed = std::hypot(shift, twist), at_most = friction * force_sticking;
   if (needed <= at_most) {
     out.delta = sticking;
     Mat6 loose = Mat6::Identity();
     loose.topLeftCorner<3, 3>() = m * m.transpose();
-    if (turns_held)
+    if (rotation_held)
       loose.bottomRightCorner<3, 3>() -= m * m.transpose();
     // Near the limit the friction fades: encoder steps would make a sliding tool alternately stick
     // and slip, and damping depends on the stiffness.

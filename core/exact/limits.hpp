@@ -67,7 +67,7 @@ inline constexpr double kArmijoRatio = 0.15;
 inline constexpr double kCorrection = 1.2;
 
 /// Largest displacement by which a row pushes the tool out in a step [m]; above a missing margin.
-inline constexpr double kMaxPushOutM = 1e-6;
+inline constexpr double kMaxMarginRestoreM = 1e-6;
 
 /// Expected reach of a step: kReachRatio times the longest step of the last frame, limited to
 /// kMinReachM to kMaxReachM [m]. Within a frame it doubles if a step attains 0.9 of it.

@@ -75,14 +75,14 @@ class NormalCone {
 };
 
 /// How far the tool must rotate before its normals face those of an object. Real-time safe.
-class TurnBound {
+class RotationBound {
  public:
   /// Edges may make rows while their normals miss facing each other by up to this angle [rad].
   static constexpr double kSlackRad = 0.02;
 
   /// `rotation`: of the tool in the object's frame. `reach_m`: of the tool; a rotation by an angle
   /// is a path of that angle times this.
-  TurnBound(const NormalCone& of_tool, const Mat3& rotation, double reach_m) noexcept
+  RotationBound(const NormalCone& of_tool, const Mat3& rotation, double reach_m) noexcept
       : axis_(-(rotation * of_tool.axis())),
         half_rad_(of_tool.half_rad() + kSlackRad),
         cosine_(std::cos(half_rad_)),
@@ -106,9 +106,9 @@ class TurnBound {
 };
 
 /// For features that may touch along any direction.
-class NoTurnBound {
+class NoRotationBound {
  public:
-  NoTurnBound(const NormalCone&, const Mat3&, double) noexcept {}
+  NoRotationBound(const NormalCone&, const Mat3&, double) noexcept {}
   double path_m(const NormalCone&) const noexcept { return 0.0; }
 };
 

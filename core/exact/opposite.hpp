@@ -33,13 +33,13 @@ class Opposite {
     face_vertex_.reset();
     edge_edge_.reset();
     start_check_.restart();
-    path_m_ = turn_m_ = 0.0;
+    path_m_ = rotation_m_ = 0.0;
   }
 
   /// Bound of the displacement of any point of the tool between two relative poses [m].
   double path_between(const Pose& from, const Pose& to) const noexcept {
-    const Quat turn = to.orientation * from.orientation.conjugate();
-    const double angle = 2.0 * std::atan2(turn.vec().norm(), std::abs(turn.w()));
+    const Quat rotation = to.orientation * from.orientation.conjugate();
+    const double angle = 2.0 * std::atan2(rotation.vec().norm(), std::abs(rotation.w()));
     return (to.position - from.position).norm() + angle * tool_->features().reach_m;
   }
 
@@ -51,12 +51,12 @@ class Opposite {
   void accept() noexcept {
     const double path = path_between(now_.pose(), next_.pose());
     path_m_ += path;
-    turn_m_ += path - (next_.pose().position - now_.pose().position).norm();
+    rotation_m_ += path - (next_.pose().position - now_.pose().position).norm();
     std::swap(now_, next_);
   }
 
   void renew(double need_m, double radius_m, Work& work) noexcept {
-    const Renewal renewal{path_m_, turn_m_, need_m, radius_m, need_m};
+    const Renewal renewal{path_m_, rotation_m_, need_m, radius_m, need_m};
     vertex_face_.renew(now_, renewal, work);
     edge_edge_.renew(now_, renewal, work);
     face_vertex_.renew(now_, renewal, work);
@@ -64,7 +64,7 @@ class Opposite {
 
   /// Whether a pair farther than `seen_m` may touch on the step that is tried, of `length_m`.
   StepVerdict check_step(double length_m, double seen_m, Work& work) noexcept {
-    const Step step{path_m_, turn_m_, length_m, seen_m};
+    const Step step{path_m_, rotation_m_, length_m, seen_m};
     StepVerdict verdict = vertex_face_.check_step(now_, next_, step, work);
     if (verdict == StepVerdict::kClear)
       verdict = edge_edge_.check_step(now_, next_, step, work);
@@ -75,9 +75,9 @@ class Opposite {
 
   /// Largest step before an unlisted pair can touch [m].
   double allowed_m() const noexcept {
-    return std::min({vertex_face_.holds_for_m(path_m_, turn_m_),
-                     face_vertex_.holds_for_m(path_m_, turn_m_),
-                     edge_edge_.holds_for_m(path_m_, turn_m_)});
+    return std::min({vertex_face_.holds_for_m(path_m_, rotation_m_),
+                     face_vertex_.holds_for_m(path_m_, rotation_m_),
+                     edge_edge_.holds_for_m(path_m_, rotation_m_)});
   }
   /// Further path before which no listed pair can touch [m].
   double nearest_m() const noexcept {
@@ -108,7 +108,7 @@ class Opposite {
   PairLists<FaceProbe> face_vertex_;
   PairLists<EdgeProbe> edge_edge_;
   StartCheck start_check_;
-  double path_m_ = 0.0, turn_m_ = 0.0;  ///< path of the tool; part due to rotations
+  double path_m_ = 0.0, rotation_m_ = 0.0;  ///< path of the tool; part due to rotations
 };
 
 }  // namespace voxtouch::exact

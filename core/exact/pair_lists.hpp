@@ -25,9 +25,9 @@ namespace voxtouch::exact {
 
 /// Input of a renewal.
 struct Renewal {
-  double path_m = 0.0;  ///< present path of the tool
-  double turn_m = 0.0;  ///< part of the path that is due to rotations
-  double need_m = 0.0;  ///< lists that are valid for this further path are not renewed
+  double path_m = 0.0;      ///< present path of the tool
+  double rotation_m = 0.0;  ///< part of the path that is due to rotations
+  double need_m = 0.0;      ///< lists that are valid for this further path are not renewed
   double radius_m =
       0.0;  ///< a renewed leaf lists the pairs within this distance; greater than `need_m`
   double room_m = 0.0;  ///< a plane replaces lists if it is kPlaneReaches times this below them
@@ -35,16 +35,16 @@ struct Renewal {
 
 /// A step to be checked.
 struct Step {
-  double path_m = 0.0;    ///< path of the tool at its start
-  double turn_m = 0.0;    ///< part of the path that is due to rotations
-  double length_m = 0.0;  ///< bound of the displacement of each point of the tool
-  double seen_m = 0.0;    ///< the caller checks the pairs within this distance itself
+  double path_m = 0.0;      ///< path of the tool at its start
+  double rotation_m = 0.0;  ///< part of the path that is due to rotations
+  double length_m = 0.0;    ///< bound of the displacement of each point of the tool
+  double seen_m = 0.0;      ///< the caller checks the pairs within this distance itself
 };
 
 enum class StepVerdict : std::uint8_t { kClear, kMayTouch, kUnknown };
 
 /// The pairs of one kind (`Probe`) between a tool and an object, which must outlive it. The
-/// constructor allocates all memory. Arguments `path_m` and `turn_m` are those of Renewal.
+/// constructor allocates all memory. Arguments `path_m` and `rotation_m` are those of Renewal.
 template <class Probe>
 class PairLists {
  public:
@@ -80,10 +80,10 @@ class PairLists {
   }
 
   /// Further path for which all lists are valid [m].
-  double holds_for_m(double path_m, double turn_m) const noexcept {
+  double holds_for_m(double path_m, double rotation_m) const noexcept {
     if (tree_.nodes().empty() || items_.empty())
       return kInfinity;
-    return std::min(states_[0].until_m - path_m, states_[0].turn_until_m - turn_m);
+    return std::min(states_[0].until_m - path_m, states_[0].rotation_until_m - rotation_m);
   }
   /// Path up to which no listed pair touches [m].
   double nearest_m() const noexcept {
@@ -118,11 +118,11 @@ class PairLists {
   struct State {
     double until_m = -kInfinity, nearest_m = kInfinity;
     double near_m = -kInfinity;  ///< an item is within `path_m - near_m` of the node's ball
-    /// Like `until_m`, of `turn_m`: for items that are not listed because they face away.
-    double turn_until_m = kInfinity;
+    /// Like `until_m`, of `rotation_m`: for items that are not listed because they face away.
+    double rotation_until_m = kInfinity;
 
-    bool holds(double path_m, double turn_m, double need_m) const noexcept {
-      return until_m >= path_m + need_m && turn_until_m >= turn_m + need_m;
+    bool holds(double path_m, double rotation_m, double need_m) const noexcept {
+      return until_m >= path_m + need_m && rotation_until_m >= rotation_m + need_m;
     }
   };
   /// A plane with all near items below it, in the object's frame.
@@ -150,7 +150,7 @@ class PairLists {
   void renew_node(std::uint32_t at, BoxTree::Entry entry, PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
     State& state = states_[at];
-    if (state.holds(renewal.path_m, renewal.turn_m, renewal.need_m) || work.done())
+    if (state.holds(renewal.path_m, renewal.rotation_m, renewal.need_m) || work.done())
       return;
     const ElementTree::Node& node = tree_.nodes()[at];
     if (kept_by_plane(at, posed, renewal, work))
@@ -174,23 +174,23 @@ class PairLists {
     renew_node(node.next, entry, posed, renewal, work);
     const State &first = states_[at + 1], &second = states_[node.next];
     state.until_m = std::min(first.until_m, second.until_m);
-    state.turn_until_m = std::min(first.turn_until_m, second.turn_until_m);
+    state.rotation_until_m = std::min(first.rotation_until_m, second.rotation_until_m);
     state.nearest_m = std::min(first.nearest_m, second.nearest_m);
   }
 
   /// Bound of the rotation before which an item's normals face those of the node's elements.
-  auto turn_bound_of(std::uint32_t at, const PosedPoints& posed) const noexcept {
-    return typename Probe::TurnBoundOf(tree_.nodes()[at].cone, posed.rotation(),
-                                       tool_.features().reach_m);
+  auto rotation_bound_of(std::uint32_t at, const PosedPoints& posed) const noexcept {
+    return typename Probe::RotationBoundOf(tree_.nodes()[at].cone, posed.rotation(),
+                                           tool_.features().reach_m);
   }
   /// Further path up to which a pair cannot touch [m]: its distance or, within `range_m`, the
   /// rotation until its normals face each other, if that is larger.
-  template <class TurnBoundOf>
-  double touches_after(double distance_m, double range_m, const TurnBoundOf& turn_bound,
+  template <class RotationBoundOf>
+  double touches_after(double distance_m, double range_m, const RotationBoundOf& rotation_bound,
                        std::uint32_t item) const noexcept {
     if (distance_m > range_m)
       return distance_m;
-    return std::max(distance_m, turn_bound.path_m(Probe::cone(object_, item)));
+    return std::max(distance_m, rotation_bound.path_m(Probe::cone(object_, item)));
   }
 
   /// Whether no item is within `radius_m` of the node's ball; the node is then valid for the
@@ -228,20 +228,20 @@ class PairLists {
   /// node is valid until one is nearer, or may face it by rotation.
   bool faces_away(std::uint32_t at, const BoxTree::Entry& entry, const PosedPoints& posed,
                   const Renewal& renewal, Work& work) noexcept {
-    if constexpr (std::is_same_v<typename Probe::TurnBoundOf, NoTurnBound>)
+    if constexpr (std::is_same_v<typename Probe::RotationBoundOf, NoRotationBound>)
       return false;
     const ElementTree::Node& node = tree_.nodes()[at];
     Plane& plane = planes_[at];
     if (node.cone.half_rad() > limits::kWidestCone || renewal.path_m < plane.retry_away_m)
       return false;
     const Vec3 centre = posed.rotation() * node.ball.centre + posed.pose().position;
-    const auto turn_bound = turn_bound_of(at, posed);
+    const auto rotation_bound = rotation_bound_of(at, posed);
     const double near = limits::kPlaneReaches * renewal.need_m;
-    double range = plane_range(renewal.need_m), turn = kInfinity;
+    double range = plane_range(renewal.need_m), rotation_m = kInfinity;
     const auto away = [&](const NormalCone& cone) {
-      const double path = turn_bound.path_m(cone);
+      const double path = rotation_bound.path_m(cone);
       if (path > near)
-        turn = std::min(turn, path);
+        rotation_m = std::min(rotation_m, path);
       return path > near;
     };
     const auto bound = [&](const Box& box, const NormalCone& cone) {
@@ -263,7 +263,7 @@ class PairLists {
       return false;
     }
     keep_until(at, renewal.path_m + beyond);
-    states_[at].turn_until_m = renewal.turn_m + turn;
+    states_[at].rotation_until_m = renewal.rotation_m + rotation_m;
     return true;
   }
 
@@ -284,7 +284,7 @@ class PairLists {
   /// Sets the path up to which the node is valid without lists.
   void keep_until(std::uint32_t at, double until_m) noexcept {
     states_[at].until_m = until_m;
-    states_[at].turn_until_m = kInfinity;
+    states_[at].rotation_until_m = kInfinity;
     states_[at].nearest_m = std::max(states_[at].nearest_m, until_m);
   }
 
@@ -317,12 +317,12 @@ class PairLists {
     double nearest = plane_range(renewal.need_m);
     Vec3 apart = Vec3::Zero();
     const auto visit = [&](std::uint32_t item) {
-      const Vec3 way = probe.apart(item);
-      const double distance = way.norm();
+      const Vec3 separation = probe.apart(item);
+      const double distance = separation.norm();
       work.add(Work::kPair);
       if (distance < nearest) {
         nearest = distance;
-        apart = way;
+        apart = separation;
       }
       return nearest > limits::kPlaneReaches * renewal.room_m;
     };
@@ -376,7 +376,7 @@ class PairLists {
     const std::uint32_t element = tree_.nodes()[at].element;
     State& state = states_[at];
     const Probe probe(tool_, object_, posed, element);
-    const auto turn_bound = turn_bound_of(at, posed);
+    const auto rotation_bound = rotation_bound_of(at, posed);
     const auto bound = [&](const Box& box) { return probe.bound(box); };
     const auto nearer = [](const Pair& a, const Pair& b) { return a.touches_m < b.touches_m; };
     double radius = renewal.radius_m;
@@ -386,8 +386,8 @@ class PairLists {
       double beyond = kInfinity;
       bool fits = true;
       const auto list = [&](std::uint32_t item) {
-        const Vec3 way = probe.apart(item);
-        const double distance = way.norm();
+        const Vec3 separation = probe.apart(item);
+        const double distance = separation.norm();
         work.add(Work::kPair);
         if (distance > range) {
           beyond = std::min(beyond, distance);
@@ -396,7 +396,7 @@ class PairLists {
         fits = scratch_.size() < scratch_.capacity();
         if (!fits)
           return false;
-        scratch_.push_back({renewal.path_m + distance, item, way});
+        scratch_.push_back({renewal.path_m + distance, item, separation});
         std::push_heap(scratch_.begin(), scratch_.end(), nearer);
         while (scratch_.size() > limits::kListedPairs &&
                scratch_.front().touches_m > renewal.path_m + radius) {
@@ -415,10 +415,10 @@ class PairLists {
           return;
         for (Pair& pair : scratch_)
           pair.touches_m = renewal.path_m + touches_after(pair.touches_m - renewal.path_m,
-                                                          kInfinity, turn_bound, pair.item);
+                                                          kInfinity, rotation_bound, pair.item);
         if (store(element, renewal.path_m, work)) {
           state.until_m = renewal.path_m + std::min({beyond, range, walked.beyond_m});
-          state.turn_until_m = kInfinity;
+          state.rotation_until_m = kInfinity;
           state.nearest_m = kInfinity;
           for (const Pair& pair : scratch_)
             state.nearest_m = std::min(state.nearest_m, pair.touches_m);
@@ -443,7 +443,7 @@ class PairLists {
   bool store(std::uint32_t element, double path_m, Work& work) noexcept {
     if (!store_.has_room(scratch_.size(), element)) {
       work.add(states_.size() / 16);
-      give_back_expired(path_m);
+      release_expired(path_m);
       if (!store_.has_room(scratch_.size(), element))
         return false;
     }
@@ -458,7 +458,7 @@ class PairLists {
 
   /// Discards the lists of expired leaves. A valid leaf keeps its list even if its parent is far
   /// from the object, because it counts as complete later.
-  void give_back_expired(double path_m) noexcept {
+  void release_expired(double path_m) noexcept {
     for (std::size_t at = 0; at < states_.size(); ++at) {
       const ElementTree::Node& node = tree_.nodes()[at];
       if (!node.leaf || states_[at].until_m > path_m)
@@ -484,7 +484,7 @@ class PairLists {
       return whole;
     }
     const Probe probe(tool_, object_, posed, node.element);
-    const auto turn_bound = turn_bound_of(at, posed);
+    const auto rotation_bound = rotation_bound_of(at, posed);
     bool whole = true;
     state.nearest_m = kInfinity;
     store_.for_blocks(node.element, [&](Block& block) {
@@ -495,10 +495,10 @@ class PairLists {
           double distance = probe.lowest(plane.normal) - plane.height_m;
           work.add(1);
           if (distance <= reach_m) {
-            const Vec3 way = probe.apart(block.items[k]);
-            distance = touches_after(way.norm(), reach_m, turn_bound, block.items[k]);
+            const Vec3 separation = probe.apart(block.items[k]);
+            distance = touches_after(separation.norm(), reach_m, rotation_bound, block.items[k]);
             work.add(Work::kPair);
-            plane = plane_between(block.items[k], way);
+            plane = plane_between(block.items[k], separation);
           }
           touches = path_m + distance;
           if (distance <= reach_m)
@@ -524,14 +524,14 @@ class PairLists {
                          Work& work) noexcept {
     const State& state = states_[at];
     const double end = step.path_m + step.length_m;
-    if (state.holds(step.path_m, step.turn_m, step.length_m) && state.nearest_m >= end)
+    if (state.holds(step.path_m, step.rotation_m, step.length_m) && state.nearest_m >= end)
       return StepVerdict::kClear;
     if (work.done())
       return StepVerdict::kUnknown;
     if (stays_above(at, end, posed, next, work))
       return StepVerdict::kClear;
     const ElementTree::Node& node = tree_.nodes()[at];
-    const Renewal renewal{step.path_m, step.turn_m, step.length_m,
+    const Renewal renewal{step.path_m, step.rotation_m, step.length_m,
                           limits::kListReaches * step.length_m + limits::kListRestM,
                           limits::kMinReachM};
     if (!node.leaf) {
@@ -548,7 +548,7 @@ class PairLists {
       const StepVerdict first = check_node(at + 1, posed, next, step, work);
       return first == StepVerdict::kClear ? check_node(node.next, posed, next, step, work) : first;
     }
-    const auto holds = [&] { return state.holds(step.path_m, step.turn_m, step.length_m); };
+    const auto holds = [&] { return state.holds(step.path_m, step.rotation_m, step.length_m); };
     if (!holds()) {
       renew_leaf(at, {}, true, posed, renewal, work);
       if (stays_above(at, end, posed, next, work))
@@ -584,10 +584,10 @@ class PairLists {
         };
         if (stays())
           continue;
-        const Vec3 way = probe.apart(block.items[k]);
+        const Vec3 separation = probe.apart(block.items[k]);
         work.add(Work::kPair);
-        plane = plane_between(block.items[k], way);
-        const double distance = way.norm();
+        plane = plane_between(block.items[k], separation);
+        const double distance = separation.norm();
         touches = step.path_m + distance;
         may_touch = distance > step.seen_m && distance <= step.length_m && !stays();
         if (may_touch)

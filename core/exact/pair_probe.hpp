@@ -20,7 +20,7 @@ struct SeparatingPlane {
 class VertexProbe {
  public:
   static constexpr PairKind kKind = PairKind::kVertexFace;
-  using TurnBoundOf = NoTurnBound;
+  using RotationBoundOf = NoRotationBound;
   static NormalCone cone(const ObjectBody&, std::uint32_t) noexcept { return {}; }
   static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.vertices(); }
   static const BoxTree& items(const ObjectBody& object) noexcept { return object.faces(); }
@@ -66,7 +66,7 @@ class VertexProbe {
 class FaceProbe {
  public:
   static constexpr PairKind kKind = PairKind::kFaceVertex;
-  using TurnBoundOf = NoTurnBound;
+  using RotationBoundOf = NoRotationBound;
   static NormalCone cone(const ObjectBody&, std::uint32_t) noexcept { return {}; }
   static const ElementTree& elements(const ToolBody& tool) noexcept { return tool.faces(); }
   static const BoxTree& items(const ObjectBody& object) noexcept { return object.vertices(); }
@@ -119,7 +119,7 @@ class FaceProbe {
 class EdgeProbe {
  public:
   static constexpr PairKind kKind = PairKind::kEdgeEdge;
-  using TurnBoundOf = TurnBound;
+  using RotationBoundOf = RotationBound;
   static const NormalCone& cone(const ObjectBody& object, std::uint32_t item) noexcept {
     return object.edge_cones()[item];
   }

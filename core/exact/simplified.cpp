@@ -46,7 +46,7 @@ class Simplifier {
         faces_(mesh.triangles),
         owners_(owners),
         bounds_(bounds),
-        least_cosine_(std::cos(bounds.turn_rad)),
+        least_cosine_(std::cos(bounds.normal_rotation_rad)),
         removed_(faces_.size(), false),
         samples_of_(faces_.size()),
         faces_of_(points_.size()),

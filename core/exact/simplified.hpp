@@ -10,8 +10,8 @@
 namespace voxtouch::exact {
 
 struct SimplifyBounds {
-  double distance_m = 0.0;  ///< between both surfaces
-  double turn_rad = 0.0;    ///< of a normal
+  double distance_m = 0.0;           ///< between both surfaces
+  double normal_rotation_rad = 0.0;  ///< of a normal
 };
 
 struct SimplifiedMesh {

@@ -95,7 +95,7 @@ Facings facings_of(const Vec3& p, const FeatureMesh& mesh, std::uint32_t f, bool
 
 /// Sine of the angle by which the tool may turn in the step: nothing to spare where the gap is near
 /// the margin.
-double turn_to_spare(double gap_m, double reach_m, const ToolBody& tool) noexcept {
+double rotation_margin_sine(double gap_m, double reach_m, const ToolBody& tool) noexcept {
   return gap_m > limits::kBeyondEndsMargins * limits::kMarginM ? reach_m / tool.features().reach_m
                                                                : 0.0;
 }
@@ -118,7 +118,7 @@ Touches vertex_face(const NearPair& pair, const ToolBody& tool, const ObjectBody
   for (std::size_t k = 0; k < facings.count; ++k) {
     const Facing& facing = facings.of[k];
     const Vec3 normal_T = posed.rotation().transpose() * facing.normal;
-    const double spare = turn_to_spare(facing.gap_m, reach_m, tool);
+    const double spare = rotation_margin_sine(facing.gap_m, reach_m, tool);
     if (rises(tool.features().directions_of(vertex), normal_T, spare))
       out.add({facing.normal, p, facing.gap_m});
   }
@@ -133,7 +133,7 @@ Touches face_vertex(const NearPair& pair, const ToolBody& tool, const ObjectBody
   const Facings facings = facings_of(posed.to_tool(p), tool.features(), pair.element, false);
   for (std::size_t k = 0; k < facings.count; ++k) {
     const Vec3 towards = posed.rotation() * facings.of[k].normal;  // from the tool to the vertex
-    const double spare = turn_to_spare(facings.of[k].gap_m, reach_m, tool);
+    const double spare = rotation_margin_sine(facings.of[k].gap_m, reach_m, tool);
     if (!rises(object.features().directions_of(vertex), towards, spare))
       continue;
     out.add({-towards, p - facings.of[k].gap_m * towards, facings.of[k].gap_m});
@@ -201,7 +201,7 @@ Touches edge_edge(const NearPair& pair, const ToolBody& tool, const ObjectBody& 
   if (!within_ends(on.s, e.u.norm(), beyond) || !within_ends(on.t, e.v.norm(), beyond))
     return out;
   const Vec3 normal_T = posed.rotation().transpose() * normal;
-  const double cone = limits::kEdgeConeSine + turn_to_spare(gap, reach_m, tool);
+  const double cone = limits::kEdgeConeSine + rotation_margin_sine(gap, reach_m, tool);
   for (std::size_t k = 0; k < 2; ++k) {
     if (normal.dot(e.object.inward[k]) > cone)
       return out;
@@ -271,12 +271,12 @@ Touch passed_touch(const NearPair& pair, const ToolBody& tool, const ObjectBody&
   const double gap = offset.norm();
   const Vec3 normal = gap > 0.0 ? Vec3(offset / gap) : Vec3(e.u.cross(e.v).normalized());
   const Edges then = edges_of(pair, tool, object, next);
-  Vec3 turned = then.u.cross(then.v).normalized();
-  if (turned.dot(normal) < 0.0)
-    turned = -turned;
-  const bool crossed = turned.dot(normal) > 0.5;  // else nearly parallel: the same points
+  Vec3 normal_after = then.u.cross(then.v).normalized();
+  if (normal_after.dot(normal) < 0.0)
+    normal_after = -normal_after;
+  const bool crossed = normal_after.dot(normal) > 0.5;  // else nearly parallel: the same points
   const Vec3 between = then.p + on.s * then.u - then.q - on.t * then.v;
-  found_m = crossed ? turned.dot(then.p - then.q) : normal.dot(between);
+  found_m = crossed ? normal_after.dot(then.p - then.q) : normal.dot(between);
   return {normal, e.p + on.s * e.u, gap};
 }
 

@@ -111,7 +111,7 @@ bool VirtualTool::shortens(const Vec6& spring, const Vec6& taken, const Pose& to
                            const Pose& hand) const noexcept {
   double missing = 0.0;
   for (const Row& row : contacts_.rows())
-    missing = std::max(missing, std::min(limits::kMarginM - row.gap_m, limits::kMaxPushOutM));
+    missing = std::max(missing, std::min(limits::kMarginM - row.gap_m, limits::kMaxMarginRestoreM));
   const double falls = 0.5 * (spring.squaredNorm() - spring_between(tool, hand).squaredNorm());
   return falls + 2.0 * missing * spring.norm() >= limits::kArmijoRatio * taken.squaredNorm();
 }
@@ -200,12 +200,12 @@ void VirtualTool::reach_of_query(double need_m, double rows_m, Query& query, Wor
 }
 
 /// Projects `target` on the rows. `rotation_rad`: expected rotation of the step; the point of a row
-/// leaves its tangent by at most rotation^2 |arm| / 2 (Taylor). `push_out`: rows nearer than the
-/// margin require the tool to move out. Otherwise their gap must not decrease, which the zero step
-/// fulfils unless an object moves.
-Projection VirtualTool::solve_with(const Vec6& target, double rotation_rad, bool push_out,
+/// leaves its tangent by at most rotation^2 |arm| / 2 (Taylor). `restore_margin`: rows nearer than
+/// the margin require the tool to move out. Otherwise their gap must not decrease, which the zero
+/// step fulfils unless an object moves.
+Projection VirtualTool::solve_with(const Vec6& target, double rotation_rad, bool restore_margin,
                                    VirtualToolFrame& out, Work& work) noexcept {
-  const double most = push_out ? limits::kMaxPushOutM : 0.0;
+  const double most = restore_margin ? limits::kMaxMarginRestoreM : 0.0;
   const std::span<const Row> rows = contacts_.rows();
   const std::span<Halfspace> halfspaces = contacts_.halfspaces();
   for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -293,7 +293,7 @@ bool VirtualTool::try_step(const Pose& tool, const Vec6& taken, Query& query, Vi
   }
   limit_to(1.0, work);
   if (!listed || contacts_.passes_something(taken, work)) {
-    ++out.void_steps;
+    ++out.rejected_steps;
     return false;
   }
   contacts_.accept();
@@ -322,8 +322,8 @@ double VirtualTool::step(Query& query, VirtualToolFrame& out, Work& work) noexce
   const Vec6 spring = spring_to(query.hand);
   const bool objects_move = query.objects_ratio > 0.0;
   double ratio = solve_query(query, spring, out, work);
-  converged_ =
-      out.residual_m < query.rest_m && !objects_move && (last_.count > 0 || out.residual_m == 0.0);
+  converged_ = out.residual_m < query.convergence_m && !objects_move &&
+               (last_.count > 0 || out.residual_m == 0.0);
   if (converged_ && last_.count > 0)
     return 0.0;
   if (!objects_move && last_.count > 0) {
@@ -397,7 +397,7 @@ void VirtualTool::follow(const HandSample& sample, double hand_path_m, VirtualTo
     remaining = limits::kFollowRatio * hand_path_m + std::max(catch_up, limits::kCatchUpM);
   }
   Query query{.hand = sample.pose, .friction = sample.friction};
-  query.rest_m = std::max(limits::kRestM, limits::kMovingRestRatio * hand_path_m);
+  query.convergence_m = std::max(limits::kRestM, limits::kMovingRestRatio * hand_path_m);
   double expected =
       std::clamp(limits::kReachRatio * longest_step_m_, limits::kMinReachM, limits::kMaxReachM);
   const double closing = closing_m_;
@@ -499,8 +499,9 @@ void VirtualTool::report(VirtualToolFrame& out) noexcept {
   out.not_converged = !converged_;
   if (out.constrained) {
     // Without an active row no direction is known to be free, so all are displayed as stiff.
-    const Mat6 gives = last_.count > 0 ? Mat6(Mat6::Identity() - last_.held) : Mat6(Mat6::Zero());
-    out.displayed = Mat6::Identity() - loose_ * gives * loose_;
+    const Mat6 unconstrained =
+        last_.count > 0 ? Mat6(Mat6::Identity() - last_.held) : Mat6(Mat6::Zero());
+    out.displayed = Mat6::Identity() - loose_ * unconstrained * loose_;
   }
   pressed_ = out.constrained;
   if (!unfinished)

@@ -61,7 +61,7 @@ struct VirtualToolFrame {
   std::uint32_t pairs_seen = 0;        ///< largest number in a query
   int queries = 0;
   int iterations = 0;           ///< of all projections
-  int void_steps = 0;           ///< rejected: features would pass, or the lists did not suffice
+  int rejected_steps = 0;       ///< rejected: features would pass, or the lists did not suffice
   std::uint64_t work = 0;       ///< in units of Work
   double object_delay_m = 0.0;  ///< path of the objects that the tool has not followed yet
   PoseStatus pose_status = PoseStatus::kUsable;
@@ -132,7 +132,7 @@ class VirtualTool {
     double rows_m = 0.0;         ///< the rows are complete for pairs within this distance
     double reach_m = 0.0;        ///< largest step of the tool: `lists_m` minus that of the objects
     double remaining_m = 0.0;    ///< path that the frame still allows in contact
-    double rest_m = 0.0;         ///< a shorter step ends the frame
+    double convergence_m = 0.0;  ///< a shorter step ends the frame
     double objects_ratio = 1.0;  ///< fraction of the objects' remaining path made in this step
     bool more_rows = false;      ///< the step reaches pairs that have no rows: repeat with more
   };
@@ -159,7 +159,7 @@ class VirtualTool {
   bool collect_for(Query& query, double objects_m, Work& work) noexcept;
   void solve(const Vec6& target, VirtualToolFrame& out, Work& work) noexcept;
   Vec6 kept_by_rows(const Vec6& step, VirtualToolFrame& out, Work& work) noexcept;
-  Projection solve_with(const Vec6& target, double rotation_rad, bool push_out,
+  Projection solve_with(const Vec6& target, double rotation_rad, bool restore_margin,
                         VirtualToolFrame& out, Work& work) noexcept;
   bool try_step(const Pose& tool, const Vec6& taken, Query& query, VirtualToolFrame& out,
                 Work& work) noexcept;

@@ -107,7 +107,7 @@ double AxisExcitation::dispatch(double time_s, double position_m) noexcept {
   switch (step_) {
     case Step::kHold:
       entry_.part = Part::kHold;
-      base_force_n_ = hold(spring_.rest_m());
+      base_force_n_ = hold(spring_.rest_position_m());
       if (since >= kHoldS) {
         // The force of the spring continues without it, from the present position.
         model_.bias_n = -base_force_n_;

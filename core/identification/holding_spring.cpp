@@ -35,7 +35,7 @@ void HoldingSpring::sample(double time_s, double position_m, double step) noexce
   if (first_) {
     first_ = false;
     time_ = interval_start_ = time_s;
-    position_ = low_ = high_ = rest_ = position_m;
+    position_ = low_ = high_ = rest_position_ = position_m;
     return;
   }
   const double dt = time_s - time_;
@@ -50,11 +50,11 @@ void HoldingSpring::sample(double time_s, double position_m, double step) noexce
   if (!follows_mass_)
     catch_fall(time_s, step);
   if (time_s - interval_start_ >= kIntervalS)
-    raise(time_s, step);
+    raise_gains(time_s, step);
 }
 
 void HoldingSpring::catch_fall(double time_s, double step) noexcept {
-  const double away = position_ - rest_;
+  const double away = position_ - rest_position_;
   if (std::abs(away) < std::max(kCatchM, 4.0 * step) || away * velocity_ <= 0.0)
     return;
   if (std::abs(velocity_) < kCatchSpeed || time_s - caught_s_ < kCatchS)
@@ -65,7 +65,7 @@ void HoldingSpring::catch_fall(double time_s, double step) noexcept {
   gain_ = std::min(kMostGain, 2.0 * gain_);
 }
 
-void HoldingSpring::raise(double time_s, double step) noexcept {
+void HoldingSpring::raise_gains(double time_s, double step) noexcept {
   const double range = high_ - low_;
   if (!follows_mass_) {
     const bool grows =

@@ -23,17 +23,17 @@ class HoldingSpring {
   double velocity() const noexcept { return velocity_; }
   double stiffness() const noexcept { return gain_ * stiffness_; }
   /// Position at its start.
-  double rest_m() const noexcept { return rest_; }
+  double rest_position_m() const noexcept { return rest_position_; }
 
  private:
   void catch_fall(double time_s, double encoder_step_m) noexcept;
-  void raise(double time_s, double encoder_step_m) noexcept;
+  void raise_gains(double time_s, double encoder_step_m) noexcept;
 
   double stiffness_ = 20.0, damping_ = 1.0;  // [N/m], [Ns/m]
   double gain_ = 1.0 / 32.0;
   bool follows_mass_ = false, first_ = true;
   double time_ = 0.0, position_ = 0.0, velocity_ = 0.0;
-  double interval_start_ = 0.0, caught_s_ = 0.0, rest_ = 0.0, low_ = 0.0, high_ = 0.0,
+  double interval_start_ = 0.0, caught_s_ = 0.0, rest_position_ = 0.0, low_ = 0.0, high_ = 0.0,
          last_range_ = -1.0;
 };
 

@@ -32,8 +32,8 @@ constexpr double kSigmas = 3.0;
 constexpr double kLeastStrength = 40.0, kMostSum = 40.0, kMostSpringRatio = 0.5;
 constexpr double kAgreeingFactor = 1.5;  // ratio up to which measured and filed values agree
 constexpr double kPenHandKg = 0.2, kArmHandKg = 2.0;  // that may be at the tool
-constexpr std::size_t kMostTurns = 8;
-constexpr double kTurnSteps = 4.0, kTurnM = 5e-5;
+constexpr std::size_t kMaxReversals = 8;
+constexpr double kReversalSteps = 4.0, kReversalM = 5e-5;
 constexpr std::size_t kFewestIncrements = 30;
 
 double tone_omega(std::size_t tone) {
@@ -43,13 +43,13 @@ double tone_omega(std::size_t tone) {
 /// Amplitudes of all tones of a signal, with slow motion fitted together with them.
 class ToneFit {
  public:
-  /// `turns_s`: times at which the motion reverses. Friction then changes its sign, which bends the
-  /// path.
-  ToneFit(const std::vector<double>& times_s, const std::vector<double>& turns_s)
+  /// `reversals_s`: times at which the motion reverses. Friction then changes its sign, which bends
+  /// the path.
+  ToneFit(const std::vector<double>& times_s, const std::vector<double>& reversals_s)
       : rows_(times_s.size()) {
     const auto rows = static_cast<Eigen::Index>(rows_);
-    constexpr Eigen::Index kTurns = 2 * kTones + kSlowCosines + kSlowPowers;
-    basis_.resize(rows, kTurns + 2 * static_cast<Eigen::Index>(turns_s.size()));
+    constexpr Eigen::Index kFirstReversalColumn = 2 * kTones + kSlowCosines + kSlowPowers;
+    basis_.resize(rows, kFirstReversalColumn + 2 * static_cast<Eigen::Index>(reversals_s.size()));
     const double begin = times_s.front(), length = times_s.back() - begin;
     for (Eigen::Index i = 0; i < rows; ++i) {
       const double t = times_s[static_cast<std::size_t>(i)], part = (t - begin) / length;
@@ -63,9 +63,9 @@ class ToneFit {
       double power = 1.0;
       for (int k = 0; k < kSlowPowers; ++k, power *= 2.0 * part - 1.0)
         basis_(i, 2 * kTones + kSlowCosines + k) = power;
-      for (std::size_t k = 0; k < turns_s.size(); ++k) {
-        const double since = std::max(0.0, (t - turns_s[k]) / length);
-        const auto column = kTurns + static_cast<Eigen::Index>(2 * k);
+      for (std::size_t k = 0; k < reversals_s.size(); ++k) {
+        const double since = std::max(0.0, (t - reversals_s[k]) / length);
+        const auto column = kFirstReversalColumn + static_cast<Eigen::Index>(2 * k);
         basis_(i, column) = since;
         basis_(i, column + 1) = since * since;
       }
@@ -92,12 +92,12 @@ class ToneFit {
 };
 
 /// Times at which the motion reverses by more than `least_m`.
-std::vector<double> turns_of(const std::vector<double>& times_s, const Vector& position,
-                             double least_m) {
+std::vector<double> reversals_of(const std::vector<double>& times_s, const Vector& position,
+                                 double least_m) {
   std::vector<double> out;
   Eigen::Index extreme = 0;
   int direction = 0;
-  for (Eigen::Index i = 1; i < position.size() && out.size() < kMostTurns; ++i) {
+  for (Eigen::Index i = 1; i < position.size() && out.size() < kMaxReversals; ++i) {
     const double moved = position[i] - position[extreme];
     if (direction == 0) {
       if (std::abs(moved) > least_m)
@@ -373,7 +373,8 @@ StartFindings StartCheck::findings() const {
     position.array() -= position[0];
     const ToneFit tones(
         times,
-        turns_of(times, position, std::max(kTurnM, kTurnSteps * expected_.position_resolution_m)));
+        reversals_of(times, position,
+                     std::max(kReversalM, kReversalSteps * expected_.position_resolution_m)));
     const auto x = tones.amplitudes(position), f = tones.amplitudes(force);
     Response r;
     double noise = 0.0;

@@ -13,7 +13,7 @@
 namespace voxtouch::mesh::import {
 namespace {
 
-std::string shown(std::string_view text) { return "'" + printable(text.substr(0, 40)) + "'"; }
+std::string in_quotes(std::string_view text) { return "'" + printable(text.substr(0, 40)) + "'"; }
 
 /// The numbers of an array: one more or less would move all behind it.
 std::uint64_t count_numbers(const MeshFile& file, const pugi::xml_node& array) {
@@ -33,7 +33,7 @@ void check_indices(const MeshFile& file, std::string_view text) {
   std::string_view word;
   for (std::size_t p = 0; !(word = next_word(text, p)).empty();) {
     if (whole_number(word).value_or(~0ULL) > 0xffffffff)
-      refuse_truncated(file, shown(word) + " is not a number");
+      refuse_truncated(file, in_quotes(word) + " is not a number");
   }
 }
 
@@ -58,7 +58,7 @@ std::string named_by(const pugi::xml_attribute& link) {
                                const pugi::xml_node& node) {
   const std::string id = node.attribute("id").value();
   refuse(file.path,
-         what + (id.empty() ? "" : " in " + shown(id)) +
+         what + (id.empty() ? "" : " in " + in_quotes(id)) +
              ", which is not supported and changes its shape",
          "export plain meshes, with all modifiers applied");
 }
@@ -86,7 +86,7 @@ void check_unit(const MeshFile& file, const pugi::xml_document& doc) {
   const std::string text = found.attribute().value();
   std::size_t p = 0;
   if (parse_finite(next_word(text, p)).value_or(0.0) <= 0.0)
-    refuse(file.path, "declares a unit of " + shown(text) + " m, not a length > 0",
+    refuse(file.path, "declares a unit of " + in_quotes(text) + " m, not a length > 0",
            "correct <unit meter=...> in it");
 }
 
@@ -161,7 +161,7 @@ void check_collada(MeshFile& file) {
   for (const auto& found : doc.select_nodes("//instance_node/@url | //instance_geometry/@url")) {
     const std::string name = named_by(found.attribute());
     if (!parts.contains(name))
-      refuse(file.path, "a node references " + shown(name) + ", which does not exist",
+      refuse(file.path, "a node references " + in_quotes(name) + ", which does not exist",
              "export it again");
   }
   std::ostringstream kept;

@@ -121,7 +121,7 @@ class DepthIntegral {
       return;
     }
     if (std::min({a.depth, b.depth, c.depth, ab.depth, bc.depth, ca.depth}) >= 0.0) {
-      push_over(ab, bc, ca, area);
+      add_quadrature(ab, bc, ca, area);
       return;
     }
     clip(a, ab, ca, quarter), clip(ab, b, bc, quarter), clip(ca, bc, c, quarter),
@@ -134,7 +134,7 @@ class DepthIntegral {
     if (inside == 0)
       return;
     if (inside == 3)
-      return push_linear(a, b, c, area);
+      return add_linear(a, b, c, area);
     const bool odd_is_inside =
         inside == 1;  // one corner is on the other side than the two others: make it `a`
     while ((a.depth > 0.0) != odd_is_inside) {
@@ -144,21 +144,21 @@ class DepthIntegral {
     const double to_b = a.depth / (a.depth - b.depth), to_c = a.depth / (a.depth - c.depth);
     const Sample on_ab{a.x + to_b * (b.x - a.x), 0.0}, on_ac{a.x + to_c * (c.x - a.x), 0.0};
     if (odd_is_inside)
-      return push_linear(a, on_ab, on_ac, to_b * to_c * area);
-    push_linear(on_ab, b, c, (1.0 - to_b) * area);
-    push_linear(on_ab, c, on_ac, to_b * (1.0 - to_c) * area);
+      return add_linear(a, on_ab, on_ac, to_b * to_c * area);
+    add_linear(on_ab, b, c, (1.0 - to_b) * area);
+    add_linear(on_ab, c, on_ac, to_b * (1.0 - to_c) * area);
   }
 
   static Sample mean(const Sample& a, const Sample& b) {
     return {0.5 * (a.x + b.x), 0.5 * (a.depth + b.depth)};
   }
-  void push_linear(const Sample& a, const Sample& b, const Sample& c, const Vec3& area) {
-    push_over(mean(a, b), mean(b, c), mean(c, a), area);
+  void add_linear(const Sample& a, const Sample& b, const Sample& c, const Vec3& area) {
+    add_quadrature(mean(a, b), mean(b, c), mean(c, a), area);
   }
 
   /// Quadrature at the midpoints of a triangle's edges: exact for quadratic functions, such as the
   /// torque of a linear depth.
-  void push_over(const Sample& ab, const Sample& bc, const Sample& ca, const Vec3& area) {
+  void add_quadrature(const Sample& ab, const Sample& bc, const Sample& ca, const Vec3& area) {
     const Vec3 inward_third = area / -3.0;
     for (const Sample* s : {&ab, &bc, &ca}) {
       const Vec3 force = s->depth * inward_third;

@@ -26,7 +26,7 @@ GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& po
   double error = 0.0, inside_depth = 0.0;
   bool check = true;
   std::size_t which = statics.size();
-  ask_near(statics, pose_WT, [&](std::size_t i) {
+  visit_near(statics, pose_WT, [&](std::size_t i) {
     GapResult other = against(statics[i], pose_WT);
     error = std::max(error, other.self_error_m),
     inside_depth = std::max(inside_depth, other.inside_depth_m), check = check && other.self_check;
@@ -41,7 +41,7 @@ GapResult DynamicMesh::gap(const std::vector<PosedMesh>& statics, const Pose& po
 
 double DynamicMesh::apart_m(const std::vector<PosedMesh>& statics, const Pose& pose_WT) const {
   double least = std::numeric_limits<double>::infinity();
-  ask_near(statics, pose_WT, [&](std::size_t i) {
+  visit_near(statics, pose_WT, [&](std::size_t i) {
     const PosedMesh& object = statics[i];
     return least = std::min(
                least, object.distance()
@@ -51,7 +51,7 @@ double DynamicMesh::apart_m(const std::vector<PosedMesh>& statics, const Pose& p
   return least;
 }
 
-bool DynamicMesh::one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const {
+bool DynamicMesh::one_encloses_other(const PosedMesh& object, const Pose& pose_OM) const {
   const Pose its_in_mine = pose_OM.inverse();
   const auto inside_it = [&](const Vec3& corner) {
     return object.inside(object.pose() * (pose_OM * corner));
@@ -68,7 +68,7 @@ GapResult DynamicMesh::against(const PosedMesh& object, const Pose& pose_WT) con
   const Pose pose_WM = pose_WT * body_.pose();
   const Pose pose_OM = object.pose().inverse() * pose_WM;
   const NearestPair pair = object.distance().to(body_.distance(), pose_OM);
-  if (pair.distance_m <= 0 || one_swallows_other(object, pose_OM))
+  if (pair.distance_m <= 0 || one_encloses_other(object, pose_OM))
     return overlap(object, pose_WM, pair.distance_m);
   GapResult gap;
   gap.method = GapMethod::kMeshMesh;

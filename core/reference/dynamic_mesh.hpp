@@ -22,13 +22,13 @@ class DynamicMesh {
 
  private:
   GapResult against(const PosedMesh& object, const Pose& pose_WT) const;
-  bool one_swallows_other(const PosedMesh& object, const Pose& pose_OM) const;
+  bool one_encloses_other(const PosedMesh& object, const Pose& pose_OM) const;
   GapResult overlap(const PosedMesh& object, const Pose& pose_WM, double surfaces_apart_m) const;
 
-  /// Calls `ask(index)` for the objects that may be nearest; see ask_nearest_first.
-  template <class Ask>
-  void ask_near(const std::vector<PosedMesh>& statics, const Pose& pose_WT, Ask ask) const {
-    ask_nearest_first(statics, pose_WT * (body_.pose() * centre_), radius_m_, ask);
+  /// Calls `visit(index)` for the objects that may be nearest; see visit_nearest_first.
+  template <class Visit>
+  void visit_near(const std::vector<PosedMesh>& statics, const Pose& pose_WT, Visit visit) const {
+    visit_nearest_first(statics, pose_WT * (body_.pose() * centre_), radius_m_, visit);
   }
 
   PosedMesh body_;              ///< with the mesh's pose in T

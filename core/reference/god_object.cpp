@@ -87,7 +87,8 @@ struct GodObject::Solver {
 
   struct Projected {
     Vec6 step = Vec6::Zero();
-    double push_out = 0.0;  ///< rise of |d|^2 / 2 that restoring the margin costs, to first order
+    double margin_cost =
+        0.0;  ///< rise of |d|^2 / 2 that restoring the margin costs, to first order
     bool solved = false;
   };
 
@@ -106,9 +107,9 @@ struct GodObject::Solver {
       const Vec6 whole = d + scale * found.x;
       const double next = std::min(1.0, step_m / std::max(length(whole), 1e-300));
       out.step = next * whole;
-      out.push_out = 0.0;
+      out.margin_cost = 0.0;
       for (std::size_t k = 0; k < limits.size(); ++k)
-        out.push_out += scale * found.multipliers[k] * std::max(limits[k].bound, 0.0);
+        out.margin_cost += scale * found.multipliers[k] * std::max(limits[k].bound, 0.0);
       if (std::abs(next - ratio) <= 1e-6 * ratio)
         break;
       ratio = next;
@@ -150,7 +151,7 @@ struct GodObject::Solver {
       if (projected.solved) {
         const Pose next = moved(projected.step);
         const double rise = 0.5 * (spring(hand, next).squaredNorm() - d.squaredNorm());
-        if (rise <= projected.push_out) {
+        if (rise <= projected.margin_cost) {
           pose = next;
           near.move_to(pose);
           step_m = std::min(2.0 * step_m, longest_m);
@@ -165,14 +166,14 @@ struct GodObject::Solver {
 
   /// Gaps may shrink to a fraction of the margin, which later steps restore at the cost of energy.
   /// If both alternate, gaps may not shrink, and then steps become shorter. \returns whether the
-  /// last step was shorter than `rest_m`.
-  bool steps_to(const Pose& hand, int most, double rest_m) {
+  /// last step was shorter than `convergence_m`.
+  bool steps_to(const Pose& hand, int most, double convergence_m) {
     step_m = longest_m = scaled(kLongestStep);
     strict = false;
     double least = spring(hand, pose).squaredNorm();
     int without_gain = 0;
     for (int n = 0; n < most; ++n) {
-      if (step(hand) < rest_m)
+      if (step(hand) < convergence_m)
         return true;
       const double energy = spring(hand, pose).squaredNorm();
       without_gain = energy < least ? 0 : without_gain + 1;

@@ -118,12 +118,12 @@ void NearParts::move_to(const Pose& pose) {
   points_ = posed(pose);
   ++pose_number_;
   if (pose_number_ == 1 || path_m_ > 0.5 * range_m_)
-    return look_around();
+    return find_pairs();
   for (Pair& pair : pairs_)
     pair.at_least_m -= displacement;
 }
 
-void NearParts::look_around() {
+void NearParts::find_pairs() {
   path_m_ = 0.0;
   pairs_.clear();
   std::vector<std::pair<std::uint32_t, std::uint32_t>> found;

@@ -59,7 +59,7 @@ class NearParts {
   };
 
   std::vector<Vec3> posed(const Pose& pose) const;
-  void look_around();
+  void find_pairs();
   void measure(Pair& pair);
 
   Parts tool_, scene_;

@@ -66,14 +66,14 @@ class PosedMesh {
   Vec3 box_min_, box_max_;  ///< of the mesh, in its own frame
 };
 
-/// Broad phase: calls `ask(index)`, which returns the smallest distance found so far, for the
+/// Broad phase: calls `visit(index)`, which returns the smallest distance found so far, for the
 /// objects by ascending bound. Ends when no other object can be nearer; objects of equal distance
 /// are all visited. `x`, `reach_m`: as PosedMesh::at_least_m.
-template <class Ask>
-void ask_nearest_first(const std::vector<PosedMesh>& objects, const Vec3& x, double reach_m,
-                       Ask ask) {
+template <class Visit>
+void visit_nearest_first(const std::vector<PosedMesh>& objects, const Vec3& x, double reach_m,
+                         Visit visit) {
   if (objects.size() == 1)
-    return void(ask(std::size_t{0}));
+    return void(visit(std::size_t{0}));
   std::vector<std::pair<double, std::size_t>> bounds;
   bounds.reserve(objects.size());
   for (std::size_t i = 0; i < objects.size(); ++i)
@@ -83,7 +83,7 @@ void ask_nearest_first(const std::vector<PosedMesh>& objects, const Vec3& x, dou
   for (const auto& [bound_m, i] : bounds) {
     if (bound_m > least_m)
       return;
-    least_m = std::min(least_m, ask(i));
+    least_m = std::min(least_m, visit(i));
   }
 }
 

@@ -47,7 +47,7 @@ struct Union {
   void least(const Vec3& x, Ask ask, Distance distance, Answer& best) const {
     std::size_t which = objects.size();
     double least_m = std::numeric_limits<double>::infinity();
-    ask_nearest_first(objects, x, 0.0, [&](std::size_t i) {
+    visit_nearest_first(objects, x, 0.0, [&](std::size_t i) {
       Answer answer = ask(i);
       const double own_m = distance(answer);
       if (which == objects.size() || own_m < least_m || (own_m == least_m && i < which))

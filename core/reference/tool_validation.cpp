@@ -22,7 +22,7 @@ constexpr double kSamePose = 1e-12;    ///< m, and of a unit quaternion
 double in_degrees(double radians) { return radians * 180.0 / std::numbers::pi; }
 double in_mm(double metres) { return 1e3 * metres; }
 
-double turn_between(const Pose& a, const Pose& b) {
+double rotation_between(const Pose& a, const Pose& b) {
   return a.orientation.angularDistance(b.orientation);
 }
 
@@ -44,7 +44,7 @@ std::string state_breach(const ReportedTool& r) {
     return fmt::format(
         "the virtual tool is unconstrained, but {:.3g} mm and {:.3g} deg away from the hand",
         in_mm((r.tool.position - r.hand.position).norm()),
-        in_degrees(turn_between(r.tool, r.hand)));
+        in_degrees(rotation_between(r.tool, r.hand)));
   if (!force || r.wrench.force.isZero(0.0))
     return "";
   const double off = angle_between(r.wrench.force, r.tool.position - r.hand.position);
@@ -82,7 +82,7 @@ std::string tool_breach(const ValidatorSettings& s, const ToolSettings& tool,
     return fmt::format(
         "a force of {:.3g} N, but the virtual tool is {:.3g} mm off the surface, limit {:.3g} mm",
         r.wrench.force.norm(), in_mm(at_tool.gap_m), in_mm(off));
-  const double displacement = shift.norm() + tool.reach_m * turn_between(r.tool, r.hand);
+  const double displacement = shift.norm() + tool.reach_m * rotation_between(r.tool, r.hand);
   if (settled && at_hand.gap_m > displacement + near)
     return fmt::format(
         "a force of {:.3g} N, but nothing is between virtual tool and hand, which is {:.3g} mm off "

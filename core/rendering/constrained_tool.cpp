@@ -87,7 +87,7 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
   const bool was_placed = tool_.placed() && !fresh_;
   const Pose before = frame_.tool;
   put_objects(time_s);
-  if (hand_lost_ || (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s))
+  if (jump_expected_ || (!fresh_ && (hand.position - hand_.position).norm() > kJumpMPerS * dt_s))
     find_hand();
   frame_ = tool_.frame({.pose = hand, .period_s = dt_s, .friction = friction}, displacements_);
   out = {.constrained = frame_.constrained,
@@ -124,13 +124,13 @@ contact::ContactResult ConstrainedTool::render(const Pose& hand, double time_s, 
                      ? 0.5 * (displayed - displayed_n_per_m_) * depth_of_spring2()
                      : 0.0;
   displayed_n_per_m_ = displayed;
-  give_parts(displays_force ? displayed : 0.0);
+  set_parts(displays_force ? displayed : 0.0);
   return contact;
 }
 
 /// Handles the return of the hand, perhaps behind a wall that the tool has not passed.
 void ConstrainedTool::find_hand() noexcept {
-  hand_lost_ = false;
+  jump_expected_ = false;
   if (!tool_.placed())
     return;
   tool_.relocate();
@@ -144,15 +144,15 @@ double ConstrainedTool::depth_of_spring2() const noexcept {
                             : 0.0;
 }
 
-void ConstrainedTool::give_parts(double displayed_n_per_m) noexcept {
+void ConstrainedTool::set_parts(double displayed_n_per_m) noexcept {
   power_w_ = 0.0;
-  const std::span<const Wrench> pushes = tool_.forces();
+  const std::span<const Wrench> forces = tool_.forces();
   for (std::size_t n = 0; n < results_.size(); ++n) {
     contact::ContactResult& part = results_[n];
     part = {};
-    if (n >= pushes.size() || !(displayed_n_per_m > 0.0) || pushes[n].zero())
+    if (n >= forces.size() || !(displayed_n_per_m > 0.0) || forces[n].zero())
       continue;
-    part.wrench = {displayed_n_per_m * pushes[n].force, displayed_n_per_m * pushes[n].torque};
+    part.wrench = {displayed_n_per_m * forces[n].force, displayed_n_per_m * forces[n].torque};
     part.deepest_point = n == frame_.contact_owner ? frame_.contact_point : frame_.tool.position;
     part.stiffness_bound_n_per_m = displayed_n_per_m;
     power_w_ += part.wrench.force.dot(parts_[n].twist.linear);
@@ -173,7 +173,7 @@ void ConstrainedTool::reset() noexcept {
   twist_ = {};
   spring_ = coupling::Ramp(target_n_per_m_);
   displayed_n_per_m_ = power_w_ = stiffened_j_ = 0.0;
-  fresh_ = true, hand_lost_ = false;
+  fresh_ = true, jump_expected_ = false;
   for (contact::ContactResult& part : results_)
     part = {};
 }

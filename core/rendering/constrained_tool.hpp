@@ -25,7 +25,7 @@ struct ToolFrame {
   bool at_work_limit = false;  ///< the limit of work ended the frame
 };
 
-/// No hand moves faster than this in W [m/s]: the pose has jumped (ConstrainedTool::lose_hand).
+/// No hand moves faster than this in W [m/s]: the pose has jumped (ConstrainedTool::expect_jump).
 inline constexpr double kJumpMPerS = 20.0;
 
 /// The virtual tool of a scene. One thread at a time. The objects must outlive it.
@@ -51,7 +51,7 @@ class ConstrainedTool {
   bool placed() const noexcept { return tool_.placed(); }
   const Twist& twist() const noexcept { return twist_; }
   /// The object that supports it, as StaticObject::id.
-  std::uint32_t leans_on() const noexcept { return parts_[frame_.contact_owner].object; }
+  std::uint32_t contact_object() const noexcept { return parts_[frame_.contact_owner].object; }
   /// The part of each object; refers to this object.
   std::span<const effects::ObjectContact> parts() const noexcept { return parts_; }
   /// Power of moving objects [W], and energy that an increase of the spring's stiffness gave the
@@ -64,13 +64,13 @@ class ConstrainedTool {
   void start_from(const Pose& tool, double time_s) noexcept;
   /// The hand may be anywhere in the next frame. If it is in free space the tool is placed there,
   /// otherwise the tool stays in place. The force fades in over kSpringRampS. Real-time safe.
-  void lose_hand() noexcept { hand_lost_ = tool_.placed(); }
+  void expect_jump() noexcept { jump_expected_ = tool_.placed(); }
   /// Removes the virtual tool until the hand is outside. Real-time safe.
   void reset() noexcept;
 
  private:
   void put_objects(double time_s) noexcept;
-  void give_parts(double displayed_n_per_m) noexcept;
+  void set_parts(double displayed_n_per_m) noexcept;
   double depth_of_spring2() const noexcept;
   void find_hand() noexcept;
 
@@ -81,9 +81,9 @@ class ConstrainedTool {
   coupling::Ramp spring_;
   double target_n_per_m_ = 0.0,
          displayed_n_per_m_ =
-             0.0;           ///< displayed value, including the fade-in of a newly placed tool
-  bool fresh_ = true;       ///< no frame since `reset`
-  bool hand_lost_ = false;  ///< `lose_hand` was called since the last frame
+             0.0;               ///< displayed value, including the fade-in of a newly placed tool
+  bool fresh_ = true;           ///< no frame since `reset`
+  bool jump_expected_ = false;  ///< `expect_jump` was called since the last frame
   Pose hand_;
   Twist twist_;
   std::vector<contact::ContactResult> results_;

@@ -16,19 +16,20 @@ const Quat& LatchedRotation::follow(const Quat& hand, double dt_s) noexcept {
     return tool_ = hand;
   const Vec3 left = rotation_vector(tool_, hand);
   const double against = torque_.dot(left);
-  Vec3 turn = left;
+  Vec3 rotation = left;
   if (against < 0.0) {
     const double part = against * against / (torque_.squaredNorm() * left.squaredNorm());
-    turn = std::max(0.0, 1.0 - 2.0 * part) * (left - (against / torque_.squaredNorm()) * torque_);
+    rotation =
+        std::max(0.0, 1.0 - 2.0 * part) * (left - (against / torque_.squaredNorm()) * torque_);
   }
-  const double most = own + kCatchUpPerS * dt_s * left.norm(), angle = turn.norm();
+  const double most = own + kCatchUpPerS * dt_s * left.norm(), angle = rotation.norm();
   if (against >= 0.0 && angle <= most + 1e-9)
     return tool_ = hand;
   if (angle > most)
-    turn *= most / angle;
-  if (!(turn.norm() > 0.0))
+    rotation *= most / angle;
+  if (!(rotation.norm() > 0.0))
     return tool_;
-  tool_ = (Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * tool_).normalized();
+  tool_ = (Quat(Eigen::AngleAxisd(rotation.norm(), rotation.normalized())) * tool_).normalized();
   return tool_;
 }
 

@@ -29,7 +29,7 @@ class LatchedRotation {
   /// The tool's rotation for that of the hand, T in W, `dt_s` [s] after the last sample.
   const Quat& follow(const Quat& hand, double dt_s) noexcept;
   /// Sets the contact's torque on the tool, about its origin, W axes.
-  void see(const Vec3& torque) noexcept { torque_ = torque; }
+  void set_torque(const Vec3& torque) noexcept { torque_ = torque; }
   void reset() noexcept { known_ = false, torque_.setZero(); }
 
  private:

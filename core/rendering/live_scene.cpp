@@ -41,14 +41,14 @@ void LiveScene::advance(double time_s) noexcept {
 
 SceneFrame LiveScene::render(const ToolState& tool, double time_s) noexcept {
   if (series_.returns_torque() || tool.clutched || now_->scene_renderer().grips_a_body()) {
-    turn_.reset();
+    latched_rotation_.reset();
     return render_scenes(tool, time_s);
   }
   const double step = last_s_ < 0.0 ? SceneRenderer::kDefaultStepS : time_s - last_s_;
   ToolState held = tool;
-  held.pose.orientation = turn_.follow(tool.pose.orientation, step);
+  held.pose.orientation = latched_rotation_.follow(tool.pose.orientation, step);
   SceneFrame frame = render_scenes(held, time_s);
-  turn_.see(frame.touch.contact.wrench.torque);
+  latched_rotation_.set_torque(frame.touch.contact.wrench.torque);
   return frame;
 }
 
@@ -83,7 +83,7 @@ void LiveScene::swap_to(BuiltScene& next) noexcept {
   now_->scene_renderer().set_spring_target(spring_n_per_m_);
   now_->scene_renderer().set_series_target(series_);
   if (external_)
-    now_->scene_renderer().external_is(*external_);
+    now_->scene_renderer().set_external_wrench(*external_);
   now_->scene_renderer().start_tool_from(old_->scene_renderer(), last_s_ < 0.0 ? 0.0 : last_s_);
   supplied_old_j_ = std::exchange(supplied_now_j_, 0.0);
   weight_ = 0.0;
@@ -107,11 +107,11 @@ void LiveScene::set_series_target(const Compliance& spring) noexcept {
       scene->scene_renderer().set_series_target(spring);
 }
 
-void LiveScene::external_is(const effects::ExternalWrench& newest) noexcept {
+void LiveScene::set_external_wrench(const effects::ExternalWrench& newest) noexcept {
   external_ = newest;
   for (BuiltScene* scene : {now_, old_})
     if (scene != nullptr)
-      scene->scene_renderer().external_is(newest);
+      scene->scene_renderer().set_external_wrench(newest);
 }
 
 void LiveScene::reset_virtual_tool() noexcept {
@@ -131,7 +131,7 @@ void LiveScene::finish() noexcept {
 void LiveScene::reset() noexcept {
   finish();
   now_->scene_renderer().reset();
-  turn_.reset();
+  latched_rotation_.reset();
   last_s_ = -1.0;
   external_.reset();
   supplied_j_ = supplied_now_j_ = supplied_old_j_ = 0.0;

@@ -43,7 +43,7 @@ class LiveScene {
   double spring_n_per_m() const noexcept { return spring_n_per_m_; }
   const Compliance& series_spring() const noexcept { return series_; }
   /// Sets the wrench that the effect `external` of every scene follows from the next sample on.
-  void external_is(const effects::ExternalWrench& newest) noexcept;
+  void set_external_wrench(const effects::ExternalWrench& newest) noexcept;
   /// The hand may be anywhere in the next sample; see SceneRenderer.
   void reset_virtual_tool() noexcept;
   bool fading() const noexcept { return old_ != nullptr; }
@@ -70,7 +70,7 @@ class LiveScene {
   double weight_ = 1.0;  ///< of now_
   double spring_n_per_m_ = 0.0;
   Compliance series_;
-  LatchedRotation turn_;
+  LatchedRotation latched_rotation_;
   std::optional<effects::ExternalWrench> external_;
   double last_s_ = -1.0;  ///< time of the last frame; negative: none
   double supplied_j_ = 0.0, supplied_now_j_ = 0.0,

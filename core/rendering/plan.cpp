@@ -137,7 +137,7 @@ std::string grid_sentence(const PlacedGrid& grid) {
 }
 
 /// For a contact without virtual tool: its model, the fastest motion and the largest stiffness.
-void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
+void add_penalty_notes(const scene::Scene& scene, Plan& plan) {
   if (scene.contact.body_mass_kg > 0.0)
     plan.built.push_back(
         fmt::format("Contact model '{}', stiffness from the body's mass of {:g} kg: resting on 1/6 "
@@ -170,7 +170,7 @@ void say_forces_of_depth(const scene::Scene& scene, Plan& plan) {
 }
 
 /// The parts built from the meshes.
-void say_parts(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+void add_part_notes(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   const std::size_t meshes = scene.static_meshes.size();
   plan.built.push_back(fmt::format(
       "Voxmap of {} ({}) at {:g} m: {}, {}, {}.", counted(meshes, "static mesh", "static meshes"),
@@ -203,8 +203,8 @@ void say_parts(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
                                    scene.shell == scene::ShellKind::kExact ? "exact" : "naive"));
 }
 
-void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
-  say_parts(scene, n, plan);
+void add_build_notes(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+  add_part_notes(scene, n, plan);
   if (n.virtual_tool_lever_m > 0.0)
     plan.built.push_back(fmt::format(
         "Virtual tool: it stays outside the meshes, and its spring to the hand has the certified "
@@ -216,7 +216,7 @@ void say_built(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
         counted(n.virtual_tool_triangles, "triangle", "triangles"), n.virtual_tool_scene_triangles,
         1e6 * exact::limits::kSimplifiedM, 1e3 * n.virtual_tool_lever_m));
   else
-    say_forces_of_depth(scene, plan);
+    add_penalty_notes(scene, plan);
   plan.built.push_back(scene.design ? design_sentence(*scene.design)
                                     : coupling_sentence(scene.coupling));
   for (const effects::EffectSpec& effect : scene.effects)
@@ -249,7 +249,7 @@ void report_skipped(const scene::Scene& scene, const BuildCounts& n, Plan& plan)
     plan.skipped.push_back("Clutch: the scene names no button.");
 }
 
-void say_virtual_tool_warnings(const BuildCounts& n, Plan& plan) {
+void add_virtual_tool_warnings(const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(
         fmt::format("{}: the mesh is open. It holds a virtual tool from either side. A tool can "
@@ -257,7 +257,7 @@ void say_virtual_tool_warnings(const BuildCounts& n, Plan& plan) {
                     mesh));
 }
 
-void say_field_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+void add_field_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(fmt::format(
         "{}: the mesh is open. The contact model 'field' gives no force at its open parts.", mesh));
@@ -270,13 +270,13 @@ void say_field_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& p
                     kThickVoxels, 0.5e3 * n.thinnest_m));
 }
 
-void say_proximity_warnings(const BuildCounts& n, Plan& plan) {
+void add_proximity_warnings(const BuildCounts& n, Plan& plan) {
   for (const std::string& mesh : n.open_meshes)
     plan.warnings.push_back(fmt::format(
         "{}: the mesh is open. Effects that use distances ignore its open parts.", mesh));
 }
 
-void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
+void add_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   plan.warnings = scene.warnings;
   plan.warnings.insert(plan.warnings.end(), n.mesh_warnings.begin(), n.mesh_warnings.end());
   if (n.surface_voxels == 0)
@@ -284,11 +284,11 @@ void say_warnings(const scene::Scene& scene, const BuildCounts& n, Plan& plan) {
   if (n.shell_points == 0)
     plan.warnings.push_back("The pointshell is empty: the tool touches nothing.");
   if (n.virtual_tool_lever_m > 0.0)
-    say_virtual_tool_warnings(n, plan);
+    add_virtual_tool_warnings(n, plan);
   else if (n.field_bytes > 0)
-    say_field_warnings(scene, n, plan);
+    add_field_warnings(scene, n, plan);
   if (n.proximity_bytes > 0)
-    say_proximity_warnings(n, plan);
+    add_proximity_warnings(n, plan);
   if (plan.expected_ns_per_frame > 1e6)
     plan.warnings.push_back(fmt::format(
         "A frame that looks up every point takes about {:.1f} ms, longer than a period of 1 ms.",
@@ -337,9 +337,9 @@ Plan make_plan(const scene::Scene& scene, const BuildCounts& counts) {
   for (const PlanPart& part : plan.parts)
     if (part.node == "rendering")
       plan.expected_ns_per_frame += part.expected_ns;
-  say_built(scene, counts, plan);
+  add_build_notes(scene, counts, plan);
   report_skipped(scene, counts, plan);
-  say_warnings(scene, counts, plan);
+  add_warnings(scene, counts, plan);
   return plan;
 }
 

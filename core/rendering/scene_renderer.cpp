@@ -25,7 +25,7 @@ SceneRenderer::SceneRenderer(ObjectContacts& contact, std::vector<effects::Effec
 }
 
 /// The contact is computed at the pose of the hand, or of the body.
-SceneFrame SceneRenderer::render_pushed(const ToolState& tool, double time_s) noexcept {
+SceneFrame SceneRenderer::render_direct(const ToolState& tool, double time_s) noexcept {
   SceneFrame frame;
   frame.object = body_ ? object_pose(tool.pose) : tool.pose;
   frame.touch = contact_.render(frame.object, time_s);
@@ -43,7 +43,7 @@ SceneFrame SceneRenderer::render_constrained(const ToolState& tool, double time_
   const double dt_s = step_to(time_s);
   SceneFrame frame;
   const double friction =
-      effects_.friction_at(constrained_->pose().position, constrained_->leans_on());
+      effects_.friction_at(constrained_->pose().position, constrained_->contact_object());
   frame.touch.contact = constrained_->render(tool.pose, time_s, dt_s, friction, frame.tool);
   const contact::ContactResult& contact = frame.touch.contact;
   frame.object = constrained_->pose();
@@ -80,12 +80,12 @@ SceneFrame SceneRenderer::render_in_series(const ToolState& tool, double time_s)
     frame.object = tool.pose;
     return frame;
   }
-  const double shown =
+  const double series_ratio =
       1.0 / (1.0 + series_.compliance().translation * contact.stiffness_bound_n_per_m);
   contact.wrench = series_.wrench();
   contact.stiffness = in_series(contact.stiffness, series_.compliance());
-  contact.stiffness_bound_n_per_m *= shown;
-  contact_.soften(shown);
+  contact.stiffness_bound_n_per_m *= series_ratio;
+  contact_.soften(series_ratio);
   frame.object = series_.tool();
   frame.wrench = contact.wrench;
   frame.stiffness = contact.stiffness;
@@ -210,10 +210,10 @@ effects::EffectFrame SceneRenderer::effect_frame(
 void SceneRenderer::supply(const Pose& object, double energy_generated_j,
                            SceneFrame& frame) noexcept {
   const double potential = frame.effects.potential_j;
-  supplied_j_ +=
-      potential_j_.value_or(potential) - potential + energy_generated_j +
-      frame.effects.energy_generated_j +
-      effects_.given_over((object.position - last_position_.value_or(object.position)).norm());
+  supplied_j_ += potential_j_.value_or(potential) - potential + energy_generated_j +
+                 frame.effects.energy_generated_j +
+                 effects_.max_energy_generated_j(
+                     (object.position - last_position_.value_or(object.position)).norm());
   potential_j_ = potential;
   last_position_ = object.position;
   frame.supplied_energy_j = supplied_j_;
@@ -229,10 +229,10 @@ void SceneRenderer::soften_grip(const Pose& tool, double dt_s, double lever_m,
   const Compliance& spring = series_.compliance();
   parameters.grip_n_per_m /= 1.0 + spring.translation * parameters.grip_n_per_m;
   const double across = parameters.grip_n_per_m * lever_m * lever_m;
-  const double shown = 1.0 / (1.0 + spring.rotation * (parameters.grip_nm_per_rad + across));
-  parameters.grip_nm_per_rad *= shown;
+  const double series_ratio = 1.0 / (1.0 + spring.rotation * (parameters.grip_nm_per_rad + across));
+  parameters.grip_nm_per_rad *= series_ratio;
   if (lever_m > 0.0)
-    parameters.grip_n_per_m *= shown;
+    parameters.grip_n_per_m *= series_ratio;
 }
 
 void SceneRenderer::move_body(const ToolState& tool, double dt_s, SceneFrame& frame) noexcept {

@@ -59,7 +59,7 @@ class SceneRenderer {
     // Separate functions construct the frame in place; one with two returns would copy it.
     if (constrained_)
       return render_constrained(tool, time_s);
-    return body_ || series_.rigid() ? render_pushed(tool, time_s) : render_in_series(tool, time_s);
+    return body_ || series_.rigid() ? render_direct(tool, time_s) : render_in_series(tool, time_s);
   }
   /// Clears all state of previous samples.
   void reset() noexcept;
@@ -67,7 +67,7 @@ class SceneRenderer {
   /// hand if that is in free space; otherwise the tool stays in place. Real-time safe.
   void reset_virtual_tool() noexcept {
     if (constrained_)
-      constrained_->lose_hand();
+      constrained_->expect_jump();
     series_.lose();
   }
   /// Sets the stiffness of the virtual tool's spring, in W [N/m]; see ConstrainedTool::set_target.
@@ -87,7 +87,7 @@ class SceneRenderer {
   /// Whether the dynamic object is a body, which the hand grips.
   bool grips_a_body() const noexcept { return body_.has_value(); }
   /// Sets the wrench for the effect `external` from the next sample on. Real-time safe.
-  void external_is(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
+  void set_external_wrench(const effects::ExternalWrench& newest) noexcept { external_ = newest; }
   /// Takes over the virtual tool of `before`, if both scenes have one and its pose is free in this
   /// one. Real-time safe.
   void start_tool_from(const SceneRenderer& before, double time_s) noexcept;
@@ -106,7 +106,7 @@ class SceneRenderer {
     effects::RigidBody body;
     std::size_t effect = 0;  ///< index in the chain
   };
-  SceneFrame render_pushed(const ToolState& tool, double time_s) noexcept;
+  SceneFrame render_direct(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_constrained(const ToolState& tool, double time_s) noexcept;
   SceneFrame render_in_series(const ToolState& tool, double time_s) noexcept;
   bool settle_in_series(double time_s, contact::StageResult& touch) noexcept;

@@ -13,11 +13,11 @@ Vec6 diagonal(const Compliance& c) noexcept {
   return (Vec6() << Vec3::Constant(c.translation), Vec3::Constant(c.rotation)).finished();
 }
 
-Quat turned_by(const Vec3& turn, const Quat& from) noexcept {
-  const double angle = turn.norm();
+Quat rotated_by(const Vec3& rotation, const Quat& from) noexcept {
+  const double angle = rotation.norm();
   if (!(angle > 0.0))
     return from;
-  return (Quat(Eigen::AngleAxisd(angle, turn / angle)) * from).normalized();
+  return (Quat(Eigen::AngleAxisd(angle, rotation / angle)) * from).normalized();
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ void SeriesSpring::predict() noexcept {
   wrench_ = {w.head<3>(), w.tail<3>()};
   tool_.position = hand_.position + now_.translation * wrench_.force;
   tool_.orientation = now_.rotation > 0.0
-                          ? turned_by(now_.rotation * wrench_.torque, hand_.orientation)
+                          ? rotated_by(now_.rotation * wrench_.torque, hand_.orientation)
                           : hand_.orientation;
 }
 

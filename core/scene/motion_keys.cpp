@@ -12,11 +12,11 @@ constexpr auto kPress =
     std::to_array<Key>({{"button", kButton, kRequired, kNone, "Index of the button, from 0."},
                         {"from_s", kNotNegative, kRequired, kNone, "[s]"},
                         {"to_s", kPositive, kRequired, kNone, "[s]"}});
-constexpr auto kTurn =
-    std::to_array<Key>({{"axis", kVector, kRequired, kNone, "Axis in the scene, right-handed."},
-                        {"angle_rad", kNumber, kRequired, kNone, "[rad]", "", nullptr, -3.1, 3.1},
-                        {"from_s", kNotNegative, kOptional, initial<&MotionTurn::from_s>, "[s]"},
-                        {"to_s", kPositive, kRequired, kNone, "[s]"}});
+constexpr auto kTurn = std::to_array<Key>(
+    {{"axis", kVector, kRequired, kNone, "Axis in the scene, right-handed."},
+     {"angle_rad", kNumber, kRequired, kNone, "[rad]", "", nullptr, -3.1, 3.1},
+     {"from_s", kNotNegative, kOptional, initial<&MotionRotation::from_s>, "[s]"},
+     {"to_s", kPositive, kRequired, kNone, "[s]"}});
 constexpr auto kObjectMotion = std::to_array<Key>(
     {{"path", kVectors, kRequired, kNone, "Way points [m], joined by straight lines.", "", nullptr,
       1},

@@ -62,7 +62,7 @@ ButtonPress read_press(const SceneSource& source, const YamlNode& node) {
   return press;
 }
 
-void read_turn(const SceneSource& source, const MapReader& map, MotionTurn& turn) {
+void read_turn(const SceneSource& source, const MapReader& map, MotionRotation& turn) {
   map.read("axis", turn.axis);
   map.read("angle_rad", turn.angle_rad);
   map.read("from_s", turn.from_s);

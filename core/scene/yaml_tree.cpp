@@ -193,13 +193,13 @@ std::string describe(const YamlNode& node) {
   std::size_t cut = 37;  // not within a character: messages go into JSON, which must be UTF-8
   while (cut < node.text.size() && (static_cast<unsigned char>(node.text[cut]) & 0xC0U) == 0x80U)
     --cut;
-  const std::string shown = node.text.size() > 40 ? node.text.substr(0, cut) + "..." : node.text;
+  const std::string excerpt = node.text.size() > 40 ? node.text.substr(0, cut) + "..." : node.text;
   const bool number = parse_finite(node.text).has_value();
   return fmt::format("{} '{}'",
                      node.quoted ? "the text"
                      : number    ? "the number"
                                  : "the word",
-                     shown);
+                     excerpt);
 }
 
 }  // namespace voxtouch::scene

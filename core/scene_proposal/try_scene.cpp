@@ -9,7 +9,9 @@ constexpr double kStepS = 0.001, kLongestS = 60.0;
 constexpr double kSpring =
     300.0;  ///< of a virtual tool [N/m]; any value works, since only the presence of force matters
 
-bool pushes(const rendering::SceneFrame& frame) { return frame.wrench.force.squaredNorm() > 0.0; }
+bool has_force(const rendering::SceneFrame& frame) {
+  return frame.wrench.force.squaredNorm() > 0.0;
+}
 
 }  // namespace
 
@@ -25,12 +27,12 @@ std::string validate(const scene::Scene& scene, rendering::BuiltScene& built) {
           {.pose = {hand.position, motion.orientation}, .twist = {hand.velocity, Vec3::Zero()}},
           time_s);
     };
-    if (pushes(frame()))
+    if (has_force(frame()))
       return fmt::format("motion '{}' starts inside the part", name);
     const double end_s = std::min(kLongestS, approach_duration(motion));
     bool touched = false;
     for (time_s = kStepS; time_s < end_s && !touched; time_s += kStepS)
-      touched = pushes(frame());
+      touched = has_force(frame());
     if (!touched)
       return fmt::format("motion '{}' does not touch the part", name);
   }

@@ -113,8 +113,8 @@ std::uint32_t buttons_at(const Motion& motion, double time_s) noexcept {
   return down;
 }
 
-MotionTurnPoint turn_at(const Motion& motion, double time_s) noexcept {
-  const MotionTurn& turn = motion.turn;
+MotionOrientation orientation_at(const Motion& motion, double time_s) noexcept {
+  const MotionRotation& turn = motion.turn;
   const double time = usable_time(time_s), duration = turn.to_s - turn.from_s;
   if (turn.angle_rad == 0.0 || time <= turn.from_s || !(duration > 0.0))
     return {motion.orientation, Vec3::Zero()};

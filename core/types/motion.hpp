@@ -17,7 +17,7 @@ struct ButtonPress {
 
 /// A rotation of the hand about an axis through the device's tip: minimum jerk from rest to rest,
 /// then constant.
-struct MotionTurn {
+struct MotionRotation {
   Vec3 axis = Vec3::UnitZ();        ///< unit, in the motion's frame; right-handed
   double angle_rad = 0.0;           ///< 0: none
   double from_s = 0.0, to_s = 1.0;  ///< `to_s` after `from_s`
@@ -38,7 +38,7 @@ struct Motion {
   Vec3 circle_axis = Vec3::UnitZ();     ///< unit; right-handed rotation about it
   Quat orientation = Quat::Identity();  ///< constant, except for `turn`
   std::vector<ButtonPress> press = {};  ///< buttons pressed during the motion
-  MotionTurn turn = {};
+  MotionRotation turn = {};
 };
 
 /// Buttons pressed at `time_s`; bit 0 is the first. Real-time safe.
@@ -59,14 +59,14 @@ struct MotionPoint {
 MotionPoint motion_at(const Motion& motion, double time_s) noexcept;
 
 /// Orientation of the hand's target and its angular velocity [rad/s], in the motion's frame.
-struct MotionTurnPoint {
+struct MotionOrientation {
   Quat orientation = Quat::Identity();
   Vec3 rate = Vec3::Zero();
 };
 
 /// The target's orientation at `time_s`; see motion_at. Bit-identical to `motion.orientation`
 /// without a rotation. Real-time safe.
-MotionTurnPoint turn_at(const Motion& motion, double time_s) noexcept;
+MotionOrientation orientation_at(const Motion& motion, double time_s) noexcept;
 
 /// Time until the end of the rest at the last way point [s]; then the motion stays, repeats or
 /// circles.

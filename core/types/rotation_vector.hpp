@@ -9,13 +9,13 @@ namespace voxtouch {
 /// The rotation from `from` to `to`, both of unit norm, along the shorter arc: axis times angle
 /// [rad], in their common frame. Zero if they are equal. Real-time safe.
 inline Vec3 rotation_vector(const Quat& from, const Quat& to) noexcept {
-  Quat turn = to * from.conjugate();
-  if (turn.w() < 0.0)
-    turn.coeffs() = -turn.coeffs();
-  const double sine = turn.vec().norm();
+  Quat rotation = to * from.conjugate();
+  if (rotation.w() < 0.0)
+    rotation.coeffs() = -rotation.coeffs();
+  const double sine = rotation.vec().norm();
   if (!(sine > 0.0))
     return Vec3::Zero();
-  return (2.0 * std::atan2(sine, turn.w()) / sine) * turn.vec();
+  return (2.0 * std::atan2(sine, rotation.w()) / sine) * rotation.vec();
 }
 
 }  // namespace voxtouch

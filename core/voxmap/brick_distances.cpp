@@ -168,8 +168,8 @@ class BrickFill {
     const double reach =
         std::min(tree_.nearest(middle_, most, place) + 2.0 * kBrickReach, most) + kSlack;
     if (!tree_.within(middle_, reach, kMaxNear, near_))
-      return each_block_asks(place);
-    look_from_middle(reach);
+      return search_from_blocks(place);
+    search_from_centre(reach);
     distribute();
     for (std::size_t block = 0; block < kBlocks; ++block)
       fill_block(block,
@@ -186,7 +186,7 @@ class BrickFill {
   }
 
   /// All of `near_` within reach of the brick's centre, and for each block the squared reach.
-  void look_from_middle(double reach_of_brick) {
+  void search_from_centre(double reach_of_brick) {
     Lanes least;
     least.fill(HUGE_VAL);
     std::array<std::int64_t, kLanes> whose{};
@@ -267,17 +267,17 @@ class BrickFill {
     }
   }
 
-  void each_block_asks(std::uint32_t place) {
+  void search_from_blocks(std::uint32_t place) {
     for (std::size_t block = 0; block < kBlocks; ++block) {
       const double nearest = tree_.nearest(middle_of(block), farthest_[block] + kBlockReach, place);
       if (tree_.within(middle_of(block), reach_of(block, nearest), kMaxNear, near_))
         fill_block(block, near_);
       else
-        each_node_asks(block, place);
+        search_from_nodes(block, place);
     }
   }
 
-  void each_node_asks(std::size_t block, std::uint32_t& place) {
+  void search_from_nodes(std::size_t block, std::uint32_t& place) {
     for (std::size_t n = 0; n < kOfBlock; ++n) {
       const double limit = limit_[kOfBlock * block + n];
       const double distance =

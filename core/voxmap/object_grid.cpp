@@ -30,9 +30,9 @@ struct FacesAcross {
 
   /// The offset with the smallest sum of squared distances to the voxel centres.
   double best_clearance() const noexcept {
-    double all = 0.0, moments = 0.0, squares = 0.0, facings = 0.0, turnings = 0.0;
+    double all = 0.0, moments = 0.0, squares = 0.0, facings = 0.0, down_sum = 0.0;
     for (std::size_t n = 0; n < kSteps; ++n) {
-      all += area[n], moments += moment[n], facings += facing[n], turnings += facing_down[n];
+      all += area[n], moments += moment[n], facings += facing[n], down_sum += facing_down[n];
       if (area[n] > 0.0)
         squares += moment[n] * (moment[n] / area[n]);
     }
@@ -43,11 +43,13 @@ struct FacesAcross {
     // from it.
     const auto for_each_cut = [&](auto&& f) {
       double before = 0.0, facing_before = 0.0,
-             turned = squares;  // values ahead of the cut, one voxel on; all squared positions
+             squares_ahead =
+                 squares;  // values ahead of the cut, one voxel on; all squared positions
       for (std::size_t n = 0; n < kSteps; ++n) {
         const double mean = (moments + before) / all;
-        f(mean, turned - mean * (moments + before), turnings + facing_before - mean * facings);
-        before += area[n], facing_before += facing[n], turned += 2.0 * moment[n] + area[n];
+        f(mean, squares_ahead - mean * (moments + before),
+          down_sum + facing_before - mean * facings);
+        before += area[n], facing_before += facing[n], squares_ahead += 2.0 * moment[n] + area[n];
       }
     };
     double least = squares, least_out = std::numeric_limits<double>::infinity(), best = 1.0;

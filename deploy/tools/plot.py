@@ -266,13 +266,13 @@ def main(arguments=None):
         return
     with matplotlib.rc_context(STYLE):
         if a.command == "forces":
-            figure, shows = forces_figure(a.data, a.rig, a.begin, a.end, a.note)
+            figure, caption = forces_figure(a.data, a.rig, a.begin, a.end, a.note)
         elif a.command == "compare":
-            figure, shows = comparison_figure(a.data, a.rig)
+            figure, caption = comparison_figure(a.data, a.rig)
         else:
             data = read_json(a.data, "accuracy" if a.command == "costs" else a.command)
             try:
-                figure, shows = {
+                figure, caption = {
                     "accuracy": accuracy_figure,
                     "costs": page_figure,
                     "design": design_figure,
@@ -288,7 +288,7 @@ def main(arguments=None):
             save_page(figure, data, a.picture)
         else:
             save(figure, a.picture)
-    print(f"{a.picture} {shows}")
+    print(f"{a.picture} {caption}")
 
 
 if __name__ == "__main__":

@@ -65,7 +65,7 @@ class Run:
         )
         self.description = self.last("device/description")
         self.plan, self.design = self.last("rendering/plan"), self.last("coupling/design")
-        self.returned, self.pushed = (
+        self.returned, self.contact_force = (
             vector(self.command["wrench"]["force"]),
             vector(self.contact["contact_wrench"]["force"]),
         )
@@ -292,7 +292,7 @@ class Run:
                 most / self.limit_n if most is not None and math.isfinite(self.limit_n) else None
             ),
             "max_torque_nm": largest(norm(self.torque)),
-            "max_contact_force_n": largest(norm(self.pushed)),
+            "max_contact_force_n": largest(norm(self.contact_force)),
             "contact_samples": int(touching.sum()),
             "contact_ratio": float(touching.mean()) if len(pushed) else None,
             "max_depth_mm": largest(self.depth_mm),

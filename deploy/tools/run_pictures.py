@@ -177,7 +177,7 @@ def force_picture(runs):
     end = time_axis(runs, axes)
 
     def sizes(run):
-        return {"contact": norm(run.pushed), "returned": norm(run.returned)}
+        return {"contact": norm(run.contact_force), "returned": norm(run.returned)}
 
     def parts(of):
         return lambda run: dict(zip("xyz", getattr(run, of).T))
@@ -217,7 +217,7 @@ def limits(runs, axes):
 def peak_picture(runs):
     """A second before and after the largest force returned, every sample."""
     figure, axes = columns(runs, (3.0,), shared_x=False)
-    values = [{"contact": norm(run.pushed), "returned": norm(run.returned)} for run in runs]
+    values = [{"contact": norm(run.contact_force), "returned": norm(run.returned)} for run in runs]
     limit = 1.08 * max(
         [
             v

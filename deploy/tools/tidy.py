@@ -73,19 +73,19 @@ def main(build, *chosen):
     files = sources(build, chosen)
     if not files:
         sys.exit("No source matches. Valid: files and folders of " + ", ".join(FOLDERS))
-    shown = set()
+    printed = set()
     with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("JOBS", "1"))) as pool:
         results = pool.map(lambda one: check(build, one[0]), files)
         for number, ((_, inside), found) in enumerate(zip(files, results), 1):
             names = " ".join(str(source.relative_to(ROOT)) for source in inside)
             print(f"{number}/{len(files)} {names}", file=sys.stderr, flush=True)
             for place, text in found.items():
-                if (place, text) not in shown:
+                if (place, text) not in printed:
                     print(f"{os.path.relpath(place, ROOT)}: {text}", flush=True)
-                    shown.add((place, text))
+                    printed.add((place, text))
     count = sum(len(inside) for _, inside in files)
-    print(f"tidy: {count} files, {len(shown)} findings", file=sys.stderr)
-    return 1 if shown else 0
+    print(f"tidy: {count} files, {len(printed)} findings", file=sys.stderr)
+    return 1 if printed else 0
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ class JointRates {
   explicit JointRates(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
 
   /// The rates [rad/s] with the positions `q` [rad], `dt_s` [s] after the last ones.
-  const Joints& see(const Joints& q, double dt_s) noexcept {
+  const Joints& update(const Joints& q, double dt_s) noexcept {
     if (started_ && dt_s > 0.0)
       rate_ += (1.0 - std::exp(-per_s_ * dt_s)) * ((q - last_) / dt_s - rate_);
     started_ = true;

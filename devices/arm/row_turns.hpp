@@ -14,7 +14,7 @@ inline Quat quarter_turns_about_x(int turns) noexcept {
 }
 
 /// About z by `angle` [rad].
-inline Quat turn_about_z(double angle) noexcept {
+inline Quat rotate_about_z(double angle) noexcept {
   return {std::cos(angle / 2.0), 0.0, 0.0, std::sin(angle / 2.0)};
 }
 

@@ -90,7 +90,7 @@ void FciSession::answered(Request request, Outcome outcome) noexcept {
   }
 }
 
-void FciSession::see_reflex(const State& state) noexcept {
+void FciSession::update_reflex(const State& state) noexcept {
   if (phase_ == Phase::kRecovering)
     return;
   const Errors all = state.errors | state.reflex;
@@ -106,7 +106,7 @@ void FciSession::see_reflex(const State& state) noexcept {
     ask(Request::kErrorRecovery, Phase::kRecovering, diagnostic_);
 }
 
-void FciSession::see_idle() noexcept {
+void FciSession::update_idle() noexcept {
   switch (phase_) {
     case Phase::kWaiting:
       if (waited_s_ >= rules_.pause_s)
@@ -130,7 +130,7 @@ void FciSession::see_idle() noexcept {
   }
 }
 
-void FciSession::see(const State& state, double elapsed_s, bool fast) noexcept {
+void FciSession::update(const State& state, double elapsed_s, bool fast) noexcept {
   waited_s_ += elapsed_s;
   stopped_s_ = state.mode == RobotMode::kUserStopped ? stopped_s_ + elapsed_s : 0.0;
   in_torque_control_ = state.mode == RobotMode::kMove &&
@@ -148,9 +148,9 @@ void FciSession::see(const State& state, double elapsed_s, bool fast) noexcept {
   }
   switch (state.mode) {
     case RobotMode::kIdle:
-      return see_idle();
+      return update_idle();
     case RobotMode::kReflex:
-      return see_reflex(state);
+      return update_reflex(state);
     case RobotMode::kUserStopped:
       wait(Diagnostic::kUserStop);
       if (stopped_s_ > rules_.user_stop_timeout_s)

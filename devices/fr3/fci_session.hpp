@@ -46,7 +46,7 @@ class FciSession {
         rules_(rules) {}
 
   /// Processes a state, `elapsed_s` after the last one. `fast`: a joint exceeds its speed limit.
-  void see(const State& state, double elapsed_s, bool fast) noexcept;
+  void update(const State& state, double elapsed_s, bool fast) noexcept;
   /// Processes the reply to a request of this session.
   void answered(Request request, Outcome outcome) noexcept;
   /// The request that is due, returned once.
@@ -75,8 +75,8 @@ class FciSession {
   void wait(Diagnostic diagnostic) noexcept;
   void fail(Diagnostic diagnostic) noexcept;
   void ask(Request request, Phase phase, Diagnostic diagnostic) noexcept;
-  void see_idle() noexcept;
-  void see_reflex(const State& state) noexcept;
+  void update_idle() noexcept;
+  void update_reflex(const State& state) noexcept;
 
   const Dialect* dialect_;
   SessionRules rules_;

@@ -6,7 +6,7 @@
 
 namespace voxtouch::fr3 {
 
-using arm::quarter_turns_about_x, arm::turn_about_z;
+using arm::quarter_turns_about_x, arm::rotate_about_z;
 
 Fr3Limits fr3_limits() noexcept {
   Fr3Limits limits;
@@ -24,7 +24,7 @@ Fr3Arm::State Fr3Arm::at(const Joints& q) const noexcept {
   for (int i = 0; i < kJoints; ++i) {
     const auto n = static_cast<std::size_t>(i);
     const Pose to_axis{Vec3(kA[n], 0.0, 0.0), quarter_turns_about_x(kAlphaQuarterTurns[n])};
-    frame = frame * to_axis * Pose{Vec3(0.0, 0.0, kD[n]), turn_about_z(q[i])};
+    frame = frame * to_axis * Pose{Vec3(0.0, 0.0, kD[n]), rotate_about_z(q[i])};
     frames[n] = frame;
   }
   state.flange = frame * Pose{Vec3(0.0, 0.0, kFlange), Quat::Identity()};

@@ -57,7 +57,7 @@ void Fr3Driver::accept() noexcept {
   measure();
   const bool fast =
       sample_.pose_valid && (state_.dq.array().abs() > limits_.velocity_rad_s.array()).any();
-  session_.see(state_, elapsed_s, fast);
+  session_.update(state_, elapsed_s, fast);
   if (session_.listens())
     ramp_.acknowledge(state_.tau_d);
   else

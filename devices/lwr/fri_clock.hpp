@@ -18,7 +18,7 @@ class FriClock {
 
   /// Processes the newest measurement, `steps` periods after the previous one. Returns the elapsed
   /// time since then, > 0 (0 for the first).
-  std::int64_t see(float stamp_s, std::uint64_t steps) noexcept {
+  std::int64_t update(float stamp_s, std::uint64_t steps) noexcept {
     const double last_s = stamp_s_;
     stamp_s_ = stamp_s;
     if (!started_)

@@ -33,12 +33,12 @@ void FriComposer::place(const MsrPacket& msr, bool in_command, bool trusted) noe
 }
 
 const CmdPacket& FriComposer::answer(const MsrPacket& msr, const FriSession& session, bool trusted,
-                                     const LwrJoints& push) noexcept {
+                                     const LwrJoints& torque) noexcept {
   head(msr.header, session);
   place(msr, session.in_command(), trusted);
   ready_ = true;
   if (session.in_command() && session.force_allowed())
-    packet_.command.add_jnt_trq = to_wire(push);
+    packet_.command.add_jnt_trq = to_wire(torque);
   if (!finite(packet_))
     packet_.command.add_jnt_trq.fill(0.0F);
   return packet_;

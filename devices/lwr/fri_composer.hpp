@@ -20,14 +20,14 @@ class FriComposer {
  public:
   explicit FriComposer(const ComposerRules& rules) noexcept;
 
-  /// The reply to `msr`. `push`: joint torque in addition to the arm's gravity compensation [Nm].
-  /// If `session` is not in command mode, the position mirrors the controller's command and `push`
-  /// is omitted. `trusted`: the measured position may be followed; otherwise the commanded one is
-  /// kept. All numbers in the reply are finite for any input: the last finite one replaces a
-  /// non-finite one, without push.
+  /// The reply to `msr`. `torque`: joint torque in addition to the arm's gravity compensation [Nm].
+  /// If `session` is not in command mode, the position mirrors the controller's command and
+  /// `torque` is omitted. `trusted`: the measured position may be followed; otherwise the commanded
+  /// one is kept. All numbers in the reply are finite for any input: the last finite one replaces a
+  /// non-finite one, without torque.
   const CmdPacket& answer(const MsrPacket& msr, const FriSession& session, bool trusted,
-                          const LwrJoints& push) noexcept;
-  /// The reply to a packet with a valid header only: the last position again, no push.
+                          const LwrJoints& torque) noexcept;
+  /// The reply to a packet with a valid header only: the last position again, no torque.
   const CmdPacket& reply_to_invalid(const Header& header, const FriSession& session) noexcept;
   /// False until the first reply: there is no position to repeat yet.
   bool ready() const noexcept { return ready_; }

@@ -22,7 +22,7 @@ class SequenceTracker {
 
   /// An older count is outdated, unless `kRestartRun` of them arrive in one ascending run: the
   /// controller has then restarted its count.
-  Verdict see(std::uint16_t sequence) noexcept {
+  Verdict update(std::uint16_t sequence) noexcept {
     if (!started_)
       return accept(sequence, 1);
     const std::int32_t ahead = sequence_distance(newest_, sequence);

@@ -100,7 +100,7 @@ Diagnostic FriSession::drives(const MsrPacket& msr, double elapsed_s) noexcept {
   return starts_ ? Diagnostic::kDrivesWentOff : Diagnostic::kDrivesNotOn;
 }
 
-void FriSession::see(const MsrPacket& msr, double elapsed_s, Diagnostic arm) noexcept {
+void FriSession::update(const MsrPacket& msr, double elapsed_s, Diagnostic arm) noexcept {
   const Diagnostic power = drives(msr, elapsed_s);
   const bool was_in_command = in_command_;
   const bool drives_on = (msr.robot.power & kAllDrives) == kAllDrives;

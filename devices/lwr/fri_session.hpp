@@ -58,7 +58,7 @@ class FriSession {
 
   /// Processes one new measurement, `elapsed_s` after the previous one. `arm`: result of the arm's
   /// geometry for it (kNone, kTooFast).
-  void see(const MsrPacket& msr, double elapsed_s, Diagnostic arm) noexcept;
+  void update(const MsrPacket& msr, double elapsed_s, Diagnostic arm) noexcept;
   /// Permanently requests 0; no force.
   void request_stop() noexcept;
   /// Whether the stop is complete: the controller has left command mode, and the program has

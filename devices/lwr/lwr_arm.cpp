@@ -7,7 +7,7 @@
 namespace voxtouch::lwr {
 namespace {
 
-using arm::quarter_turns_about_x, arm::turn_about_z;
+using arm::quarter_turns_about_x, arm::rotate_about_z;
 constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 
 }  // namespace
@@ -27,7 +27,7 @@ LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
   for (int i = 0; i < kJoints; ++i) {
     const auto n = static_cast<std::size_t>(i);
     const Pose row{Vec3(0.0, 0.0, kD[n]),
-                   turn_about_z(q[i]) * quarter_turns_about_x(kAlphaQuarterTurns[n])};
+                   rotate_about_z(q[i]) * quarter_turns_about_x(kAlphaQuarterTurns[n])};
     state.links[n + 1] = state.links[n] * row;
   }
   state.pose_BT = state.links.back() * pose_FT_;

@@ -60,7 +60,7 @@ LwrDriver::Intake LwrDriver::classify(const UdpSocket::Datagram& datagram,
   if (fault != fri::PacketFault::kNone && !invalid)
     return ++counts_.malformed, Intake::kNothing;
   received_.store(Clock::now(), std::memory_order_relaxed);
-  if (sequence_.see(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew)
+  if (sequence_.update(incoming_.header.send_seq) != fri::SequenceTracker::Verdict::kNew)
     return Intake::kNothing;
   steps_ += sequence_.steps();
   const bool too_old = std::chrono::duration<double>(datagram.age).count() > options_.max_age_s;
@@ -84,12 +84,12 @@ void LwrDriver::accept() noexcept {
     rates_.restart();
   const double elapsed_s =
       1e-9 * static_cast<double>(
-                 clock_->see(msr_.interface.timestamp_s, std::max<std::uint64_t>(steps_, 1)));
+                 clock_->update(msr_.interface.timestamp_s, std::max<std::uint64_t>(steps_, 1)));
   steps_ = 0;
   unanswered_ = true;
   sample_.time_ns = clock_->time_ns();
   measure(elapsed_s);
-  session_.see(msr_, elapsed_s, sample_.pose_valid ? check_arm() : fri::Diagnostic::kNone);
+  session_.update(msr_, elapsed_s, sample_.pose_valid ? check_arm() : fri::Diagnostic::kNone);
   snapshot_.store(take_snapshot(), std::memory_order_relaxed);
   silent_.store(false, std::memory_order_relaxed);
 }
@@ -108,7 +108,7 @@ void LwrDriver::measure(double elapsed_s) noexcept {
   }
   q_ = q;
   posture_ = arm_.at(q);
-  const Vec6 twist = posture_.jacobian * rates_.see(q, elapsed_s);
+  const Vec6 twist = posture_.jacobian * rates_.update(q, elapsed_s);
   sample_.pose = options_.pose_BD.inverse() * posture_.pose_BT;
   sample_.pose.orientation.normalize();
   sample_.twist = {rotation_DB_ * twist.head<3>(), rotation_DB_ * twist.tail<3>()};

@@ -74,7 +74,7 @@ Motion checked_motion(Motion motion) {
       !(motion.circle_centre->allFinite() && std::abs(motion.circle_axis.norm() - 1.0) < 1e-6))
     throw std::runtime_error(
         "simulated hand: the motion's circle needs a finite centre and an axis of norm 1");
-  if (const MotionTurn& t = motion.turn;
+  if (const MotionRotation& t = motion.turn;
       !(std::isfinite(t.angle_rad) && std::isfinite(t.from_s) && t.to_s > t.from_s &&
         std::abs(t.axis.norm() - 1.0) < 1e-6))
     throw std::runtime_error(
@@ -113,7 +113,7 @@ Hand::Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std:
       tremor_(config.tremor_n, config.tremor_bandwidth_hz, step_s, seed),
       first_(motion_at(motion_, 0.0).position),
       second_(first_),
-      orientation_(turn_at(motion_, 0.0).orientation) {
+      orientation_(orientation_at(motion_, 0.0).orientation) {
   if (!std::isfinite(bandwidth_hz))
     return;
   // Two equal lags are down by 3 dB where each is down by 1.5 dB: at sqrt(sqrt(2) - 1) of the
@@ -130,7 +130,7 @@ HandAction Hand::step() noexcept {
   const bool held = holds();
   HandAction action;
   const double middle_s = now_s - motion_start_s_ + 0.5 * step_s_;
-  action.target = lead(motion_at(motion_, middle_s), turn_at(motion_, middle_s).orientation);
+  action.target = lead(motion_at(motion_, middle_s), orientation_at(motion_, middle_s).orientation);
   action.target_orientation = orientation_;
   const Vec3 tremor = tremor_.next();  // also for an open hand, so that the random sequence does
                                        // not depend on the grip

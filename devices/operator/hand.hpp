@@ -48,8 +48,8 @@ struct HandAction {
   /// Torque on the tool in D [Nm]. 2 sin(angle / 2) approximates the angle, within 0.2 % up to 12
   /// degrees.
   Vec3 torque(const Quat& orientation, const Vec3& angular_velocity) const noexcept {
-    const Quat turn = target_orientation * orientation.conjugate();
-    return (turn.w() < 0.0 ? -2.0 : 2.0) * stiffness_nm_per_rad * turn.vec() -
+    const Quat rotation = target_orientation * orientation.conjugate();
+    return (rotation.w() < 0.0 ? -2.0 : 2.0) * stiffness_nm_per_rad * rotation.vec() -
            damping_nms_per_rad * angular_velocity;
   }
 };

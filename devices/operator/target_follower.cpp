@@ -19,9 +19,11 @@ Vec3 load_of(const Vec3& force, double largest) noexcept {
 }
 
 /// Rotation vector of length 2 sin(angle / 2), along the shorter rotation.
-Vec3 turn_vector(const Quat& turn) noexcept { return (turn.w() < 0.0 ? -2.0 : 2.0) * turn.vec(); }
+Vec3 chord_vector(const Quat& rotation) noexcept {
+  return (rotation.w() < 0.0 ? -2.0 : 2.0) * rotation.vec();
+}
 
-Quat turn_of(const Vec3& vector) noexcept {
+Quat rotation_from_chord(const Vec3& vector) noexcept {
   const Vec3 half = 0.5 * vector;
   return Quat(std::sqrt(std::max(0.0, 1.0 - half.squaredNorm())), half.x(), half.y(), half.z());
 }
@@ -50,7 +52,7 @@ void TargetFollower::aim(const Pose& target) noexcept {
   since_target_ = 0;
 }
 
-void TargetFollower::advance(const Pose& tip, const Wrench& push) noexcept {
+void TargetFollower::advance(const Pose& tip, const Wrench& device_wrench) noexcept {
   ++periods_;
   if (since_target_ < rest_periods_)
     ++since_target_;
@@ -59,34 +61,37 @@ void TargetFollower::advance(const Pose& tip, const Wrench& push) noexcept {
   // The oldest step began kSteps intervals ago: it is done, and its place is free.
   Step& step = steps_[oldest_];
   base_.position += step.displacement;
-  base_.orientation = (step.turn * base_.orientation).normalized();
-  step = begin_step(tip, push);
+  base_.orientation = (step.rotation * base_.orientation).normalized();
+  step = begin_step(tip, device_wrench);
   goal_.position += step.displacement;
-  goal_.orientation = (step.turn * goal_.orientation).normalized();
+  goal_.orientation = (step.rotation * goal_.orientation).normalized();
   oldest_ = (oldest_ + 1) % kSteps;
 }
 
 Pose TargetFollower::within_reach(const Pose& requested, const Pose& tip,
-                                  const Wrench& push) const noexcept {
+                                  const Wrench& device_wrench) const noexcept {
   Pose reached = requested;
-  const Vec3 lead = requested.position - tip.position;
-  const Vec3 limited = limited_lead(lead, load_of(push.force, strength_.force_n),
-                                    full_lead(strength_.force_n, strength_.stiffness_n_per_m));
-  if (limited != lead)
-    reached.position = tip.position + limited;
-  const Vec3 turn = turn_vector(requested.orientation * tip.orientation.conjugate());
-  const Vec3 turned = limited_lead(turn, load_of(push.torque, strength_.torque_nm),
-                                   full_lead(strength_.torque_nm, strength_.stiffness_nm_per_rad));
-  if (turned != turn)
-    reached.orientation = (turn_of(turned) * tip.orientation).normalized();
+  const Vec3 displacement = requested.position - tip.position;
+  const Vec3 limited_displacement =
+      limited_lead(displacement, load_of(device_wrench.force, strength_.force_n),
+                   full_lead(strength_.force_n, strength_.stiffness_n_per_m));
+  if (limited_displacement != displacement)
+    reached.position = tip.position + limited_displacement;
+  const Vec3 rotation = chord_vector(requested.orientation * tip.orientation.conjugate());
+  const Vec3 limited_rotation =
+      limited_lead(rotation, load_of(device_wrench.torque, strength_.torque_nm),
+                   full_lead(strength_.torque_nm, strength_.stiffness_nm_per_rad));
+  if (limited_rotation != rotation)
+    reached.orientation = (rotation_from_chord(limited_rotation) * tip.orientation).normalized();
   return reached;
 }
 
 TargetFollower::Step TargetFollower::begin_step(const Pose& tip,
-                                                const Wrench& push) const noexcept {
+                                                const Wrench& device_wrench) const noexcept {
   Step step;
   step.start_s = static_cast<double>(periods_) * period_s_;
-  const Pose target = within_reach(since_target_ < rest_periods_ ? target_ : goal_, tip, push);
+  const Pose target =
+      within_reach(since_target_ < rest_periods_ ? target_ : goal_, tip, device_wrench);
   const double interval_s = static_cast<double>(interval_) * period_s_;
   const auto cut = [](const Vec3& whole, double most) -> Vec3 {
     const double length = whole.stableNorm();
@@ -96,8 +101,9 @@ TargetFollower::Step TargetFollower::begin_step(const Pose& tip,
   if (target.orientation.coeffs() == goal_.orientation.coeffs())
     return step;
   // sin(angle / 2) approximates angle / 2; the relative error is below 6e-5 for a limited rotation.
-  step.turn = turn_of(cut(turn_vector(target.orientation * goal_.orientation.conjugate()),
-                          kMaxRateRadPerS * interval_s));
+  step.rotation =
+      rotation_from_chord(cut(chord_vector(target.orientation * goal_.orientation.conjugate()),
+                              kMaxRateRadPerS * interval_s));
   return step;
 }
 
@@ -124,13 +130,13 @@ MotionPoint TargetFollower::position_at(double time_s) const noexcept {
 /// v) the whole rotation and x the fraction, the half angle has the tangent x |v| / (1 - x + x w),
 /// so
 /// angle' = 2 |v| x' / ((1 - x + x w)^2 + (x |v|)^2).
-MotionTurnPoint TargetFollower::turn_at(double time_s) const noexcept {
-  MotionTurnPoint at{base_.orientation, Vec3::Zero()};
+MotionOrientation TargetFollower::orientation_at(double time_s) const noexcept {
+  MotionOrientation at{base_.orientation, Vec3::Zero()};
   for_each_step(time_s, [&](const Step& step, double fraction, double rate) {
-    const Vec3 v = step.turn.vec();
+    const Vec3 v = step.rotation.vec();
     if (v.isZero(0.0))
       return;
-    const double scalar = 1.0 - fraction + fraction * step.turn.w();
+    const double scalar = 1.0 - fraction + fraction * step.rotation.w();
     const Vec3 vector = fraction * v;
     const double norm2 = scalar * scalar + vector.squaredNorm();
     const Quat part = Quat(scalar, vector.x(), vector.y(), vector.z()).normalized();

@@ -41,23 +41,24 @@ class TargetFollower {
 
   /// Sets the newest target. A non-finite one, or one with an invalid orientation, is ignored.
   void aim(const Pose& target) noexcept;
-  /// One period passes; at its end the tip is at `tip` and the device gives `push`.
-  void advance(const Pose& tip, const Wrench& push) noexcept;
+  /// One period passes; at its end the tip is at `tip` and the device gives `device_wrench`.
+  void advance(const Pose& tip, const Wrench& device_wrench) noexcept;
 
   /// Position and velocity at `time_s` since the start, within the period that `advance` has begun.
   MotionPoint position_at(double time_s) const noexcept;
   /// Orientation and angular velocity.
-  MotionTurnPoint turn_at(double time_s) const noexcept;
+  MotionOrientation orientation_at(double time_s) const noexcept;
 
  private:
   struct Step {
     Vec3 displacement = Vec3::Zero();
-    Quat turn = Quat::Identity();  ///< its scalar part is not below 0
+    Quat rotation = Quat::Identity();  ///< its scalar part is not below 0
     double start_s = 0.0;
   };
-  Step begin_step(const Pose& tip, const Wrench& push) const noexcept;
+  Step begin_step(const Pose& tip, const Wrench& device_wrench) const noexcept;
   /// `requested` within the limits of the hand.
-  Pose within_reach(const Pose& requested, const Pose& tip, const Wrench& push) const noexcept;
+  Pose within_reach(const Pose& requested, const Pose& tip,
+                    const Wrench& device_wrench) const noexcept;
   /// Calls `use(step, fraction, rate)` for each step, the oldest first: the completed fraction and
   /// its derivative [1/s].
   template <class Use>

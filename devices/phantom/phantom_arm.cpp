@@ -82,26 +82,27 @@ const arm::ArmDescription& phantom_description() {
     const auto about = [](double angle_rad, const Vec3& axis) {
       return Quat(Eigen::AngleAxisd(angle_rad, axis));
     };
-    constexpr double kTurn = std::numbers::pi, kQuarter = kTurn / 2.0;
+    constexpr double kHalfTurn = std::numbers::pi, kQuarterTurn = kHalfTurn / 2.0;
     constexpr double kAssumedRadS = 10.0, kAssumedNm = 1.8;  // 8.5 N at the end of the thigh
     // These rotate z to the joint axes +y, -x, -y and -z. Their rotation about z is chosen so that
     // no step between two of them has a pitch of 90 degrees, where the angles of URDF are singular.
-    const Quat up = about(-kQuarter, Vec3::UnitX()), left = about(-kQuarter, Vec3::UnitY()),
-               aside = about(kQuarter, Vec3::UnitZ());
-    const Quat down = about(kQuarter, Vec3::UnitX()) * aside,
-               away = about(kTurn, Vec3::UnitX()) * aside;
+    const Quat up = about(-kQuarterTurn, Vec3::UnitX()), left = about(-kQuarterTurn, Vec3::UnitY()),
+               aside = about(kQuarterTurn, Vec3::UnitZ());
+    const Quat down = about(kQuarterTurn, Vec3::UnitX()) * aside,
+               away = about(kHalfTurn, Vec3::UnitX()) * aside;
     const Vec3 shoulder(0.0, g.shin_m, -g.thigh_m), elbow(0.0, g.shin_m, 0.0), tip = Vec3::Zero();
     struct Placed {
       std::string_view name;
       Pose in_d;  // at angles of 0
       double most_rad, torque_nm;
     };
-    const std::array<Placed, kChainJoints> placed{{{"turret", {shoulder, up}, kTurn, kAssumedNm},
-                                                   {"thigh", {shoulder, left}, kTurn, kAssumedNm},
-                                                   {"elbow", {elbow, left}, kTurn, kAssumedNm},
-                                                   {"gimbal_turn", {tip, down}, kTurn, 0.0},
-                                                   {"gimbal_tilt", {tip, left}, kQuarter, 0.0},
-                                                   {"gimbal_roll", {tip, away}, kTurn, 0.0}}};
+    const std::array<Placed, kChainJoints> placed{
+        {{"turret", {shoulder, up}, kHalfTurn, kAssumedNm},
+         {"thigh", {shoulder, left}, kHalfTurn, kAssumedNm},
+         {"elbow", {elbow, left}, kHalfTurn, kAssumedNm},
+         {"gimbal_turn", {tip, down}, kHalfTurn, 0.0},
+         {"gimbal_tilt", {tip, left}, kQuarterTurn, 0.0},
+         {"gimbal_roll", {tip, away}, kHalfTurn, 0.0}}};
     arm::ArmDescription arm{.model = "phantom", .joints = {}, .flange = {}, .link_radius_m = 0.01};
     Pose before;
     for (const Placed& joint : placed) {

@@ -137,7 +137,7 @@ devices::DeviceResult<void> PhantomDriver::write(const Wrench& command) noexcept
   }
   if (!sample_.sample.pose_valid)
     return servo_->drop(), std::unexpected(devices::DeviceError::kProtocol);
-  servo_->push(command, errors);
+  servo_->set_command(command, errors);
   return {};
 }
 

@@ -51,7 +51,7 @@ void PhantomServo::tick() noexcept {
   api_.hdBeginFrame(device_);
   read_frame();
   errors_.drain(api_);
-  see(now, errors_.count() == known && errors_.fatal() == hd::kSuccess);
+  update(now, errors_.count() == known && errors_.fatal() == hd::kSuccess);
   answer();
   api_.hdEndFrame(device_);
   errors_.drain(api_);
@@ -89,7 +89,7 @@ void PhantomServo::read_frame() noexcept {
     api_.hdGetDoublev(hd::kMotorTemperature, raw_.temperature.data());
 }
 
-void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
+void PhantomServo::update(std::int64_t now_ns, bool frame_good) noexcept {
   const std::int64_t period_ns = period_ns_.load(kRelaxed), elapsed_ns = now_ns - last_ns_;
   if (!std::exchange(first_, false) && 2 * elapsed_ns > 3 * period_ns)
     count(counts_.late);
@@ -97,23 +97,23 @@ void PhantomServo::see(std::int64_t now_ns, bool frame_good) noexcept {
   devices::DeviceSample& s = seen_.sample;
   s.time_ns = now_ns;
   s.buttons = static_cast<std::uint32_t>(raw_.buttons);
-  s.pose_valid = see_pose() && frame_good;
+  s.pose_valid = update_pose() && frame_good;
   if (elapsed_ns > kGapPeriods * period_ns)
     twist_.restart();
   if (s.pose_valid) {
-    s.twist = twist_.see(s.pose, 1e-9 * static_cast<double>(elapsed_ns));
+    s.twist = twist_.update(s.pose, 1e-9 * static_cast<double>(elapsed_ns));
   } else {
     count(counts_.invalid_poses);
     twist_.restart();
     s.twist = {};
   }
   seen_.force_limit_n =
-      clamp_.see(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)),
-                 std::exchange(set_n_, 0.0));
+      clamp_.update(std::span(raw_.temperature).first(static_cast<std::size_t>(temperatures_)),
+                    std::exchange(set_n_, 0.0));
 }
 
 /// Keeps the previous pose if the frame contains no valid one.
-bool PhantomServo::see_pose() noexcept {
+bool PhantomServo::update_pose() noexcept {
   Pose pose;
   pose.position = kMilli * Vec3(raw_.position[0], raw_.position[1], raw_.position[2]);
   // Each separately: the maximum of three may be a number although one of them is NaN.
@@ -132,7 +132,7 @@ bool PhantomServo::see_pose() noexcept {
 
 void PhantomServo::answer() noexcept {
   Command command;
-  if (!commands_.take(command) || !command.push)
+  if (!commands_.take(command) || !command.active)
     return;
   const bool same = command.errors == errors_.count() && errors_.fatal() == hd::kSuccess;
   if (!same || !seen_.sample.pose_valid)
@@ -155,7 +155,7 @@ void PhantomServo::set(const Wrench& wrench) noexcept {
     torque /= kMilli;
     api_.hdSetDoublev(hd::kCurrentTorque, torque.data());
   }
-  count(counts_.pushed);
+  count(counts_.applied);
 }
 
 // --- the side of the other thread

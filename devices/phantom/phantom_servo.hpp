@@ -29,7 +29,7 @@ struct ServoCounts {
   std::atomic<std::uint64_t> superseded{
       0};  ///< samples superseded by a newer one without being read
   std::atomic<std::uint64_t> invalid_poses{0};
-  std::atomic<std::uint64_t> pushed{0};  ///< ticks that set a force
+  std::atomic<std::uint64_t> applied{0};  ///< ticks that set a force
   std::atomic<std::uint64_t> withheld{
       0};  ///< commands dropped in their tick because of an error or an invalid pose
   std::atomic<std::uint64_t> thermal{0};  ///< forces reduced because motors are warm
@@ -57,7 +57,7 @@ class PhantomServo {
   /// sample.
   bool take(ServoSample& out, Clock::time_point deadline) noexcept;
   /// Sets the command of the next tick. `errors`: error count seen by the writer.
-  void push(const Wrench& command, std::uint64_t errors) noexcept {
+  void set_command(const Wrench& command, std::uint64_t errors) noexcept {
     commands_.put({command, errors, true});
   }
   /// Makes the next tick set no force.
@@ -78,7 +78,7 @@ class PhantomServo {
   struct Command {
     Wrench wrench;
     std::uint64_t errors = 0;
-    bool push = false;
+    bool active = false;
   };
   /// A frame in the library's units.
   struct Raw {
@@ -92,8 +92,8 @@ class PhantomServo {
   void read_frame() noexcept;
   void publish() noexcept;
   std::int64_t now_ns() const noexcept;
-  void see(std::int64_t now_ns, bool frame_good) noexcept;
-  bool see_pose() noexcept;
+  void update(std::int64_t now_ns, bool frame_good) noexcept;
+  bool update_pose() noexcept;
   void answer() noexcept;
   void set(const Wrench& wrench) noexcept;
 

@@ -22,7 +22,7 @@ class ThermalClamp {
 
   /// Call once per tick; without temperatures the limit is unchanged. `asked_n`: magnitude of the
   /// last set force, 0 without one.
-  double see(std::span<const double> temperatures, double asked_n) noexcept {
+  double update(std::span<const double> temperatures, double asked_n) noexcept {
     bool warm = false, cool = !temperatures.empty();
     for (const double t : temperatures) {
       warm = warm || !(t <= kWarm);

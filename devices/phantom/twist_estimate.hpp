@@ -19,7 +19,7 @@ class TwistEstimate {
   explicit TwistEstimate(double cutoff_hz) noexcept : per_s_(2.0 * std::numbers::pi * cutoff_hz) {}
 
   /// The twist [m/s, rad/s] at `pose`, `dt_s` [s] after the last one.
-  const Twist& see(const Pose& pose, double dt_s) noexcept {
+  const Twist& update(const Pose& pose, double dt_s) noexcept {
     if (started_ && dt_s > 0.0) {
       const double follow = per_s_ * dt_s / (1.0 + per_s_ * dt_s);
       twist_.linear += follow * ((pose.position - last_.position) / dt_s - twist_.linear);

@@ -50,9 +50,9 @@ void Encoder::sample(const Pose& truth) noexcept {
   if (std::exchange(first_, false))
     return;
   const Vec3 linear = (pose_.position - before.position) * per_period_;
-  const Quat turn = pose_.orientation * before.orientation.conjugate();
-  const Vec3 angular =
-      (turn.w() < 0.0 ? -2.0 : 2.0) * per_period_ * turn.vec();  // 2 sin(a / 2): a step is small
+  const Quat rotation = pose_.orientation * before.orientation.conjugate();
+  const Vec3 angular = (rotation.w() < 0.0 ? -2.0 : 2.0) * per_period_ *
+                       rotation.vec();  // 2 sin(a / 2): a step is small
   twist_.linear += follow_ * (linear - twist_.linear);
   twist_.angular += follow_ * (angular - twist_.angular);
 }

@@ -43,15 +43,15 @@ class SimPlant {
     if (leader_)
       leader_->aim(target);
   }
-  /// Ends a period of the device, which then gives `push`.
-  void next_period(const Wrench& push) noexcept {
+  /// Ends a period of the device, which then gives `device_wrench`.
+  void next_period(const Wrench& device_wrench) noexcept {
     if (leader_)
-      leader_->advance(pose_, push);
+      leader_->advance(pose_, device_wrench);
   }
 
-  /// Advances by one substep with the wrench `push` of the device and the force `tremor` of the
-  /// hand.
-  void step(const Wrench& push, const Vec3& tremor, double time_s, double dt_s) noexcept;
+  /// Advances by one substep with the wrench `device_wrench` of the device and the force `tremor`
+  /// of the hand.
+  void step(const Wrench& device_wrench, const Vec3& tremor, double time_s, double dt_s) noexcept;
 
   const Pose& pose() const noexcept { return pose_; }
   const Twist& twist() const noexcept { return twist_; }
@@ -70,11 +70,11 @@ class SimPlant {
 
  private:
   MotionPoint target_at(double time_s) const noexcept;
-  MotionTurnPoint target_turn_at(double time_s) const noexcept;
+  MotionOrientation target_orientation_at(double time_s) const noexcept;
   /// From the tool's orientation to the target's: 2 sin(angle / 2) along the axis, in D. It is the
   /// torque of a spring with the energy 4 k (1 - cos(angle / 2)), and within 0.2 % of the angle up
   /// to 12 degrees.
-  Vec3 turn_to(const Quat& target) const noexcept;
+  Vec3 rotation_to(const Quat& target) const noexcept;
   /// Force with which a hand that carries the tool compensates the device's drag at the target's
   /// velocity [N].
   Vec3 carrying_force(const Vec3& target_velocity) const noexcept;
@@ -84,7 +84,7 @@ class SimPlant {
   OperatorConfig hand_;
   Motion motion_;
   std::optional<hand::TargetFollower> leader_;
-  Mobility free_move_, free_turn_, held_move_, held_turn_;
+  Mobility free_translation_, free_rotation_, held_translation_, held_rotation_;
   Pose pose_;
   Twist twist_;
 };

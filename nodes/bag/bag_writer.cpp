@@ -161,7 +161,7 @@ Result<void> BagWriter::append(TopicId id, std::int64_t time_ns, std::span<const
   if (auto appended = file_->append(id, time_ns, bytes); !appended) {
     ++topic.lost;
     if (!file_->pending())
-      lose_pending();
+      drop_pending();
     return appended;
   }
   ++topic.pending;
@@ -184,7 +184,7 @@ Result<void> BagWriter::commit() {
   if (!file_->pending())
     return {};
   if (auto committed = file_->commit(); !committed) {
-    lose_pending();
+    drop_pending();
     return committed;
   }
   count_committed();
@@ -211,7 +211,7 @@ void BagWriter::count_committed() {
   pending_ = {};
 }
 
-void BagWriter::lose_pending() {
+void BagWriter::drop_pending() {
   for (auto& topic : topics_)
     topic.lost += std::exchange(topic.pending, 0);
   pending_ = {};

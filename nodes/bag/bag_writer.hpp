@@ -82,7 +82,7 @@ class BagWriter final : public BagSink {
   /// lost, once.
   bool is_cut(std::size_t file) const;
   Result<void> check_files();
-  void lose_pending();
+  void drop_pending();
 
   std::filesystem::path folder_;
   WriterOptions options_;

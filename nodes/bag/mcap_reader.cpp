@@ -106,7 +106,7 @@ class McapReader final : public FileReader {
     data_start_ = head.size + cursor.number<std::uint64_t>();
     if (!read_summary()) {
       topics_.clear(), topic_of_.clear(), schemas_.clear(), pieces_.clear(), messages_ = 0;
-      if (auto looked = look_through(); !looked)
+      if (auto looked = scan(); !looked)
         return looked;
     }
     std::ranges::sort(pieces_, {}, &Piece::at);
@@ -272,7 +272,7 @@ class McapReader final : public FileReader {
     return records.empty() && !topics_.empty() && (messages_.value_or(0) == 0 || !pieces_.empty());
   }
 
-  Result<void> look_through() {
+  Result<void> scan() {
     std::uint64_t at = data_start_;
     Piece loose;
     const auto put_loose = [&] {

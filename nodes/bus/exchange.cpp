@@ -59,7 +59,7 @@ bool datagram_returns(const Card& card, in_addr to, bool is_group) {
 }
 
 /// Whether an element AllowMulticast of this XML disables multicast.
-bool turns_multicast_off(std::string_view xml) {
+bool disables_multicast(std::string_view xml) {
   const std::size_t at = xml.find("<AllowMulticast>");
   return at != std::string_view::npos && xml.find("false", at) < xml.find("</AllowMulticast>", at);
 }
@@ -89,7 +89,7 @@ std::string reception_fault(std::string_view interface_name, std::uint32_t domai
                             std::string_view added) {
   if (const std::string lost = lost_address(); !lost.empty())
     return lost + "; restart the ring";
-  if (turns_multicast_off(added))
+  if (disables_multicast(added))
     return "CYCLONEDDS_URI disables multicast (AllowMulticast) and lists no peer: remove that, or "
            "use --discovery-peer";
   if (names_cards(added))

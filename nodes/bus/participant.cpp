@@ -67,15 +67,15 @@ StartLines& start_lines() {
 /// would stall the receiving thread. DDS prints a message for each malformed datagram, so the rate
 /// is limited; otherwise a sender could fill a disk. The configuration enables no tracing, which
 /// DDS writes by itself.
-void say(void*, const dds_log_data_t* data) {
+void log_from_dds(void*, const dds_log_data_t* data) {
   if ((data->priority & (DDS_LC_FATAL | DDS_LC_ERROR | DDS_LC_WARNING | DDS_LC_CONFIG)) != 0)
     start_lines().add({data->message, data->size});
   static console::RateLimiter few(4);
-  const auto [is_said, skipped] =
+  const auto [is_printed, skipped] =
       few.take(std::chrono::steady_clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
   if (skipped > 0)
     console::log("({} more lines of DDS skipped)\n", skipped);
-  if (!is_said && (data->priority & DDS_LC_FATAL) == 0)
+  if (!is_printed && (data->priority & DDS_LC_FATAL) == 0)
     return;
   console::log("{}\n", std::string_view(data->message - data->hdrsize, data->hdrsize + data->size));
 }
@@ -181,7 +181,7 @@ void configure_domain(const ParticipantOptions& options) {
   static std::mutex mutex;
   static std::map<std::uint32_t, ParticipantOptions> configured;
   const std::lock_guard lock(mutex);
-  dds_set_log_sink(say, nullptr);
+  dds_set_log_sink(log_from_dds, nullptr);
   require_descriptors();
   require_threads();
   const auto settings = [](const ParticipantOptions& o) {

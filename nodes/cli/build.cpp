@@ -55,8 +55,8 @@ Files write_files(const BuildOptions& o, const voxmap::Voxmap& voxmap,
 }
 
 int build(const BuildOptions& o) {
-  const auto say = [](const std::string& text) { console::log("{}\n", text); };
-  say("reading " + o.mesh.string());
+  const auto log = [](const std::string& text) { console::log("{}\n", text); };
+  log("reading " + o.mesh.string());
   mesh::ImportOptions options;
   options.scale = o.scale;
   options.voxel_size_m = o.voxel_m;
@@ -66,15 +66,15 @@ int build(const BuildOptions& o) {
   for (const std::string& sentence : imported.report.sentences())
     warnings.push_back(sentence);
   for (const std::string& warning : warnings)
-    say("warning: " + warning);
+    log("warning: " + warning);
 
   voxmap::Grid grid = voxmap::default_grid(imported.mesh, o.voxel_m);
   if (!o.origin.empty())
     grid.origin = Vec3(o.origin[0], o.origin[1], o.origin[2]);
-  say(fmt::format("voxmap of {} triangles at {} m", imported.mesh.triangles.size(), o.voxel_m));
+  log(fmt::format("voxmap of {} triangles at {} m", imported.mesh.triangles.size(), o.voxel_m));
   const ParallelFor parallel_for = runtime::threaded_for();
   const voxmap::Voxmap voxmap = voxmap::voxelise(imported.mesh, grid, parallel_for);
-  say(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
+  log(fmt::format("pointshell of {} surface voxels", voxmap.surface_count()));
   const std::vector<pointshell::ShellPoint> points =
       pointshell::shell_points(imported.mesh, grid, parallel_for);
   const Files files = write_files(o, voxmap, points);

@@ -10,7 +10,7 @@ namespace voxtouch::cli {
 
 /// For a device without torque: the effect of a rotation of the tool
 /// (core/rendering/latched_rotation.hpp).
-inline constexpr std::string_view kTurnsAreHeld =
+inline constexpr std::string_view kRotationIsLatched =
     "The device returns no torque: only translation of the hand is resisted, rotation is not.";
 
 /// The displayed stiffness at the tool's reach if the tool rotates under the lever of the contact,

@@ -40,7 +40,7 @@ bool is_mesh(const fs::path& file) {
 }
 
 /// Becomes `voxtouch up`: returns only if that cannot be started.
-int become_up(const TryOptions& o) {
+int exec_up(const TryOptions& o) {
   std::vector<std::string> words = {
       "voxtouch", "up",     is_mesh(o.shown) ? tried_scene(o.shown, o.device) : o.shown,
       "--device", o.device, "--hand-from",
@@ -97,7 +97,7 @@ void add_try(CLI::App& app, Action& action) {
                  "Prints the page's address without opening a browser");
   verb->add_option("--record", o->record, "Folder of a recording; default: none");
   runtime::add_rig_options(*verb, o->node);
-  verb->callback([o, &action] { action = [o] { return become_up(*o); }; });
+  verb->callback([o, &action] { action = [o] { return exec_up(*o); }; });
 }
 
 }  // namespace voxtouch::cli

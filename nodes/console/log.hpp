@@ -14,7 +14,7 @@ namespace console_parts {
 
 /// Strings may come from a file or a message: made printable. The format itself is a constant.
 template <class T>
-decltype(auto) shown(const T& value) {
+decltype(auto) sanitized(const T& value) {
   if constexpr (std::is_convertible_v<const T&, std::string_view>)
     return printable(value);
   else
@@ -22,9 +22,9 @@ decltype(auto) shown(const T& value) {
 }
 
 /// fmt 10.1 and later take named values only.
-template <class... Shown>
-std::string formatted(fmt::string_view format, const Shown&... shown) {
-  return fmt::vformat(format, fmt::make_format_args(shown...));
+template <class... Args>
+std::string formatted(fmt::string_view format, const Args&... args) {
+  return fmt::vformat(format, fmt::make_format_args(args...));
 }
 
 void post(std::string_view text) noexcept;
@@ -41,7 +41,7 @@ void put(std::string_view text);
 template <class... Args>
 void log(fmt::format_string<Args...> format, Args&&... args) noexcept {
   try {
-    console_parts::post(console_parts::formatted(format, console_parts::shown(args)...));
+    console_parts::post(console_parts::formatted(format, console_parts::sanitized(args)...));
   } catch (...) {
     console_parts::count_lost();
   }
@@ -53,7 +53,8 @@ void log(fmt::format_string<Args...> format, Args&&... args) noexcept {
 template <class... Args>
 void show_progress(fmt::format_string<Args...> format, Args&&... args) noexcept {
   try {
-    console_parts::post_progress(console_parts::formatted(format, console_parts::shown(args)...));
+    console_parts::post_progress(
+        console_parts::formatted(format, console_parts::sanitized(args)...));
   } catch (...) {
     console_parts::count_lost();
   }
@@ -81,7 +82,7 @@ void flush_log(std::chrono::milliseconds patience = kStopTimeout) noexcept;
 /// std::runtime_error if it cannot be written, since a lost result is a failure.
 template <class... Args>
 void print_result(fmt::format_string<Args...> format, Args&&... args) {
-  console_parts::put(console_parts::formatted(format, console_parts::shown(args)...));
+  console_parts::put(console_parts::formatted(format, console_parts::sanitized(args)...));
 }
 
 /// Whether a result has been printed so far. Any thread.

@@ -10,7 +10,7 @@ namespace voxtouch::console {
 class RateLimiter {
  public:
   struct Verdict {
-    bool say = false;
+    bool print = false;
     std::uint64_t skipped = 0;  ///< before this one, and not yet reported
   };
   explicit RateLimiter(int most) noexcept : most_(most) {}
@@ -20,14 +20,14 @@ class RateLimiter {
     const std::lock_guard lock(mutex_);
     Verdict verdict;
     if (!begun_ || now_ns - begin_ns_ >= 1'000'000'000) {
-      begun_ = true, begin_ns_ = now_ns, said_ = 0;
-      verdict.skipped = left_out_, left_out_ = 0;
+      begun_ = true, begin_ns_ = now_ns, printed_ = 0;
+      verdict.skipped = skipped_, skipped_ = 0;
     }
-    verdict.say = said_ < most_;
-    if (verdict.say)
-      ++said_;
+    verdict.print = printed_ < most_;
+    if (verdict.print)
+      ++printed_;
     else
-      ++left_out_;
+      ++skipped_;
     return verdict;
   }
 
@@ -36,8 +36,8 @@ class RateLimiter {
   std::mutex mutex_;
   bool begun_ = false;
   std::int64_t begin_ns_ = 0;
-  int said_ = 0;
-  std::uint64_t left_out_ = 0;
+  int printed_ = 0;
+  std::uint64_t skipped_ = 0;
 };
 
 }  // namespace voxtouch::console

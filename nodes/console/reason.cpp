@@ -14,10 +14,10 @@
 namespace voxtouch::console {
 namespace {
 
-constexpr std::size_t kShown = 64;  ///< of a path
+constexpr std::size_t kMaxPrinted = 64;  ///< of a path
 
 std::string shortened(const std::string& path) {
-  return path.size() <= kShown ? path : path.substr(0, kShown) + "...";
+  return path.size() <= kMaxPrinted ? path : path.substr(0, kMaxPrinted) + "...";
 }
 
 bool current_folder_is_gone() {

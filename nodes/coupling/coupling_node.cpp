@@ -157,7 +157,7 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
                       of_rendering = rendering_.refused_writers();
     report.values["foreign_writers"] =
         of_device + (of_device.empty() || of_rendering.empty() ? "" : " and ") + of_rendering;
-    status.say(StatusPriority::kFault, rendering_.diagnostic(registry));
+    status.set(StatusPriority::kFault, rendering_.diagnostic(registry));
     constexpr char kBoth[] = "a device and its scene plan";
     std::string missing =
         host_.report_session(registry, report, kBoth, counters_[CouplingCounter::kSamples] > 0);
@@ -167,16 +167,16 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
       report.session_id = 0, report.state = runtime::NodeState::kStarting;
     }
     if (!missing.empty())
-      status.say(StatusPriority::kWaiting, "waiting for " + missing);
+      status.set(StatusPriority::kWaiting, "waiting for " + missing);
     const bool stopped = host_.session().stopped();
     if (stopped)
-      status.say(StatusPriority::kEnded, "stopped");
+      status.set(StatusPriority::kEnded, "stopped");
     watch_.report_to(registry, device_.binding(), !stopped, report, status);
     // If its rendering has left, the device ends the session.
     if (!stopped && rendering_.lost_session() != 0 &&
         rendering_.lost_session() == host_.session().id()) {
       report.session_id = 0, report.state = runtime::NodeState::kFailed;
-      return status.say(StatusPriority::kEnded, rendering_.diagnostic(registry));
+      return status.set(StatusPriority::kEnded, rendering_.diagnostic(registry));
     }
     design_.report_to(counters_[CouplingCounter::kStiffness], report, status);
   }

@@ -59,7 +59,7 @@ CouplingWatch::CouplingWatch(const bus::Participant& participant, const std::str
 
 bool CouplingWatch::take_reset() noexcept {
   if (device_fault_.exchange(false, std::memory_order_relaxed))
-    records_.keep_too("a fault reported by the device");
+    records_.keep_for_reported("a fault reported by the device");
   return latch_.take_reset();
 }
 
@@ -94,7 +94,7 @@ bool CouplingWatch::device_has_failed(const runtime::NodeRegistry& registry,
   if (const auto& bound = device.participant()) {
     last_device_ = *bound;
     const runtime::NodeReport* report = registry.report_of(*bound);
-    failed = report && device_faults_.see(*report);
+    failed = report && device_faults_.is_new(*report);
   }
   const std::vector<runtime::Hung> hung = registry.hung();
   const bool silent =
@@ -110,7 +110,7 @@ void CouplingWatch::report_to(const runtime::NodeRegistry& registry,
   records_.report_to(report);
   reset_receiver_.receive(device.session(), latch_);
   latch_.report_to(report, runs);
-  status.say(runtime::StatusPriority::kFaultLatched, std::exchange(report.message, {}));
+  status.set(runtime::StatusPriority::kFaultLatched, std::exchange(report.message, {}));
 }
 
 }  // namespace voxtouch::coupling_node

@@ -98,7 +98,7 @@ class CouplingWatch {
   bool device_has_failed(const runtime::NodeRegistry& registry, const runtime::RoleBinding& device);
 
   faults::FaultRecorder<ContactSeen> records_;
-  faults::OthersFaults device_faults_;
+  faults::ReportedFaults device_faults_;
   faults::FaultLatch latch_;
   faults::ResetReceiver reset_receiver_;
   std::optional<bus::Guid> last_device_;  ///< the device that was bound last

@@ -32,13 +32,13 @@ void RunningDesign::report_to(double contact_n_per_m, runtime::NodeReport& repor
     return;
   describe(report);
   if (displayed_n_per_m > device_max_n_per_m_)
-    status.say(
+    status.set(
         StatusPriority::kProgress,
         fmt::format(
             "Contact stiffness at the hand up to {:.0f} N/m, device limit {:.0f} N/m. Reduce the "
             "contact stiffness or coupling.gain, or use coupling: {{design: auto}}",
             displayed_n_per_m, device_max_n_per_m_));
-  status.say(StatusPriority::kProgress,
+  status.set(StatusPriority::kProgress,
              fmt::format("running {}, {}", fitted_.spec.kind, status_word(fitted_)));
   runtime::report_refusal(design_text::sentence_of(fitted_.refusal), report, status);
 }

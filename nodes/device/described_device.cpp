@@ -14,7 +14,7 @@
 namespace voxtouch::device_node {
 namespace {
 
-constexpr std::size_t kShown = 256;  ///< shown part of an unknown name, in messages
+constexpr std::size_t kMaxPrinted = 256;  ///< shown part of an unknown name, in messages
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::optional<scene::DeviceFile> described_device(const std::string& device) {
   if (!std::ranges::binary_search(names, name))
     throw std::runtime_error(
         fmt::format("'{}' is neither a file nor a shipped device file. Shipped device files: {}",
-                    name.substr(0, kShown), fmt::join(names, ", ")));
+                    name.substr(0, kMaxPrinted), fmt::join(names, ", ")));
   return scene::load_device_file(shipped_file("devices", name));
 }
 

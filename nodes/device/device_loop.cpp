@@ -125,11 +125,11 @@ End DeviceLoop::cycle(const std::atomic<bool>& stop) noexcept {
     stop_force();
     return End::kNone;
   }
-  return give(command, *sample);
+  return write_command(command, *sample);
 }
 
-End DeviceLoop::give(std::optional<devices::GuardInput> command,
-                     const devices::DeviceSample& sample) noexcept {
+End DeviceLoop::write_command(std::optional<devices::GuardInput> command,
+                              const devices::DeviceSample& sample) noexcept {
   const devices::GuardCounts before = guard_.counts();
   const Vec3 tones = next_tones(sample);
   if (command && command->wrench.finite())
@@ -342,25 +342,25 @@ void DeviceLoop::record(const Wrench& given, const devices::GuardCounts& before)
   const devices::GuardCounts& now = guard_.counts();
   if (now.refused_not_finite != before.refused_not_finite)
     faults_.keep("a command with NaN or infinity");
-  const bool cut =
+  const bool clipped =
       now.clamped_force != before.clamped_force || now.clamped_torque != before.clamped_torque;
-  if (cut)
+  if (clipped)
     faults_.keep("a command above the device's limit");
-  lock_where_cut(cut);
+  latch_if_clipped(clipped);
   if (now.faded != before.faded)
     faults_.keep("a loss of commands, the force faded");
   if (requests_.coupling_fault.exchange(false, kRelaxed))
-    faults_.keep_too("a fault reported by the coupling");
+    faults_.keep_for_reported("a fault reported by the coupling");
 }
 
 /// Sets the fault latch if over 10 % of the commands of about one second are clipped: the device
 /// then displays its limit instead of the contact force. Single ones are only counted.
-void DeviceLoop::lock_where_cut(bool cut) noexcept {
+void DeviceLoop::latch_if_clipped(bool clipped) noexcept {
   const double second = 1e9 / static_cast<double>(period_ns_);
-  cut_samples_ += (cut ? 1.0 : 0.0) - cut_samples_ / second;
-  if (cut_samples_ < 0.1 * second)
+  clipped_samples_ += (clipped ? 1.0 : 0.0) - clipped_samples_ / second;
+  if (clipped_samples_ < 0.1 * second)
     return;
-  cut_samples_ = 0.0;
+  clipped_samples_ = 0.0;
   progress_.latch.latch("more than 10 % of the commands of a second were above the device's limit");
 }
 

@@ -169,8 +169,8 @@ class DeviceLoop {
   End end_request(const std::atomic<bool>& stop) const noexcept;
   End cycle(const std::atomic<bool>& stop) noexcept;
   /// Writes the command through the guard to the device, at the device's time of `sample`.
-  End give(std::optional<devices::GuardInput> command,
-           const devices::DeviceSample& sample) noexcept;
+  End write_command(std::optional<devices::GuardInput> command,
+                    const devices::DeviceSample& sample) noexcept;
   /// Force of the check at start, to be added to the command [N].
   Vec3 next_tones(const devices::DeviceSample& sample) noexcept;
   void note_tones(const Vec3& given_n) noexcept;
@@ -187,7 +187,7 @@ class DeviceLoop {
   std::optional<devices::GuardInput> wait_in_real_time() noexcept;
   std::optional<devices::GuardInput> take_commands() noexcept;
   void note(const Wrench& force) noexcept;
-  void lock_where_cut(bool cut) noexcept;
+  void latch_if_clipped(bool clipped) noexcept;
   void record(const Wrench& given, const devices::GuardCounts& before) noexcept;
 
   Settings settings_;
@@ -207,10 +207,10 @@ class DeviceLoop {
   std::int64_t last_sample_ns_ = 0;  // by the device's clock
   std::array<std::int64_t, 256> published_ns_{};
   Pose last_pose_;
-  bool accepts_force_ = false;  // the last write was accepted
-  double cut_samples_ = 0.0;  // decaying count, over about one second, of samples whose command the
-                              // guard clipped
-  GapWatch gaps_;             // longer than a command is held and faded
+  bool accepts_force_ = false;    // the last write was accepted
+  double clipped_samples_ = 0.0;  // decaying count, over about one second, of samples whose command
+                                  // the guard clipped
+  GapWatch gaps_;                 // longer than a command is held and faded
 };
 
 }  // namespace voxtouch::device_node

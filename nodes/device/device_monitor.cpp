@@ -97,7 +97,7 @@ void DeviceMonitor::watch(std::uint64_t session, runtime::NodeRegistry& registry
   coupling_.update(registry, session);
   const auto& bound = coupling_.participant();
   const runtime::NodeReport* const coupling = bound ? registry.report_of(*bound) : nullptr;
-  if (coupling && coupling_faults_.see(*coupling))
+  if (coupling && coupling_faults_.is_new(*coupling))
     requests_.coupling_fault.store(true);
   reset_receiver_.receive(session, progress_.latch);
   // In a ring that was started by hand, the loss of a role ends the session.
@@ -163,23 +163,23 @@ void DeviceMonitor::report_to(std::uint64_t session, runtime::NodeRegistry& regi
                         : (end == End::kStopped || end == End::kFinished ? NodeState::kStopped
                                                                          : NodeState::kFailed);
   const std::string missing = peers_.missing();
-  status.say(StatusPriority::kProgress,
+  status.set(StatusPriority::kProgress,
              running ? "running" + late_.network()
                      : "waiting for " + (missing.empty() ? "the coupling design" : missing));
-  status.say(StatusPriority::kForeign, coupling_.diagnostic(registry));
+  status.set(StatusPriority::kForeign, coupling_.diagnostic(registry));
   if (!rig_.conflicting().empty())
-    status.say(StatusPriority::kConflict,
+    status.set(StatusPriority::kConflict,
                "another device runs in this rig; one of the two will stop: " + rig_.conflicting());
-  status.say(StatusPriority::kNetwork, late_.reason());
+  status.set(StatusPriority::kNetwork, late_.reason());
   if (progress_.has_error.load())
-    status.say(StatusPriority::kFault,
+    status.set(StatusPriority::kFault,
                fmt::format("{} is at zero force: {}", driver_.description().model, diagnostic_));
   if (ended)
-    status.say(StatusPriority::kEnded, sentence(end));
+    status.set(StatusPriority::kEnded, sentence(end));
   fill(report);
   judge_start(report, status);
   progress_.latch.report_to(report, !ended);
-  status.say(StatusPriority::kFaultLatched, std::exchange(report.message, {}));
+  status.set(StatusPriority::kFaultLatched, std::exchange(report.message, {}));
 }
 
 /// The result of the check at start, for a device with a measured file.
@@ -199,7 +199,7 @@ void DeviceMonitor::judge_start(runtime::NodeReport& report, runtime::StatusText
   report.figures["start_check_differences"] = {
       static_cast<double>(identification::count_differences(*start_)), "figures"};
   if (start_->differs())
-    status.say(StatusPriority::kNetwork, differing(*start_));
+    status.set(StatusPriority::kNetwork, differing(*start_));
 }
 
 void DeviceMonitor::fill(runtime::NodeReport& report) {

@@ -58,7 +58,7 @@ class DeviceMonitor {
   Requests& requests_;
   const Faults& faults_;
   runtime::RoleBinding coupling_;
-  faults::OthersFaults coupling_faults_;
+  faults::ReportedFaults coupling_faults_;
   faults::ResetReceiver reset_receiver_;
   LockstepPeers peers_;
   RigClaim rig_;

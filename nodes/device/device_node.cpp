@@ -103,8 +103,8 @@ std::unique_ptr<devices::Driver> with_joints(std::unique_ptr<devices::Driver> dr
   const arm::ArmDescription* const arm = driver->arm_description();
   if (!arm)
     return driver;
-  return std::make_unique<ShownDriver>(std::move(driver), host.participant(), host.options().rig,
-                                       *arm, host.options().mode());
+  return std::make_unique<JointPublishingDriver>(std::move(driver), host.participant(),
+                                                 host.options().rig, *arm, host.options().mode());
 }
 
 /// The description for the design: the driver's figures, or those of a measured file. Throws if the

@@ -51,10 +51,11 @@ class JointOutputs {
 };
 
 /// A driver whose joints are published. All other calls are forwarded.
-class ShownDriver final : public devices::Driver {
+class JointPublishingDriver final : public devices::Driver {
  public:
-  ShownDriver(std::unique_ptr<devices::Driver> driver, const bus::Participant& participant,
-              const std::string& rig, const arm::ArmDescription& arm, qos::TimeMode mode)
+  JointPublishingDriver(std::unique_ptr<devices::Driver> driver,
+                        const bus::Participant& participant, const std::string& rig,
+                        const arm::ArmDescription& arm, qos::TimeMode mode)
       : outputs_(participant, rig, arm, mode),
         driver_(std::move(driver)) {}
   const DeviceDescription& description() const noexcept override { return driver_->description(); }

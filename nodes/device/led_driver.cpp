@@ -33,7 +33,7 @@ void LedDriver::report_to(const runtime::NodeRegistry& registry, runtime::NodeRe
   report.values["hand_from"] =
       page_.participant() ? registry.name_of(*page_.participant()) : std::string("no page");
   if (const std::string others = page_.refused_writers(); !others.empty())
-    status.say(runtime::StatusPriority::kForeign,
+    status.set(runtime::StatusPriority::kForeign,
                fmt::format("hand targets from {} are refused: {} moves the hand", others,
                            report.values["hand_from"]));
 }

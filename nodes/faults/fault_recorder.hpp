@@ -29,10 +29,10 @@ inline constexpr std::uint64_t kMaxRecords = 8;
 void add_option(CLI::App& app, std::filesystem::path& folder);
 
 /// Detects faults that another node has recorded since the last poll.
-class OthersFaults {
+class ReportedFaults {
  public:
   /// Returns true if the report counts more faults than the last one. The count starts at 0.
-  bool see(const runtime::NodeReport& report) {
+  bool is_new(const runtime::NodeReport& report) {
     const auto figure = report.figures.find(kFigure);
     const double now = figure == report.figures.end() ? 0.0 : figure->second.value;
     return now > std::exchange(last_, now);
@@ -58,7 +58,7 @@ class FaultRecorder {
         topics_(std::move(topics)),
         messages_(std::move(messages)) {
     if (!folder_.empty())
-      thread_ = std::jthread([this](const std::stop_token& stop) { write_as_they_come(stop); });
+      thread_ = std::jthread([this](const std::stop_token& stop) { write_kept_rows(stop); });
   }
 
   /// Allocates the rows of kRecordedS. Not for the loop.
@@ -74,14 +74,14 @@ class FaultRecorder {
   }
   /// The same for a fault that another node has reported. It is not passed on, and is skipped
   /// shortly after a fault of this node.
-  void keep_too(const char* reason) noexcept {
-    if (rows_.share_new() > 0.25)
+  void keep_for_reported(const char* reason) noexcept {
+    if (rows_.fraction_new() > 0.25)
       rows_.keep(reason);
   }
 
   /// Reports the number of faults and the folder of the last one. Any thread except the loop's.
   void report_to(runtime::NodeReport& report) const {
-    report.figures[OthersFaults::kFigure] = {faults_.load(std::memory_order_relaxed), "records"};
+    report.figures[ReportedFaults::kFigure] = {faults_.load(std::memory_order_relaxed), "records"};
     const std::lock_guard lock(mutex_);
     if (!last_.empty())
       report.values["fault_record"] = last_;
@@ -90,7 +90,7 @@ class FaultRecorder {
   }
 
  private:
-  void write_as_they_come(const std::stop_token& stop) {
+  void write_kept_rows(const std::stop_token& stop) {
     runtime::ordinary_priority();
     for (bool last = false; !last;) {
       last = stop.stop_requested();  // also writes rows that the loop kept at its end

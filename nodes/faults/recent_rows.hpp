@@ -23,7 +23,7 @@ class RecentRows {
     if (kept_.load(std::memory_order_acquire))
       return false;
     for (Half& half : halves_)
-      half.rows.assign(rows, Row{}), half.pushed = 0;
+      half.rows.assign(rows, Row{}), half.added = 0;
     return true;
   }
 
@@ -31,7 +31,7 @@ class RecentRows {
   void push(const Row& row) noexcept {
     Half& half = halves_[writing_];
     if (!half.rows.empty())
-      half.rows[half.pushed++ % half.rows.size()] = row;
+      half.rows[half.added++ % half.rows.size()] = row;
   }
 
   /// Keeps the current rows with this reason, which must have static lifetime. Returns false
@@ -39,23 +39,23 @@ class RecentRows {
   /// the last one and some rows are older than it. Real-time safe.
   bool keep(const char* reason) noexcept {
     const Half& half = halves_[writing_];
-    if (half.pushed == 0 || kept_.load(std::memory_order_acquire))
+    if (half.added == 0 || kept_.load(std::memory_order_acquire))
       return false;
-    if (reason == reason_ && half.pushed < half.rows.size())
+    if (reason == reason_ && half.added < half.rows.size())
       return false;
     reason_ = reason;
     writing_ ^= 1U;
-    halves_[writing_].pushed = 0;
+    halves_[writing_].added = 0;
     kept_.store(true, std::memory_order_release);
     return true;
   }
 
   /// Ratio of the memory filled with rows since the last keep, [0, 1]. Called by the loop;
   /// real-time safe.
-  double share_new() const noexcept {
+  double fraction_new() const noexcept {
     const Half& half = halves_[writing_];
     return half.rows.empty() ? 0.0
-                             : std::min(1.0, static_cast<double>(half.pushed) /
+                             : std::min(1.0, static_cast<double>(half.added) /
                                                  static_cast<double>(half.rows.size()));
   }
 
@@ -67,10 +67,10 @@ class RecentRows {
       return false;
     const Half& half = halves_[writing_ ^ 1U];  // the loop does not switch halves while this one is
                                                 // kept
-    const std::size_t count = std::min(half.pushed, half.rows.size());
+    const std::size_t count = std::min(half.added, half.rows.size());
     std::vector<Row> rows;
     rows.reserve(count);
-    for (std::size_t n = half.pushed - count; n < half.pushed; ++n)
+    for (std::size_t n = half.added - count; n < half.added; ++n)
       rows.push_back(half.rows[n % half.rows.size()]);
     f(reason_, static_cast<const std::vector<Row>&>(rows));
     kept_.store(false, std::memory_order_release);
@@ -80,7 +80,7 @@ class RecentRows {
  private:
   struct Half {
     std::vector<Row> rows;
-    std::size_t pushed = 0;
+    std::size_t added = 0;
   };
   std::array<Half, 2> halves_;
   std::size_t writing_ = 0;

@@ -118,11 +118,11 @@ class LoggerNode {
     const bool finished = host_.session().stopped();
     const bag::RecordingReport now = finished ? final_ : recorder_.report();
     const std::uint64_t lost = lost_messages(now);
-    status.say(StatusPriority::kProgress, finished ? "the bag is closed" : "recording");
+    status.set(StatusPriority::kProgress, finished ? "the bag is closed" : "recording");
     if (lost)
-      status.say(StatusPriority::kNetwork, "messages are being dropped: the disk is too slow");
+      status.set(StatusPriority::kNetwork, "messages are being dropped: the disk is too slow");
     if (!now.errors.empty())
-      status.say(StatusPriority::kFault, now.errors.front());
+      status.set(StatusPriority::kFault, now.errors.front());
     report.values = {{"bag", options_.bag.string()}};
     report.figures = {{"received", {now.total(&bag::TopicReport::received), "messages"}},
                       {"written", {now.total(&bag::TopicReport::written), "messages"}},

@@ -97,7 +97,7 @@ RecordedTopics::Entry& RecordedTopics::add(const std::string& name, const msg::A
                                            Stamp stamp) {
   bus::announce(qos.get(), type);
   bus::RawReader reader(participant_.get(), name, *type.descriptor, qos.get());
-  bus::GraphEntry shown = participant_.enter(reader.get(), qos::Endpoint::kReader);
+  bus::GraphEntry graph_entry = participant_.enter(reader.get(), qos::Endpoint::kReader);
   const auto id =
       recorder_.add_topic({.name = name.substr(kRosPrefix.size()),
                            .type = std::string(type.ros_name),
@@ -109,7 +109,7 @@ RecordedTopics::Entry& RecordedTopics::add(const std::string& name, const msg::A
   wait_set_.attach(reader.condition());
   known_.insert(name);
   return entries_.emplace_back(
-      Entry{name, nullptr, std::move(reader), std::move(shown), *id, stamp});
+      Entry{name, nullptr, std::move(reader), std::move(graph_entry), *id, stamp});
 }
 
 bool RecordedTopics::selects(const std::string& topic) const {

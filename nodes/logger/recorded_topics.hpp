@@ -61,7 +61,7 @@ class RecordedTopics {
     std::unique_ptr<bus::Following>
         following;  ///< filter of the reader, which it outlives; only for topics of a role
     bus::RawReader reader;
-    bus::GraphEntry shown;  ///< entry for ROS 2 tools
+    bus::GraphEntry graph_entry;  ///< entry for ROS 2 tools
     bag::TopicId id;
     Stamp stamp;
     std::string stream{};             ///< "device_state"; empty if samples have no number

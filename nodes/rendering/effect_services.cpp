@@ -13,7 +13,7 @@ namespace voxtouch::rendering_node {
 namespace {
 
 /// Requests per poll.
-constexpr int kMaxPerLook = 64;
+constexpr int kMaxPerPoll = 64;
 
 /// A sequence that refers to the elements of a vector, which must outlive it.
 template <class Sequence, class Element>
@@ -54,7 +54,7 @@ void EffectServices::serve() {
         if (limit_.admits(1))
           change(request, caller);
       },
-      kMaxPerLook);
+      kMaxPerPoll);
 }
 
 void EffectServices::set(std::span<const msg::rcl_interfaces_Parameter> parameters, bool together,

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMaxOthers = 16;
 /// Minimum time between two polls of the topic. It bounds the cost of a flood of messages.
-constexpr std::int64_t kBetweenTurnsNs = 500'000;
+constexpr std::int64_t kPollNs = 500'000;
 
 const effects::EffectSpec& effect_of(const scene::Scene& scene) {
   return *effects::external_of(scene.effects);
@@ -87,7 +87,7 @@ void ExternalSource::run() {
             receive(message);  // otherwise it was stored while another writer was followed
         },
         kMaxTakes);
-    runtime::sleep_until(runtime::monotonic_ns() + kBetweenTurnsNs);
+    runtime::sleep_until(runtime::monotonic_ns() + kPollNs);
   }
 }
 
@@ -172,7 +172,7 @@ void ExternalSource::report_to(const runtime::NodeRegistry& registry, runtime::N
   report.values["external_writer"] = bound_ ? registry.name_of(*bound_) : "";
   report.figures["external_foreign"] = {following_->refused(), "samples"};
   counters_.report_to(report.figures);
-  status.say(runtime::StatusPriority::kFault, diagnostic(registry));
+  status.set(runtime::StatusPriority::kFault, diagnostic(registry));
 }
 
 std::string ExternalSource::diagnostic(const runtime::NodeRegistry& registry) const {

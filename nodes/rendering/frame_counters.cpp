@@ -23,17 +23,17 @@ void count(FrameCounters& counters, const rendering::SceneFrame& frame,
     if (holds)
       counters.note(counter);
   };
-  const bool pushes = c.wrench.force.norm() > kForceEpsilonN;
+  const bool has_force = c.wrench.force.norm() > kForceEpsilonN;
   if (counters[kSamples] == 0.0)
     counters.note(kFirstSample, static_cast<double>(message.sequence_number));
   counters.note(kSamples);
   counters.note(kLongestUs, std::round(static_cast<double>(message.time_spent_ns) * 1e-3));
-  count_if(kContact, pushes);
+  count_if(kContact, has_force);
   count_if(kRefused, (message.flags & msg::contact_state::kFlagRefusedSample) != 0);
   count_if(kFast, touch.fast);
   count_if(kTunnellingSuspected, touch.tunnelling_suspected);
   count_if(kPassedThrough, touch.passed_through);
-  count_if(kFullyInside, touches(c) && !pushes && c.interior_hits > c.surface_hits);
+  count_if(kFullyInside, touches(c) && !has_force && c.interior_hits > c.surface_hits);
   count_if(kLatched, touch.latched);
   count_if(kSaturated, c.saturated);
   count_if(kNotConverged, frame.tool.not_converged);

@@ -153,11 +153,11 @@ class RenderingNode final : public runtime::Step<msg::DeviceState, msg::ContactS
     const std::string missing = host_.report_session(registry, report, "a device", busy);
     const std::string waits = missing.empty() ? "" : "; waiting for " + missing;
     using enum runtime::StatusPriority;
-    status.say(kProgress, "scene '" + scene_.name + "' is built" + waits);
+    status.set(kProgress, "scene '" + scene_.name + "' is built" + waits);
     if (host_.must_repeat(registry, report.session_id, qos::kScenePlan))
       updates_.republish();
     if (host_.session().stopped())
-      return status.say(kEnded, "stopped");
+      return status.set(kEnded, "stopped");
     runtime::report_refusal(updates_.published().refusal(), report, status);
   }
 

@@ -17,7 +17,8 @@ void SampleRenderer::begin_session(std::optional<std::int64_t> begin_ns) noexcep
 
 void SampleRenderer::take_external(const Wrench& wrench, const msg::DeviceState& next) noexcept {
   if (session_begin_ns_)
-    live_.external_is({wrench, runtime::seconds_between(*session_begin_ns_, next.sample_time_ns)});
+    live_.set_external_wrench(
+        {wrench, runtime::seconds_between(*session_begin_ns_, next.sample_time_ns)});
 }
 
 msg::ContactState SampleRenderer::answer(const msg::DeviceState& state) noexcept {

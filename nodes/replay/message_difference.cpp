@@ -202,8 +202,8 @@ void Comparison<T>::take(const T& recorded, const T& replayed) {
   ++differ;
   if (!first)
     first = recorded, fields = differences(recorded, replayed);
-  force_n.see(distance(recorded.wrench.force, replayed.wrench.force), recorded.sequence_number);
-  torque_nm.see(distance(recorded.wrench.torque, replayed.wrench.torque), recorded.sequence_number);
+  force_n.add(distance(recorded.wrench.force, replayed.wrench.force), recorded.sequence_number);
+  torque_nm.add(distance(recorded.wrench.torque, replayed.wrench.torque), recorded.sequence_number);
 }
 
 template class Comparison<msg::ContactState>;

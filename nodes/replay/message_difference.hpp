@@ -30,7 +30,7 @@ class Comparison {
   struct Most {
     double value = 0.0;
     std::uint64_t sample = 0;
-    void see(double other, std::uint64_t at) noexcept {
+    void add(double other, std::uint64_t at) noexcept {
       if (other > value)
         value = other, sample = at;
     }

@@ -165,7 +165,7 @@ class Collector {
     return out_.sessions.back();
   }
 
-  [[noreturn]] void strange(std::string_view type) const {
+  [[noreturn]] void refuse_unreadable(std::string_view type) const {
     cannot(
         "{} has a {} that this version cannot read: it was recorded by another version of "
         "voxtouch, or is damaged.",
@@ -176,7 +176,7 @@ class Collector {
   void stream(const bag::BagMessage& m, std::optional<T> RecordedSample::*where) {
     T message;
     if (!bus::read_stream(m.bytes, message))
-      strange(msg::Type<T>::ros_name);
+      refuse_unreadable(msg::Type<T>::ros_name);
     RecordedSample& sample = session(message.session_id).samples[message.sequence_number];
     if (sample.*where) {
       ++doubled_;
@@ -190,7 +190,7 @@ class Collector {
   template <class T, class F>
   void text(const bag::BagMessage& m, F&& f) {
     if (!bus::read_message<T>(m.bytes, f))
-      strange(msg::Type<T>::ros_name);
+      refuse_unreadable(msg::Type<T>::ros_name);
   }
 
   void device(const msg::DeviceDescription& m, std::span<const std::byte> bytes) {

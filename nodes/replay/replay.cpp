@@ -21,7 +21,7 @@ double force_n(const msg::geometry_msgs_Wrench& w) noexcept {
   return std::hypot(w.force.x, w.force.y, w.force.z);
 }
 
-void feel(ForceStatistics& statistics, double force, bool touching) noexcept {
+void add_sample(ForceStatistics& statistics, double force, bool touching) noexcept {
   statistics.most_n = std::max(statistics.most_n, force), statistics.squares += force * force;
   ++statistics.samples, statistics.touching += touching;
 }
@@ -81,7 +81,7 @@ class Run {
     out_.designs = coupling_.compared(), out_.designs_differ = coupling_.differ();
     for (const std::string& note : coupling_.notes())
       out_.notes.push_back(note);
-    say_what_is_lost();
+    report_losses();
     return std::move(out_);
   }
 
@@ -196,7 +196,7 @@ class Run {
       return;  // in lockstep every contact is answered
     const std::optional<msg::ForceCommand> command = coupling_.answer(*contact);
     if (!command)
-      return say_once(
+      return report_once(
           fmt::format("From sample {} of session {} the recording has commands, but no coupling is "
                       "allowed now.",
                       number, session.id));
@@ -214,8 +214,8 @@ class Run {
       out_.answers.contacts.try_emplace({recorded.session_id, recorded.sequence_number}, replayed);
     out_.contact.take(recorded, replayed);
     const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
-    feel(out_.rendered.recorded, before, recorded.surface_hits + recorded.interior_hits > 0);
-    feel(out_.rendered.replayed, now, replayed.surface_hits + replayed.interior_hits > 0);
+    add_sample(out_.rendered.recorded, before, recorded.surface_hits + recorded.interior_hits > 0);
+    add_sample(out_.rendered.replayed, now, replayed.surface_hits + replayed.interior_hits > 0);
     draw(out_.rendered_curves, recorded.sample_time_ns, before, now);
   }
 
@@ -224,8 +224,8 @@ class Run {
       out_.answers.commands[{recorded.session_id, recorded.sequence_number}].push_back(replayed);
     out_.command.take(recorded, replayed);
     const double before = force_n(recorded.wrench), now = force_n(replayed.wrench);
-    feel(out_.returned.recorded, before, before > 0.0);
-    feel(out_.returned.replayed, now, now > 0.0);
+    add_sample(out_.returned.recorded, before, before > 0.0);
+    add_sample(out_.returned.replayed, now, now > 0.0);
     draw(out_.returned_curves, recorded.sample_time_ns, before, now);
   }
 
@@ -238,7 +238,7 @@ class Run {
     curves.recorded_n.push_back(recorded_n), curves.replayed_n.push_back(replayed_n);
   }
 
-  void say_once(std::string sentence) {
+  void report_once(std::string sentence) {
     if (!said_)
       out_.missing.push_back(std::move(sentence));
     said_ = true;
@@ -246,7 +246,7 @@ class Run {
 
   /// Reports messages that the nodes counted and the bag lacks. If no message states the sample, it
   /// is unknown.
-  void say_what_is_lost() {
+  void report_losses() {
     Held contacts, commands;
     for (const RecordedSession& session : recording_.sessions)
       for (const auto& [number, sample] : session.samples) {
@@ -255,13 +255,13 @@ class Run {
                       sample.command.has_value());
       }
     contacts.count += out_.lost_contacts;
-    say_lost("rendering", "contacts", contacts);
-    say_lost("coupling", "commands", commands);
-    say_restarts();
-    say_designs();
-    say_changes();
-    say_refused();
-    say_external();
+    report_lost("rendering", "contacts", contacts);
+    report_lost("coupling", "commands", commands);
+    report_restarts();
+    report_designs();
+    report_changes();
+    report_refused();
+    report_external();
   }
 
   /// Of one kind of answers, in the bag.
@@ -277,7 +277,7 @@ class Run {
     }
   };
 
-  void say_lost(const std::string& node, std::string_view what, const Held& held) {
+  void report_lost(const std::string& node, std::string_view what, const Held& held) {
     const auto figures = recording_.figures.find(node);
     if (figures == recording_.figures.end())
       return out_.missing.push_back(fmt::format(
@@ -303,7 +303,7 @@ class Run {
         made - held.count, what, begin, came_late ? began : held.first_without.value_or(0)));
   }
 
-  void say_designs() {
+  void report_designs() {
     const auto figures = recording_.figures.find("coupling");
     if (figures == recording_.figures.end())
       return;
@@ -314,7 +314,7 @@ class Run {
           recording_.designs));
   }
 
-  void say_changes() {
+  void report_changes() {
     const auto figures = recording_.figures.find("rendering");
     if (figures == recording_.figures.end())
       return;
@@ -332,7 +332,7 @@ class Run {
 
   /// Reports restarts: no message contains the initial state of a process that started during a
   /// session.
-  void say_restarts() {
+  void report_restarts() {
     for (const std::string node : {"rendering", "coupling"})
       if (const auto processes = recording_.processes.find(node);
           recording_.sessions.size() == 1 && processes != recording_.processes.end() &&
@@ -343,7 +343,7 @@ class Run {
                         node));
   }
 
-  void say_refused() {
+  void report_refused() {
     const auto figures = recording_.figures.find("logger");
     const std::uint64_t refused =
         figures == recording_.figures.end()
@@ -355,7 +355,7 @@ class Run {
 
   /// Reports missing values of the effect `external`. The rendering counts those of a ring, the bag
   /// has those of its sessions.
-  void say_external() {
+  void report_external() {
     std::uint64_t held = 0;
     for (const RecordedSession& session : recording_.sessions)
       for (const auto& [number, sample] : session.samples)

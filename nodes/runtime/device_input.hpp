@@ -47,9 +47,9 @@ class DeviceInput {
     {
       const std::lock_guard lock(mutex_);
       if (!refusal_.empty())
-        status.say(StatusPriority::kFault, "device description refused: " + refusal_);
+        status.set(StatusPriority::kFault, "device description refused: " + refusal_);
     }
-    status.say(StatusPriority::kFault, binding_.diagnostic(registry));
+    status.set(StatusPriority::kFault, binding_.diagnostic(registry));
   }
 
  private:

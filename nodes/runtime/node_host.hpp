@@ -28,7 +28,7 @@ inline void report_refusal(const std::string& refusal, NodeReport& report, Statu
     return;
   report.state = NodeState::kFailed;
   report.values[kRefusal] = refusal;
-  status.say(StatusPriority::kRefused, refusal + " No force is commanded.");
+  status.set(StatusPriority::kRefused, refusal + " No force is commanded.");
 }
 
 /// A node that answers each In with an Out.

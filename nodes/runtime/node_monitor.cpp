@@ -177,7 +177,7 @@ void NodeMonitor::set_publishing(const NodeReport& report) {
   if (parameters_)
     parameters_->serve();
   if (ros_log_.reader_came() || report.message != last_.message)
-    ros_log_.say(report.state, report.message);
+    ros_log_.write(report.state, report.message);
 }
 
 void NodeMonitor::cycle() {

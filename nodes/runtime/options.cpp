@@ -18,7 +18,7 @@ namespace voxtouch::runtime {
 
 namespace {
 
-constexpr std::size_t kShown = 64;  ///< shown part of a faulty text, in messages
+constexpr std::size_t kMaxPrinted = 64;  ///< shown part of a faulty text, in messages
 
 /// The interface name is inserted into the XML configuration of DDS. Kernel names are shorter than
 /// the limit; an address is also allowed.
@@ -31,14 +31,14 @@ std::string check_interface(const std::string& name) {
                     });
   return good ? std::string()
               : fmt::format("'{}' is not a network interface; `ip link` lists the interfaces",
-                            name.substr(0, kShown));
+                            name.substr(0, kMaxPrinted));
 }
 
 /// A host name or address is inserted into that XML too.
 std::string check_host(const std::string& name) {
   return check_interface(name).empty()
              ? std::string()
-             : fmt::format("'{}' is not a host name or address", name.substr(0, kShown));
+             : fmt::format("'{}' is not a host name or address", name.substr(0, kMaxPrinted));
 }
 
 constexpr std::uint32_t kLastDomain = 232;
@@ -55,7 +55,7 @@ void take_domain_of_environment(NodeOptions& o) {
   else
     o.domain_fault = fmt::format(
         "ROS_DOMAIN_ID is '{}', valid DDS domains are 0 to {}. Correct it, or use --domain",
-        std::string_view(text).substr(0, kShown), kLastDomain);
+        std::string_view(text).substr(0, kMaxPrinted), kLastDomain);
 }
 
 }  // namespace
@@ -70,7 +70,7 @@ std::string check_rig(const std::string& name) {
               : fmt::format(
                     "'{}' is not a ROS name: letters, digits and _, starting with a letter, at "
                     "most {} characters",
-                    name.substr(0, kShown), kMaxLength);
+                    name.substr(0, kMaxPrinted), kMaxLength);
 }
 
 std::string require_cpu(const std::string& text) {
@@ -87,26 +87,27 @@ std::string require_cpu(const std::string& text) {
     known += (known.empty() ? "" : ", ") + fmt::to_string(cpu);
   }
   return fmt::format(
-      "CPU '{}' is not available to this process; available {}: {}", text.substr(0, kShown),
+      "CPU '{}' is not available to this process; available {}: {}", text.substr(0, kMaxPrinted),
       CPU_COUNT(&allowed) == 1 ? "is 1" : fmt::format("are {}", CPU_COUNT(&allowed)), known);
 }
 
 std::string require_positive(const std::string& text) {
   const auto value = parse_finite(text);
-  return value && *value > 0.0 ? "" : "'" + text.substr(0, kShown) + "' is not a finite number > 0";
+  return value && *value > 0.0 ? ""
+                               : "'" + text.substr(0, kMaxPrinted) + "' is not a finite number > 0";
 }
 
 std::string require_whole(const std::string& text) {
   // The whole text must fit: CLI11 would clamp a number that is too large.
   return parse_number<std::uint64_t>(text)
              ? ""
-             : "'" + text.substr(0, kShown) + "' is not an integer >= 0";
+             : "'" + text.substr(0, kMaxPrinted) + "' is not an integer >= 0";
 }
 
 std::string require_count(const std::string& text) {
   return parse_number<std::uint64_t>(text).value_or(0) > 0
              ? ""
-             : "'" + text.substr(0, kShown) + "' is not an integer >= 1";
+             : "'" + text.substr(0, kMaxPrinted) + "' is not an integer >= 1";
 }
 
 std::string check_topic(const std::string& name) {
@@ -116,7 +117,7 @@ std::string check_topic(const std::string& name) {
       std::all_of(name.begin(), name.end(), [](unsigned char c) { return c > ' ' && c <= '~'; });
   return good ? std::string()
               : fmt::format("'{}' is not a DDS topic name, such as rt/joint_states",
-                            name.substr(0, kShown));
+                            name.substr(0, kMaxPrinted));
 }
 
 bool NodeOptions::has_peer(std::string_view node) const {

@@ -54,11 +54,11 @@ struct NodeOptions {
   bus::ParticipantOptions participant(const std::string& node) const {
     if (!domain_fault.empty())
       throw bus::Error(domain_fault);
-    bus::RosNode shown{"/" + rig, node, ros};
+    bus::RosNode ros_node{"/" + rig, node, ros};
     if (!is_ring_node(node))
-      shown.name.clear();
-    return {domain, network_interface, "voxtouch_" + node + "/" + rig, discovery_peers,
-            shown,  require_keys(node)};
+      ros_node.name.clear();
+    return {domain,          network_interface, "voxtouch_" + node + "/" + rig,
+            discovery_peers, ros_node,          require_keys(node)};
   }
   /// Security properties for the role of `node`; empty without --security. Throws security::Error
   /// with a sentence.

@@ -15,7 +15,7 @@ namespace voxtouch::runtime {
 namespace {
 
 /// Requests of one service per poll, so that no service delays the others.
-constexpr int kMaxPerLook = 64;
+constexpr int kMaxPerPoll = 64;
 constexpr char kUseSimTime[] = "use_sim_time";
 
 /// A sequence that refers to the elements of a vector, which must outlive it.
@@ -65,7 +65,7 @@ std::optional<Results::One> judged(std::span<const RosParameter> known,
 bool RequestLimit::admits(std::uint32_t count) {
   bool all = true;
   for (std::uint32_t n = 0; n < std::max(count, 1U); ++n)
-    all = admitted_.take(monotonic_ns()).say && all;
+    all = admitted_.take(monotonic_ns()).print && all;
   if (!all)
     refused_.fetch_add(1, std::memory_order_relaxed);
   return all;
@@ -123,7 +123,7 @@ void ParameterServices::each(Server<S>& server, F&& f) {
         if (limit_.admits(count))
           f(request, caller);
       },
-      kMaxPerLook);
+      kMaxPerPoll);
 }
 
 void ParameterServices::serve() {

@@ -19,12 +19,12 @@ bool RosLog::reader_came() noexcept {
   return readers != std::exchange(readers_, readers);
 }
 
-void RosLog::say(NodeState state, const std::string& sentence) {
+void RosLog::write(NodeState state, const std::string& sentence) {
   namespace level = msg::rcl_interfaces_Log_constants;
   if (lines_.matched_count() == 0)
     return;
-  const auto [is_said, skipped] = few_.take(monotonic_ns());
-  if (!is_said)
+  const auto [is_printed, skipped] = limiter_.take(monotonic_ns());
+  if (!is_printed)
     return;
   const std::string text =
       skipped == 0 ? sentence : fmt::format("{} ({} earlier lines skipped)", sentence, skipped);

@@ -16,7 +16,7 @@ class RosLog {
   RosLog(const bus::Participant& participant, const std::string& node, const std::string& rig);
   /// Writes one line while there is a reader. Only the first ten lines of a second are written; the
   /// next line reports how many were dropped.
-  void say(NodeState state, const std::string& sentence);
+  void write(NodeState state, const std::string& sentence);
   /// Whether a reader has appeared since the last call. It has received no line.
   bool reader_came() noexcept;
   /// Number of lines written.
@@ -25,7 +25,7 @@ class RosLog {
  private:
   bus::Writer<msg::rcl_interfaces_Log> lines_;
   std::string name_;  ///< name of the logger, in the form of rclcpp: "haptic.device"
-  console::RateLimiter few_{kMaxPerSecond};
+  console::RateLimiter limiter_{kMaxPerSecond};
   std::uint32_t readers_ = 0;
   std::uint64_t written_ = 0;
 };

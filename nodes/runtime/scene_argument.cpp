@@ -13,7 +13,7 @@
 namespace voxtouch::runtime {
 namespace {
 
-constexpr std::size_t kNameShown = 64;  ///< shown part of an unknown name, in messages
+constexpr std::size_t kMaxPrintedName = 64;  ///< shown part of an unknown name, in messages
 
 std::string find_scene(std::string& text) {
   std::error_code error;
@@ -23,7 +23,7 @@ std::string find_scene(std::string& text) {
   const std::vector<std::string> names = shipped_scenes();
   if (!std::ranges::binary_search(names, text))
     return fmt::format("'{}' is neither a file nor a shipped scene. Shipped scenes: {}",
-                       text.substr(0, kNameShown), fmt::join(names, ", "));
+                       text.substr(0, kMaxPrintedName), fmt::join(names, ", "));
   text = shipped_file("scenes", text).string();
   return {};
 }

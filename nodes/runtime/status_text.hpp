@@ -22,7 +22,7 @@ enum class StatusPriority : std::uint8_t {
 class StatusText {
  public:
   /// Ignores an empty text. Of two texts with equal priority, the first is kept.
-  void say(StatusPriority priority, std::string text) {
+  void set(StatusPriority priority, std::string text) {
     if (text.empty() || (!text_.empty() && priority <= priority_))
       return;
     text_ = std::move(text);

@@ -19,9 +19,9 @@ std::string in_words(const StepSoFar& step) {
                      std::ceil(step.loop_s * (1.0 - fraction) / fraction));
 }
 
-BuildProgress::BuildProgress(std::string who) : who_(std::move(who)) {
+BuildProgress::BuildProgress(std::string label) : label_(std::move(label)) {
   if (console::stderr_is_terminal())
-    thread_ = std::jthread([this] { show_each_second(); });
+    thread_ = std::jthread([this] { print_progress(); });
 }
 
 BuildProgress::~BuildProgress() {
@@ -62,13 +62,13 @@ StepSoFar BuildProgress::so_far() const {
   return step;
 }
 
-void BuildProgress::show_each_second() {
+void BuildProgress::print_progress() {
   runtime::ordinary_priority();
   std::unique_lock lock(mutex_);
   while (!ended_.wait_for(lock, std::chrono::seconds(1), [this] { return over_; })) {
     lock.unlock();
     if (const StepSoFar step = so_far(); !step.name.empty())
-      console::show_progress("{}: {}", who_, in_words(step));
+      console::show_progress("{}: {}", label_, in_words(step));
     lock.lock();
   }
 }

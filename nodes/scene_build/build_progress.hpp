@@ -30,7 +30,7 @@ std::string in_words(const StepSoFar& step);
 /// loops of one build.
 class BuildProgress {
  public:
-  explicit BuildProgress(std::string who);
+  explicit BuildProgress(std::string label);
   ~BuildProgress();
   BuildProgress(const BuildProgress&) = delete;
   BuildProgress& operator=(const BuildProgress&) = delete;
@@ -43,9 +43,9 @@ class BuildProgress {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void show_each_second();
+  void print_progress();
 
-  const std::string who_;
+  const std::string label_;
   mutable std::mutex mutex_;
   std::condition_variable ended_;
   bool over_ = false;

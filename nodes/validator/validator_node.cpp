@@ -303,7 +303,7 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
     const std::string missing =
         host_.report_session(registry, report, "the rendering", counts_.checked > 0);
     const double skipped = counters_[ValidatorCounter::kSkipped];
-    status.say(
+    status.set(
         StatusPriority::kProgress,
         unread_
             ? "idle: the verdicts have no reader"
@@ -314,10 +314,10 @@ class ValidatorNode final : public runtime::Step<msg::ContactState, msg::Validat
                              skipped)
                        : ""));
     if (!missing.empty())
-      status.say(StatusPriority::kWaiting, "waiting for " + missing);
-    status.say(StatusPriority::kForeign, rendering_.diagnostic(registry));
+      status.set(StatusPriority::kWaiting, "waiting for " + missing);
+    status.set(StatusPriority::kForeign, rendering_.diagnostic(registry));
     if (!first_disagreement_.empty())
-      status.say(StatusPriority::kFault, "first disagreement: " + first_disagreement_);
+      status.set(StatusPriority::kFault, "first disagreement: " + first_disagreement_);
   }
 
   const Options& options_;

@@ -76,8 +76,8 @@ LastSeconds::LastSeconds(const bus::Participant& participant, const runtime::Nod
     const qos::Qos qos = qos::make_qos(profile_of(*row), qos::Endpoint::kReader, 0.0);
     bus::announce(qos.get(), type);
     bus::RawReader reader(participant.get(), name, *type.descriptor, qos.get());
-    bus::GraphEntry shown = participant.enter(reader.get(), qos::Endpoint::kReader);
-    sources_.push_back({std::move(reader), std::move(shown)});
+    bus::GraphEntry graph_entry = participant.enter(reader.get(), qos::Endpoint::kReader);
+    sources_.push_back({std::move(reader), std::move(graph_entry)});
     constexpr std::size_t kRosPrefix = 2;  // "rt"
     topics_.push_back({.name = name.substr(kRosPrefix),
                        .type = std::string(type.ros_name),

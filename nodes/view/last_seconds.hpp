@@ -45,7 +45,7 @@ class LastSeconds {
  private:
   struct Source {
     bus::RawReader reader;
-    bus::GraphEntry shown;  ///< entry for ROS 2 tools
+    bus::GraphEntry graph_entry;  ///< entry for ROS 2 tools
   };
   const SaveActions& actions_;
   std::vector<bag::TopicInfo> topics_;

@@ -57,7 +57,7 @@ void states(const fci::Dialect& dialect, fuzz::Bytes in) {
       continue;
     FUZZ_REQUIRE(state.q.allFinite() && state.dq.allFinite() && state.tau_d.allFinite() &&
                  state.errors >> fci::kErrors == 0);
-    session.see(state, 1e-3, false);
+    session.update(state, 1e-3, false);
     if (const auto due = session.due())
       session.answered(*due, static_cast<fci::Outcome>(in.take<std::uint8_t>() % 14));
     FUZZ_REQUIRE(!session.force_allowed() || (state.mode == fci::RobotMode::kMove &&

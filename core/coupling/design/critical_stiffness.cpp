@@ -25,11 +25,11 @@ double resonance_of(const LoopPlant& p) {
 
 /// The resonance of an undamped hand lies on the unit circle, where L passes through infinity.
 /// Moved inside by this fraction of critical damping, L passes on the side of the eigenvalue that
-/// is stable. The function goes_inwards checks whether it is stable for small gains.
-LoopPlant with_a_hair_of_damping(LoopPlant p) {
-  constexpr double kHair = 1e-9;
+/// is stable. The function moves_inside checks whether it is stable for small gains.
+LoopPlant with_regularising_damping(LoopPlant p) {
+  constexpr double kRegularisingRatio = 1e-9;
   if (swings_undamped(p))
-    p.hand_damping = 2.0 * kHair * std::sqrt(p.hand_stiffness * mass_of(p));
+    p.hand_damping = 2.0 * kRegularisingRatio * std::sqrt(p.hand_stiffness * mass_of(p));
   return p;
 }
 
@@ -37,14 +37,14 @@ LoopPlant with_a_hair_of_damping(LoopPlant p) {
 /// - z_n), so it moves to z_n - gain R. It moves inside if L is in the lower half plane just above
 /// it.
 template <class Response>
-bool goes_inwards(const Response& response, double angle) {
+bool moves_inside(const Response& response, double angle) {
   return response(Phasor(angle * (1.0 + 1e-6))).value.imag() < 0.0;
 }
 
 double transport(const LoopPlant& p) { return p.period_s + p.delay_s + p.effort_lag_s; }
 
 /// Sum of the loop's time constants [s].
-double slowness(const LoopPlant& p, const LoopController& c) {
+double time_constants(const LoopPlant& p, const LoopController& c) {
   double sum = transport(p);
   if (p.hand_stiffness > 0.0) {
     sum += damping_of(p) / p.hand_stiffness + c.injected_damping / p.hand_stiffness +
@@ -74,7 +74,7 @@ bool acts(const LoopController& c) {
 
 InnerLimit inner_limit(const LoopPlant& bare, double velocity_filter_rad_per_s,
                        int velocity_window) {
-  const LoopPlant p = with_a_hair_of_damping(bare);
+  const LoopPlant p = with_regularising_damping(bare);
   const SampledPlant plant = sample_plant(p);
   const VelocityResponse velocity(p.period_s, velocity_filter_rad_per_s, velocity_window);
   const auto response = [&](const Phasor& at) {
@@ -82,7 +82,7 @@ InnerLimit inner_limit(const LoopPlant& bare, double velocity_filter_rad_per_s,
     return LoopSample{value, value};
   };
   const double resonance = resonance_of(p);
-  if (swings_undamped(bare) && !goes_inwards(response, resonance))
+  if (swings_undamped(bare) && !moves_inside(response, resonance))
     return {0.0, resonance};
   const double filter = velocity_filter_rad_per_s > 0.0 && velocity_window == 0
                             ? 1.0 / velocity_filter_rad_per_s
@@ -115,17 +115,17 @@ CriticalStiffness critical_stiffness(const LoopPlant& plant, const LoopControlle
   if (!acts(c))
     return {kInfinity, 0.0};
 
-  const LoopPlant p = with_a_hair_of_damping(plant);
+  const LoopPlant p = with_regularising_damping(plant);
   const LoopResponse loop(p, c);
   const auto response = [&](const Phasor& at) {
     const Complex g = loop.damped_plant(at), value = loop.of(g, at);
     return LoopSample{value, c.law == Law::kSpringDamper ? g : value};
   };
   const double resonance = resonance_of(p);
-  if (swings_undamped(plant) && c.injected_damping == 0.0 && !goes_inwards(response, resonance))
+  if (swings_undamped(plant) && c.injected_damping == 0.0 && !moves_inside(response, resonance))
     return {};
   const int late = c.injected_damping > 0.0 ? window_last(c.velocity_window) : 0;
-  CrossingSearch search(slowness(p, c) / p.period_s, loop.plant().whole_delay + late);
+  CrossingSearch search(time_constants(p, c) / p.period_s, loop.plant().whole_delay + late);
   search.stop_at(resonance);
   search.stop_at(c.injected_damping > 0.0 ? inner.angle : 0.0);
   if (c.law == Law::kShapingFilter)

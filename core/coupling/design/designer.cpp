@@ -142,12 +142,12 @@ Evaluation best_of_all(const DesignProblem& request, const std::vector<AxisProbl
     if (upper_bound(request, problems, proposal) < to_beat)
       continue;
     Evaluation other = certified(request, problems, proposal);
-    const double shows = objective(problems, other.design);
-    if (shows <= 0.0 || shows < to_beat)
+    const double displayed = objective(problems, other.design);
+    if (displayed <= 0.0 || displayed < to_beat)
       continue;
-    other.behind = {{DesignLimit::kWithoutFilter, 0, {shows, with_filter}}};
+    other.behind = {{DesignLimit::kWithoutFilter, 0, {displayed, with_filter}}};
     best = std::move(other);
-    to_beat = shows * (1.0 + 1e-12);
+    to_beat = displayed * (1.0 + 1e-12);
   }
   return best;
 }

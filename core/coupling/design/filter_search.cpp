@@ -21,22 +21,22 @@ constexpr VelocityEstimate kUnused{100.0};
 constexpr std::size_t kLevels = 11;  ///< 0, 10, ... 100 % of the allowed damping
 /// The table is accurate to about one percent, so a value slightly below the target is verified
 /// exactly.
-constexpr double kTableDoubt = 0.985;
+constexpr double kTableTolerance = 0.985;
 /// Of all candidates within a tenth of the best stiffness, the gentlest is chosen.
-constexpr double kAsGood = 0.9;
+constexpr double kNearBestRatio = 0.9;
 constexpr std::size_t kMaxConfirmations = 24;
 
 struct Axis {
   const AxisProblem* problem;
   FilterTable* table;  ///< null if rule P decides
   std::optional<FilterTable>
-      swings;  ///< of the cases with a minimum damping ratio; empty without such cases
+      damped_table;  ///< of the cases with a minimum damping ratio; empty without such cases
   std::array<double, kVelocityEstimates.size()> most_damping{};
   /// Whether a minimum damping ratio is missed although the contact is negligible: an underdamped
   /// hand needs some damping, and too much damping acts late. Empty: not yet computed.
-  std::array<std::array<std::optional<bool>, kLevels>, kVelocityEstimates.size()> broken{};
-  double reference_damping = 0.0;  ///< maximum over the velocity estimates
-  std::size_t longest_swing = 0;   ///< the last case that missed its minimum
+  std::array<std::array<std::optional<bool>, kLevels>, kVelocityEstimates.size()> misses_minimum{};
+  double reference_damping = 0.0;    ///< maximum over the velocity estimates
+  std::size_t last_missed_case = 0;  ///< the last case that missed its minimum
 
   double damping(std::size_t velocity, std::size_t level) const {
     return most_damping[velocity] * static_cast<double>(level) / (kLevels - 1);
@@ -74,7 +74,7 @@ class Search {
         table.emplace(problem.cases, velocities_);
       Axis axis{&problem, table ? &*table : nullptr, std::nullopt, {}, {}, 0.0, 0};
       if (std::ranges::any_of(problem.cases, has_minimum))
-        axis.swings.emplace(problem.cases, velocities_, LoopLimit::kDamped);
+        axis.damped_table.emplace(problem.cases, velocities_, LoopLimit::kDamped);
       axes_.push_back(std::move(axis));
     }
   }
@@ -113,12 +113,12 @@ class Search {
     law.use(velocities_[velocity]);
     const double stable =
         std::min(critical / whole, quiet_stiffness(problem, law) / problem.target);
-    if (!axis.swings || stable < enough)
+    if (!axis.damped_table || stable < enough)
       return stable;
-    return std::min(stable,
-                    axis.swings->critical(shapes_[shape], velocity, axis.damping(velocity, level),
-                                          enough * problem.target) /
-                        problem.target);
+    return std::min(
+        stable, axis.damped_table->critical(shapes_[shape], velocity, axis.damping(velocity, level),
+                                            enough * problem.target) /
+                    problem.target);
   }
 
   /// Verifies the candidate exactly by the governing rule.
@@ -154,7 +154,7 @@ class Search {
       const Candidate candidate{s, 0, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
       for (Axis& axis : axes_)
-        likely = likely && ratio(axis, s, 0, 0, kTableDoubt) >= kTableDoubt;
+        likely = likely && ratio(axis, s, 0, 0, kTableTolerance) >= kTableTolerance;
       if (!likely || !confirmed(candidate))
         continue;
       const bool requested = shapes_[s].cutoff_hz == shapes_.front().cutoff_hz;
@@ -176,18 +176,18 @@ class Search {
   }
 
   bool misses_min_damping(Axis& axis, std::size_t velocity, std::size_t level) const {
-    if (!axis.swings)
+    if (!axis.damped_table)
       return false;
     constexpr double kHardlyAny = 1e-3;  // of the target
-    std::optional<bool>& broken = axis.broken[level == 0 ? 0 : velocity][level];
-    if (!broken) {
+    std::optional<bool>& misses_minimum = axis.misses_minimum[level == 0 ? 0 : velocity][level];
+    if (!misses_minimum) {
       LoopController law = law_of({kInfinity, 1.0});
       law.use(velocities_[velocity]);
       law.injected_damping = axis.damping(velocity, level);
-      broken = !meets_min_damping(*axis.problem, law, kHardlyAny * axis.problem->target,
-                                  axis.longest_swing);
+      misses_minimum = !meets_min_damping(*axis.problem, law, kHardlyAny * axis.problem->target,
+                                          axis.last_missed_case);
     }
-    return *broken;
+    return *misses_minimum;
   }
 
   /// All ratios of all points that the next steps may use; [shape][velocity estimate][axis][level].
@@ -198,7 +198,8 @@ class Search {
          s-- > 0;) {  // the highest cut-off first, so that most others are rejected early
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
-        const double enough = kAsGood * std::min(best_, 1.0);  // no step uses a smaller ratio
+        const double enough =
+            kNearBestRatio * std::min(best_, 1.0);  // no step uses a smaller ratio
         double joint = kInfinity;
         for (std::size_t a = 0; a < axes_.size() && joint >= enough; ++a) {
           for (std::size_t level = 0; level < kLevels; ++level) {
@@ -217,8 +218,8 @@ class Search {
   /// Displayed stiffness of the axis there, above `least`. 0 if a minimum damping ratio is missed
   /// although the contact is negligible; that is slow to compute, so only relevant points are
   /// checked.
-  bool shows(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level,
-             double least) {
+  bool reaches_ratio(std::size_t shape, std::size_t velocity, std::size_t axis, std::size_t level,
+                     double least) {
     return ratios_[shape][velocity][axis][level] >= least &&
            (least <= 0.0 || !misses_min_damping(axes_[axis], velocity, level));
   }
@@ -258,7 +259,7 @@ class Search {
         for (std::size_t a = 0; a < axes_.size(); ++a) {
           const double enough = no_less ? std::max(least, ratio(*no_less, a)) : least;
           std::size_t level = 0;
-          while (level < kLevels && !shows(s, v, a, level, enough))
+          while (level < kLevels && !reaches_ratio(s, v, a, level, enough))
             ++level;
           if (level == kLevels)
             break;
@@ -277,9 +278,9 @@ class Search {
 
   /// Step 3.
   std::optional<FilterChoice> with_damping() {
-    std::size_t looks = 0;
-    for (const Candidate& candidate : reaching(kTableDoubt)) {
-      if (++looks > kMaxConfirmations)
+    std::size_t confirmations = 0;
+    for (const Candidate& candidate : reaching(kTableTolerance)) {
+      if (++confirmations > kMaxConfirmations)
         break;
       if (confirmed(candidate))
         return chosen(candidate, DesignStatus::kDampingAdded);
@@ -289,20 +290,20 @@ class Search {
 
   /// The ratio that counts as equal to the best, over all velocity estimates or those of filters
   /// only.
-  double as_good(bool windows) {
+  double near_best_ratio(bool windows) {
     double best = 0.0;
     for (std::size_t s = 0; s < shapes_.size(); ++s)
       for (std::size_t v = 0; v < velocities_.size(); ++v)
         if (windows || velocities_[v].window == 0)
           best = std::max(best, joint_above(best, s, v));
-    return kAsGood * std::min(best, 1.0);
+    return kNearBestRatio * std::min(best, 1.0);
   }
 
   /// Step 4. With a window, no axis displays less than with the filter that would be chosen without
   /// windows.
   FilterChoice stiffest() {
-    const Candidate filter = reaching(as_good(false), false).front();
-    for (const double least : {as_good(true), 0.0})
+    const Candidate filter = reaching(near_best_ratio(false), false).front();
+    for (const double least : {near_best_ratio(true), 0.0})
       if (const auto found = reaching(least, true, &filter); !found.empty())
         return chosen(found.front(), DesignStatus::kStiffnessReduced);
     return chosen(filter, DesignStatus::kStiffnessReduced);
@@ -323,14 +324,13 @@ double FilterTable::critical(const FilterSetting& shape, std::size_t velocity,
                              double injected_damping, double enough, double damping_force_ratio,
                              double large_swing) {
   const bool damped = injected_damping > 0.0;
-  const Question question(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0,
-                          injected_damping, damped ? damping_force_ratio : 0.0,
-                          damped ? large_swing : 1.0);
-  const auto [known, is_new] = known_.try_emplace(question);
-  Answer& answer = known->second;
-  const bool exact = !is_new && answer.critical >= answer.enough, below = answer.critical < enough;
+  const Key key(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0, injected_damping,
+                damped ? damping_force_ratio : 0.0, damped ? large_swing : 1.0);
+  const auto [found, is_new] = cache_.try_emplace(key);
+  Entry& entry = found->second;
+  const bool exact = !is_new && entry.critical >= entry.enough, below = entry.critical < enough;
   if (!is_new && (exact || below))
-    return answer.critical;
+    return entry.critical;
   if (used_.cutoff_hz != shape.cutoff_hz || used_.damping_ratio != shape.damping_ratio) {
     const double w0 = 2.0 * std::numbers::pi * shape.cutoff_hz;
     table_.use([&](const DecayingPhasor& at, double period) {
@@ -340,9 +340,9 @@ double FilterTable::critical(const FilterSetting& shape, std::size_t velocity,
     });
     used_ = shape;
   }
-  answer = {table_.critical(velocity, injected_damping, enough, damping_force_ratio, large_swing),
-            enough};
-  return answer.critical;
+  entry = {table_.critical(velocity, injected_damping, enough, damping_force_ratio, large_swing),
+           enough};
+  return entry.critical;
 }
 
 LoopController law_of(const FilterSetting& shape) {

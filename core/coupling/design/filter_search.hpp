@@ -52,13 +52,13 @@ class FilterTable {
 
  private:
   /// Cut-off, damping ratio, velocity, injected damping, ratio, large swing.
-  using Question = std::tuple<double, double, std::size_t, double, double, double>;
-  struct Answer {
+  using Key = std::tuple<double, double, std::size_t, double, double, double>;
+  struct Entry {
     double critical, enough;
   };
   LoopTable table_;
   FilterSetting used_{0.0, 0.0};
-  std::map<Question, Answer> known_;
+  std::map<Key, Entry> cache_;
 };
 
 /// Cache shared by the searches of one design, whose cases are the same.

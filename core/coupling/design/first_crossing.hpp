@@ -79,8 +79,8 @@ class CrossingSearch {
   static constexpr double kEnd = std::numbers::pi * (1.0 - 1e-7);
   static constexpr double kPhaseCosine2 =
       0.6;  ///< squared cosine of the largest phase change of L in a step that is not halved
-  static constexpr double kSwell = 100.0;  ///< largest factor of |L|^2 in such a step
-  static constexpr double kHopeless =
+  static constexpr double kMaxNormRatio = 100.0;  ///< largest factor of |L|^2 in such a step
+  static constexpr double kSkipNormRatio =
       0.01;  ///< a step with |L|^2 below this fraction of the best crossing's is skipped
 
   template <class Response>
@@ -89,20 +89,21 @@ class CrossingSearch {
     return {angle, sample.value, sample.summand};
   }
 
-  static bool gentle(const Complex& a, const Complex& b) noexcept {
+  static bool smooth(const Complex& a, const Complex& b) noexcept {
     const double na = std::norm(a), nb = std::norm(b);
     const double along = a.real() * b.real() + a.imag() * b.imag();
-    return along > 0.0 && along * along > kPhaseCosine2 * na * nb && na < kSwell * nb &&
-           nb < kSwell * na;
+    return along > 0.0 && along * along > kPhaseCosine2 * na * nb && na < kMaxNormRatio * nb &&
+           nb < kMaxNormRatio * na;
   }
 
   template <class Response>
   void search_between(const Response& response, const Point& a, const Point& b, int halvings) {
-    if (std::max(std::norm(a.value), std::norm(b.value)) * best_.gain * best_.gain < kHopeless) {
+    if (std::max(std::norm(a.value), std::norm(b.value)) * best_.gain * best_.gain <
+        kSkipNormRatio) {
       before_ = b;
       return;
     }
-    if (halvings > 0 && !(gentle(a.value, b.value) && gentle(a.summand, b.summand))) {
+    if (halvings > 0 && !(smooth(a.value, b.value) && smooth(a.summand, b.summand))) {
       const Point middle = at(response, 0.5 * (a.angle + b.angle));
       if (middle.angle > a.angle && middle.angle < b.angle) {
         search_between(response, a, middle, halvings - 1);

@@ -51,15 +51,15 @@ Mat3 in_base(const Mat3& rotation, const Vec3& principal) noexcept {
 }
 
 /// R <- R * rotation about the joint's axis.
-void turn(Mat3& r, Axis axis, double angle) noexcept {
+void rotate(Mat3& r, Axis axis, double angle) noexcept {
   const double c = std::cos(angle), s = std::sin(angle);
   const bool about_y = axis == Axis::kY || axis == Axis::kMinusY,
              backwards = axis == Axis::kMinusZ || axis == Axis::kY;
   const int second = about_y ? 2 : 1;
   const Vec3 first = r.col(0), other = backwards ? Vec3(-r.col(second)) : Vec3(r.col(second));
   r.col(0) = c * first + s * other;
-  const Vec3 turned = c * other - s * first;
-  r.col(second) = backwards ? Vec3(-turned) : turned;
+  const Vec3 rotated = c * other - s * first;
+  r.col(second) = backwards ? Vec3(-rotated) : rotated;
 }
 
 /// A joint's axis in the base.
@@ -87,7 +87,7 @@ std::array<ArmDynamics::Frame, 7> ArmDynamics::links(const arm::Joints& q) const
     const JointPlace& joint = bodies_.joints[i];
     origin += rotation * joint.from_last_m;
     const Vec3 axis = axis_of(rotation, joint.axis);
-    turn(rotation, joint.axis, q[static_cast<Eigen::Index>(i)]);
+    rotate(rotation, joint.axis, q[static_cast<Eigen::Index>(i)]);
     frames[i] = {rotation, origin, axis};
   }
   return frames;

@@ -35,10 +35,10 @@ arm::Joints ArmPlant::drive_torque(const Step& step, const arm::Joints& gravity)
 ArmPlant::Slope ArmPlant::slope(const Step& step, const arm::Joints& q, const arm::Joints& rate,
                                 ArmDynamics::Terms& terms) const noexcept {
   terms = dynamics_.at(q, rate, {step.hand.mass_kg, step.hand.inertia_kg_m2});
-  const arm::Joints push = drive_torque(step, terms.gravity) - terms.gravity - terms.coriolis -
-                           parameters_.viscous_nms_per_rad.cwiseProduct(rate) +
-                           arm::joint_torque(terms.jacobian, wrench_of(step.hand, terms));
-  return {rate, terms.mass.llt().solve(push)};
+  const arm::Joints torque = drive_torque(step, terms.gravity) - terms.gravity - terms.coriolis -
+                             parameters_.viscous_nms_per_rad.cwiseProduct(rate) +
+                             arm::joint_torque(terms.jacobian, wrench_of(step.hand, terms));
+  return {rate, terms.mass.llt().solve(torque)};
 }
 
 arm::Joints ArmPlant::sticking_impulse(const JointMatrix& mass, const arm::Joints& q,

@@ -15,9 +15,9 @@ constexpr double kLongestStep = 0.2;  // [rad] norm over the joints
 constexpr double kMargin = 0.999;     // of a joint's limit
 
 Vec6 displacement_to(const Pose& requested, const Pose& tool) {
-  const Quat turn = requested.orientation * tool.orientation.conjugate();
-  const double sign = turn.w() < 0.0 ? -1.0 : 1.0;
-  const Eigen::AngleAxisd angle(Quat(Eigen::Vector4d(sign * turn.coeffs())));
+  const Quat rotation = requested.orientation * tool.orientation.conjugate();
+  const double sign = rotation.w() < 0.0 ? -1.0 : 1.0;
+  const Eigen::AngleAxisd angle(Quat(Eigen::Vector4d(sign * rotation.coeffs())));
   Vec6 displacement;
   displacement << requested.position - tool.position, angle.angle() * angle.axis();
   return displacement;

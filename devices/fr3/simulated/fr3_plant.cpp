@@ -16,7 +16,7 @@ struct Described {
   int quarter_turns;  ///< about x, of the joint's frame relative to the base at q = 0
 };
 
-Mat3 turned_about_x(int quarters) {
+Mat3 rotation_about_x(int quarters) {
   Mat3 r = Mat3::Identity();
   const double c = quarters % 2 == 0 ? (quarters == 2 ? -1.0 : 1.0) : 0.0,
                s = quarters % 2 == 0 ? 0.0 : quarters;
@@ -26,14 +26,14 @@ Mat3 turned_about_x(int quarters) {
 }
 
 arm_sim::Link link_of(const Described& d) {
-  const Mat3 turn = turned_about_x(d.quarter_turns);
+  const Mat3 rotation = rotation_about_x(d.quarter_turns);
   Mat3 inertia;
   inertia << d.xx, d.xy, d.xz, d.xy, d.yy, d.yz, d.xz, d.yz, d.zz;
   const Eigen::SelfAdjointEigenSolver<Mat3> principal(inertia);
-  Mat3 axes = turn * principal.eigenvectors();
+  Mat3 axes = rotation * principal.eigenvectors();
   if (axes.determinant() < 0.0)
     axes.col(0) = -axes.col(0);
-  return {d.mass_kg, turn * d.centre_m, principal.eigenvalues(), axes};
+  return {d.mass_kg, rotation * d.centre_m, principal.eigenvalues(), axes};
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kMilli = 1000.0;  // mm per metre, mNm per newton metre
 
-struct Shown {
+struct ReadValue {
   Type type = Type::kNone;
   Values values;
 };
@@ -39,7 +39,7 @@ Values transform(const Frame& f) {
 }
 
 /// Values captured by a frame.
-Shown of_frame(const Frame& f, phantom::hd::HDenum name) {
+ReadValue of_frame(const Frame& f, phantom::hd::HDenum name) {
   switch (name) {
     case phantom::hd::kCurrentButtons:
       return {Type::kInteger, list({double(f.switches.buttons)})};
@@ -58,7 +58,7 @@ Shown of_frame(const Frame& f, phantom::hd::HDenum name) {
   }
 }
 
-Shown of_device(const Device& d, double mean_rate_hz, phantom::hd::HDenum name) {
+ReadValue of_device(const Device& d, double mean_rate_hz, phantom::hd::HDenum name) {
   const Model& m = d.model();
   switch (name) {
     case phantom::hd::kInputDof:
@@ -116,14 +116,14 @@ phantom::hd::HDerror set_output(Device& device, phantom::hd::HDenum name, const 
 
 phantom::hd::HDerror read_parameter(const Device& device, double mean_rate_hz,
                                     phantom::hd::HDenum name, Type type, Values& out) noexcept {
-  Shown shown = of_frame(device.current(), name);
-  if (shown.type == Type::kNone)
-    shown = of_device(device, mean_rate_hz, name);
-  if (shown.type == Type::kNone)
+  ReadValue value = of_frame(device.current(), name);
+  if (value.type == Type::kNone)
+    value = of_device(device, mean_rate_hz, name);
+  if (value.type == Type::kNone)
     return phantom::hd::kInvalidEnum;
-  if (shown.type != type)
+  if (value.type != type)
     return phantom::hd::kInvalidInputType;
-  out = shown.values;
+  out = value.values;
   return phantom::hd::kSuccess;
 }
 

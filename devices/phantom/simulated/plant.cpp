@@ -63,17 +63,18 @@ void PhantomPlant::set_hand(const sim::OperatorConfig& hand) { hand_.grip_as(che
 
 /// An end stop only repels, also while the joint leaves it.
 Vec3 PhantomPlant::stop_torque(const Vec3& q, const Vec3& v) const noexcept {
-  const auto push = [this](double depth, double speed) {
+  const auto contact_torque = [this](double depth, double speed) {
     return depth > 0.0
                ? std::max(0.0, config_.stop_nm_per_rad * depth + config_.stop_nms_per_rad * speed)
                : 0.0;
   };
   const double fold = q[1] - q[2], fold_speed = v[1] - v[2];
-  const double unfold =
-      push(fold - config_.fold_rad, fold_speed) - push(-config_.stretch_rad - fold, -fold_speed);
-  return {push(-config_.turret_stop_rad - q[0], -v[0]) - push(q[0] - config_.turret_stop_rad, v[0]),
-          push(config_.thigh_low_rad - q[1], -v[1]) - push(q[1] - config_.thigh_high_rad, v[1]) -
-              unfold,
+  const double unfold = contact_torque(fold - config_.fold_rad, fold_speed) -
+                        contact_torque(-config_.stretch_rad - fold, -fold_speed);
+  return {contact_torque(-config_.turret_stop_rad - q[0], -v[0]) -
+              contact_torque(q[0] - config_.turret_stop_rad, v[0]),
+          contact_torque(config_.thigh_low_rad - q[1], -v[1]) -
+              contact_torque(q[1] - config_.thigh_high_rad, v[1]) - unfold,
           unfold};
 }
 

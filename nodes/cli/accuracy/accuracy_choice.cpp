@@ -48,7 +48,7 @@ std::vector<double> each_once(const std::vector<double>& values,
   return out;
 }
 
-bool knows_area_only(contact::ContactModelKind model) {
+bool needs_area_weights(contact::ContactModelKind model) {
   return model == contact::ContactModelKind::kField;
 }
 
@@ -64,13 +64,13 @@ std::vector<accuracy::AccuracySetting> settings_of(const AccuracyChoice& choice,
       std::find(weights.begin(), weights.end(), contact::PointWeights::kArea) != weights.end();
   std::vector<accuracy::AccuracySetting> out;
   for (const contact::ContactModelKind model : models_of(choice)) {
-    if (knows_area_only(model) && !area && !choice.models.empty())
+    if (needs_area_weights(model) && !area && !choice.models.empty())
       throw std::invalid_argument(
           fmt::format("--weights one: model '{}' has area weights only. Add area to --weights, or "
                       "remove the model from --models",
                       contact::name_of(model)));
     for (const contact::PointWeights weight : weights) {
-      if (knows_area_only(model) && weight != contact::PointWeights::kArea)
+      if (needs_area_weights(model) && weight != contact::PointWeights::kArea)
         continue;
       for (const double voxel : voxels)
         for (const double density : densities)

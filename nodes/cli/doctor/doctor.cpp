@@ -38,7 +38,7 @@ std::vector<Finding> check_neighbours(const runtime::NodeOptions& o) {
        fmt::format("{} participants of ROS 2 or voxtouch on domain {}, {} others; Cyclone DDS {}",
                    found.ros_participants(), o.domain, found.other_participants(), DDS_VERSION)}};
   if (std::string mismatch = found.mismatch(o.ros); !mismatch.empty())
-    findings.push_back({Health::kMind, std::move(mismatch)});
+    findings.push_back({Health::kWarning, std::move(mismatch)});
   return findings;
 }
 
@@ -92,7 +92,7 @@ Finding check_exchange(const runtime::NodeOptions& o) {
 
 int doctor(const runtime::NodeOptions& o) {
   bool is_bad = false;
-  const auto say = [&](const std::vector<Finding>& findings) {
+  const auto print = [&](const std::vector<Finding>& findings) {
     static constexpr std::string_view kMarks[] = {"ok     ", "warning", "BAD    "};
     for (const Finding& finding : findings) {
       console::print_result("{}  {}\n", kMarks[static_cast<std::size_t>(finding.health)],
@@ -101,23 +101,23 @@ int doctor(const runtime::NodeOptions& o) {
     }
   };
   if (const char* uri = std::getenv("CYCLONEDDS_URI"); uri && bus::names_cards(uri))
-    say({{Health::kMind,
-          "CYCLONEDDS_URI selects network cards and overrides --interface: other machines can "
-          "reach the ring"}});
+    print({{Health::kWarning,
+            "CYCLONEDDS_URI selects network cards and overrides --interface: other machines can "
+            "reach the ring"}});
   else
-    say(check_cards(o.network_interface, bus::network_cards()));
+    print(check_cards(o.network_interface, bus::network_cards()));
   std::ifstream udp("/proc/net/udp");
-  say({check_indices(taken_indices(udp, o.domain))});
-  say({check_kernel(), check_limits()});
-  say(check_rights());
-  say({check_governors()});
-  say(check_link(o.network_interface));
-  say(check_devices());
+  print({check_indices(taken_indices(udp, o.domain))});
+  print({check_kernel(), check_limits()});
+  print(check_rights());
+  print({check_governors()});
+  print(check_link(o.network_interface));
+  print(check_devices());
   if (!is_bad && o.security.empty())
-    say({check_exchange(o)});  // keys are for the topics of their rig
+    print({check_exchange(o)});  // keys are for the topics of their rig
   if (is_bad)
     return 1;
-  say(check_neighbours(o));
+  print(check_neighbours(o));
   console::print_result("\nIf ROS 2 (rmw_cyclonedds_cpp) does not discover the ring, set:\n{}",
                         ros_environment(o.domain, o.network_interface));
   return 0;

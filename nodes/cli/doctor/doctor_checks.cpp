@@ -34,13 +34,13 @@ std::vector<Finding> check_cards(std::string_view interface_name,
       continue;
     if (!used)
       findings.push_back(
-          {Health::kMind,
+          {Health::kWarning,
            fmt::format("Card {} is not used ({}): ROS 2 tools bound to that card only do not "
                        "discover the ring",
                        name, card.is_multicast ? "DDS uses at most four cards" : "no multicast")});
     else if (!bus::multicast_returns(card))
       findings.push_back(
-          {is_host ? Health::kBad : Health::kMind,
+          {is_host ? Health::kBad : Health::kWarning,
            fmt::format("Card {}: multicast does not return to this machine. Check that the "
                        "firewall passes UDP to 239.255.0.1{}",
                        name, is_host ? "" : ", or list the other hosts with --discovery-peer")});
@@ -88,12 +88,13 @@ Finding check_indices(const std::set<unsigned>& taken) {
   if (left(119) < kOfARing)
     return {Health::kBad, counts + ": too few for a ring; choose another --domain"};
   if (left(32) < kOfARing)
-    return {Health::kMind,
+    return {Health::kWarning,
             counts + ": tools without multicast do not discover a new ring (qos/README.md)"};
   if (left(9) < kOfARing)
-    return {Health::kMind, counts +
-                               ": ROS 2 Humble with ROS_LOCALHOST_ONLY=1 discovers a new ring only "
-                               "partly (qos/README.md)"};
+    return {Health::kWarning,
+            counts +
+                ": ROS 2 Humble with ROS_LOCALHOST_ONLY=1 discovers a new ring only "
+                "partly (qos/README.md)"};
   return {Health::kGood, counts};
 }
 
@@ -101,7 +102,7 @@ std::vector<Finding> check_rights() {
   std::vector<Finding> findings;
   std::thread([&] {  // of this thread only
     for (const std::string& refused : runtime::enter_realtime({}))
-      findings.push_back({Health::kMind, refused});
+      findings.push_back({Health::kWarning, refused});
   })
       .join();
   if (findings.empty())
@@ -110,9 +111,9 @@ std::vector<Finding> check_rights() {
   const long allowed = number_in("/proc/sys/net/core/rmem_max");
   if (allowed >= 0 && allowed < kRequestedBytes)
     findings.push_back(
-        {Health::kMind, fmt::format("UDP receive buffers are limited to {} bytes: late readers "
-                                    "lose messages. Run `sysctl -w net.core.rmem_max={}`",
-                                    allowed, kRequestedBytes)});
+        {Health::kWarning, fmt::format("UDP receive buffers are limited to {} bytes: late readers "
+                                       "lose messages. Run `sysctl -w net.core.rmem_max={}`",
+                                       allowed, kRequestedBytes)});
   return findings;
 }
 

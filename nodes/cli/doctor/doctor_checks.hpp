@@ -11,7 +11,11 @@
 
 namespace voxtouch::cli {
 
-enum class Health : std::uint8_t { kGood, kMind, kBad };  ///< kBad: a ring cannot run as requested
+enum class Health : std::uint8_t {
+  kGood,
+  kWarning,
+  kBad
+};  ///< kBad: a ring cannot run as requested
 
 struct Finding {
   Health health;

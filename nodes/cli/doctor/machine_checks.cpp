@@ -59,7 +59,7 @@ Finding found(const UsbDevice& known, const fs::path& device, const fs::path& ro
   if (access(node.c_str(), R_OK | W_OK) == 0)
     return {Health::kGood, fmt::format("{} is on USB and accessible", known.name)};
   return {
-      Health::kMind,
+      Health::kWarning,
       fmt::format("{} is on USB, but this user cannot open {}. Install "
                   "deploy/devices/99-voxtouch-phantom.rules, join group 'haptic' and reconnect it",
                   known.name, node.string())};
@@ -72,7 +72,7 @@ Finding check_kernel(const fs::path& root) {
                     version = line_of(root / "proc/version");
   if (line_of(root / "sys/kernel/realtime") == "1" || version.contains("PREEMPT_RT"))
     return {Health::kGood, fmt::format("kernel {} is a real-time kernel", release)};
-  return {Health::kMind,
+  return {Health::kWarning,
           fmt::format("Kernel {} is not a real-time kernel: samples may be late by milliseconds. "
                       "On Debian, install linux-image-rt-amd64 and reboot",
                       release)};
@@ -89,7 +89,7 @@ Finding check_limits() {
       memory.rlim_cur == RLIM_INFINITY;
   if (enough || geteuid() == 0)
     return {Health::kGood, text};
-  return {Health::kMind,
+  return {Health::kWarning,
           text + fmt::format("; required: rtprio {}, memlock unlimited. Copy "
                              "deploy/services/99-voxtouch-realtime.conf to /etc/security/limits.d, "
                              "join its group and log in again",
@@ -105,24 +105,25 @@ Finding check_governors(const fs::path& root) {
     return {Health::kGood, "CPU governor: not available (usual in a virtual machine)"};
   if (governors == std::set<std::string>{"performance"})
     return {Health::kGood, "CPU governor: performance"};
-  return {Health::kMind, fmt::format("CPU governor: {}; frequency scaling delays samples. Run "
-                                     "`cpupower frequency-set -g performance`",
-                                     fmt::join(governors, ", "))};
+  return {Health::kWarning, fmt::format("CPU governor: {}; frequency scaling delays samples. Run "
+                                        "`cpupower frequency-set -g performance`",
+                                        fmt::join(governors, ", "))};
 }
 
 std::vector<Finding> check_link(std::string_view card, const fs::path& root) {
   const fs::path folder = root / "sys/class/net" / card;
   std::error_code error;
   if (fs::exists(folder / "wireless", error))
-    return {{Health::kMind, fmt::format("Card {} is wireless: samples may be late by tens of "
-                                        "milliseconds. Use a cable for a ring over several hosts",
-                                        card)}};
+    return {
+        {Health::kWarning, fmt::format("Card {} is wireless: samples may be late by tens of "
+                                       "milliseconds. Use a cable for a ring over several hosts",
+                                       card)}};
   const std::string text = line_of(folder / "speed");
   const long speed = std::strtol(text.c_str(), nullptr, 10);
   if (speed > 0 && speed < 100)
-    return {{Health::kMind, fmt::format("Card {} runs at {} Mbit/s; a ring over several hosts "
-                                        "needs 100 or more. Check cable and switch",
-                                        card, speed)}};
+    return {{Health::kWarning, fmt::format("Card {} runs at {} Mbit/s; a ring over several hosts "
+                                           "needs 100 or more. Check cable and switch",
+                                           card, speed)}};
   return {};
 }
 
@@ -145,7 +146,7 @@ std::vector<Finding> check_devices(const fs::path& root) {
   const bool library = std::ranges::any_of(
       std::array{"usr/lib", "usr/lib64", "usr/local/lib", "usr/lib/x86_64-linux-gnu"}, has_library);
   if (!findings.empty() && !library)
-    findings.push_back({Health::kMind,
+    findings.push_back({Health::kWarning,
                         "libHD.so not found in the usual folders: `--device phantom` needs "
                         "OpenHaptics (deploy/devices/phantom.md)"});
   if (findings.empty())

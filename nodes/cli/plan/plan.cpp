@@ -35,7 +35,7 @@ DeviceVerdict judge(const PlanVerb& o, const scene::Scene& scene,
   const coupling::design::DeviceModel device = find_device(o.device);
   DeviceVerdict out{.device = o.device, .errors = {}, .notes = {}};
   if (!device.gives_torque)
-    out.notes.emplace_back(kTurnsAreHeld);
+    out.notes.emplace_back(kRotationIsLatched);
   const device_fit::FittedCoupling fit =
       device_fit::fit_coupling(scene, device, plan.contact_n_per_m, plan.contact_nm_per_rad);
   if (!fit.refusal.empty()) {

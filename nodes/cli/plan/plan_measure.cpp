@@ -97,10 +97,10 @@ class ToolPath {
  private:
   rendering::ToolState along(double t_s) const {
     const MotionPoint point = motion_at(*motion_, t_s);
-    const MotionTurnPoint turn = turn_at(*motion_, t_s);
+    const MotionOrientation angular = orientation_at(*motion_, t_s);
     rendering::ToolState tool;
-    tool.pose = {point.position, turn.orientation};
-    tool.twist = {point.velocity, turn.rate};
+    tool.pose = {point.position, angular.orientation};
+    tool.twist = {point.velocity, angular.rate};
     return tool;
   }
 
@@ -200,7 +200,7 @@ class Measurement {
     const effects::EffectFrame in =
         built_.scene_renderer().effect_frame(tool, kDefaultS, time_s, contacts.parts(touch));
     for (std::size_t e = 0; e < alone_.size(); ++e)
-      samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
+      samples_.effects[e].push_back(watch_.ns([&] { effect_force_ = alone_[e].apply(in); }));
     rendering::SceneFrame all;
     samples_.frame.push_back(
         watch_.ns([&] { all = built_.scene_renderer().render(tool, time_s += kDefaultS); }));
@@ -229,7 +229,7 @@ class Measurement {
       const effects::EffectFrame in = renderer.effect_frame(
           hand, kDefaultS, time_s_, contacts.parts(contacts.render(hand.pose, 0.0)));
       for (std::size_t e = 0; e < alone_.size(); ++e) {
-        samples_.effects[e].push_back(watch_.ns([&] { push_ = alone_[e].apply(in); }));
+        samples_.effects[e].push_back(watch_.ns([&] { effect_force_ = alone_[e].apply(in); }));
         effects += samples_.effects[e].back();
       }
       if (coupling_) {
@@ -326,7 +326,7 @@ class Measurement {
   std::vector<effects::EffectChain> alone_;
   std::optional<coupling::RunningCoupling> coupling_;
   contact::HitList hits_;
-  effects::EffectForce push_;
+  effects::EffectForce effect_force_;
   effects::BodyGrip grip_;
   Samples samples_;
   double time_s_ = 0.0;       ///< of a virtual tool's frames

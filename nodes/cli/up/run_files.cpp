@@ -58,7 +58,7 @@ std::string json_of(const RunSummary& summary) {
          "\n";  // paths need not be UTF-8
 }
 
-void keep_verdict(const RunSummary& summary) {
+void save_verdict(const RunSummary& summary) {
   std::error_code none;
   if (std::filesystem::is_empty(summary.bag, none) || none)
     return;

@@ -37,7 +37,7 @@ std::filesystem::path fault_folder_of(const std::filesystem::path& bag);
 /// The summary as one JSON object.
 std::string json_of(const RunSummary& summary);
 /// Writes voxtouch_run.json next to the bag: the verdict, with each limit and its measured value.
-void keep_verdict(const RunSummary& summary);
+void save_verdict(const RunSummary& summary);
 /// Draws the report next to the bag. It is not part of the run: a failure prints a sentence, and a
 /// long one continues in the background.
 void report_on(const RunSummary& summary);

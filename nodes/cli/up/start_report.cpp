@@ -71,7 +71,7 @@ std::vector<std::string> StartReport::poll(const Reports& reports) {
     for (const std::string& line : force_lines(preview, device_))
       lines.push_back("note: " + line);
     if (word(reports, "coupling", "returns_torque") == "no")
-      lines.push_back(fmt::format("note: {}", kTurnsAreHeld));
+      lines.push_back(fmt::format("note: {}", kRotationIsLatched));
   }
   return lines;
 }

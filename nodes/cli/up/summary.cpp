@@ -64,7 +64,7 @@ nlohmann::ordered_json coupling_json(const Reports& r) {
 }
 
 /// Figures of optional parts of a scene: a virtual tool, an external wrench.
-void add_what_the_scene_has(nlohmann::ordered_json& j, const RunSummary& s) {
+void add_scene_facts(nlohmann::ordered_json& j, const RunSummary& s) {
   const Reports& r = s.reports;
   if (has_virtual_tool(s)) {
     add_numbers(j["virtual_tool"], r, "rendering", {"spring_n_per_m", "most_residual_m"});
@@ -111,7 +111,7 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
   add_counts(j, r, "rendering",
              {"contact_samples", "latched_samples", "saturated_samples", "fast_samples",
               "tunnelling_suspected_samples", "passed_through_samples"});
-  add_what_the_scene_has(j, s);
+  add_scene_facts(j, s);
   add_counts(j, r, "device", {"zero_force_samples", "interruptions", "force_losses"});
   add_numbers(j, r, "device", {"force_lost_s"});
   j["max_force_n"] = number(r, "device", "max_force_n");

@@ -102,7 +102,7 @@ int up(const UpOptions& options) {
   choice.reset();
   console::print_result("{}", options.json ? json_of(summary) : to_text(summary));
   if (!options.no_record)
-    keep_verdict(summary);
+    save_verdict(summary);
   if (!options.no_record && !options.no_report) {
     console::finish_results();  // the summary does not wait while a page is drawn
     report_on(summary);

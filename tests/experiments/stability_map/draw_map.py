@@ -129,9 +129,9 @@ def stability_figure(file):
 def main(table, picture):
     check_picture(picture)
     with matplotlib.rc_context(STYLE):
-        figure, shows = stability_figure(table)
+        figure, caption = stability_figure(table)
         save(figure, picture)
-    print(f"{picture} {shows}")
+    print(f"{picture} {caption}")
 
 
 if __name__ == "__main__":

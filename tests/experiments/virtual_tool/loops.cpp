@@ -207,7 +207,7 @@ PlanePose exact_pin(const PlanePose& hand, double hole_radius, double lever_m) {
   return at;
 }
 
-PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t seed) {
+PinFigures pin(double edge, double clearance_m, double rotation_rad, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   constexpr double kIn = 0.015;
   Rig rig(hole_mesh(kPegRadius + clearance_m, kPegHole), edge, peg_mesh(), kPegLever);
@@ -223,11 +223,11 @@ PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t s
     return kStiffness * kPegLever * kPegLever *
            (turn - exact_pin({0, z, turn}, kPegRadius + clearance_m, kPegLever).turn);
   };
-  figures.torque_nm = exact(turn_rad);
+  figures.torque_nm = exact(rotation_rad);
   constexpr int kFrames = 2000;
   double last = 0.0;
   for (int n = 1; n <= kFrames; ++n) {
-    const double turn = turn_rad * n / kFrames, expected = exact(turn);
+    const double turn = rotation_rad * n / kFrames, expected = exact(turn);
     const double torque = -rig.frame(Pose{Vec3(0, 0, z), Quat(Eigen::AngleAxisd(turn, axis))})
                                .wrench(kStiffness)
                                .torque.dot(axis);

@@ -59,6 +59,6 @@ struct PinFigures {
   double step_over_torque = 0.0;  ///< from frame to frame, over the last torque
   double torque_nm = 0.0;         ///< the exact one in the end
 };
-PinFigures pin(double edge, double clearance_m, double turn_rad, std::uint64_t seed);
+PinFigures pin(double edge, double clearance_m, double rotation_rad, std::uint64_t seed);
 
 }  // namespace voxtouch::virtual_tool

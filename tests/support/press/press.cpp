@@ -45,7 +45,7 @@ class Hand {
 
  private:
   Pose pose_at(double time_s) const {
-    return {motion_at(motion_, time_s).position, turn_at(motion_, time_s).orientation};
+    return {motion_at(motion_, time_s).position, orientation_at(motion_, time_s).orientation};
   }
   Vec3 contact_at(double time_s) { return contact_at(time_s, pose_at(time_s)); }
   Vec3 contact_at(double time_s, const Pose& pose) {

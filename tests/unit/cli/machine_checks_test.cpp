@@ -30,7 +30,7 @@ using MachineChecks = Root;
 TEST_F(MachineChecks, DetectARealTimeKernelByEitherSign) {
   put("proc/sys/kernel/osrelease", "6.1.0-18-amd64");
   put("proc/version", "Linux version 6.1.0-18-amd64 #1 SMP PREEMPT_DYNAMIC");
-  EXPECT_EQ(check_kernel(root_).health, Health::kMind);
+  EXPECT_EQ(check_kernel(root_).health, Health::kWarning);
   EXPECT_TRUE(check_kernel(root_).sentence.contains("6.1.0-18-amd64"))
       << check_kernel(root_).sentence;
   EXPECT_TRUE(check_kernel(root_).sentence.contains("linux-image-rt-amd64"));
@@ -74,7 +74,7 @@ TEST_F(MachineChecks, FindUsbDevicesAndTheirPermissions) {
   put("sys/bus/usb/devices/1-3/idProduct", "6001");
   std::vector<Finding> findings = check_devices(root_);
   ASSERT_EQ(findings.size(), 2U);
-  EXPECT_EQ(findings[0].health, Health::kMind);
+  EXPECT_EQ(findings[0].health, Health::kWarning);
   EXPECT_TRUE(findings[0].sentence.contains("3D Systems Touch")) << findings[0].sentence;
   EXPECT_TRUE(findings[0].sentence.contains("dev/bus/usb/001/007")) << findings[0].sentence;
   EXPECT_TRUE(findings[1].sentence.contains("libHD.so"));

@@ -73,8 +73,8 @@ TEST(FieldModel, BatchedLookupIsBitIdenticalToSingle) {
   int deep = 0, unknown = 0;
   contact::HitBlock block;
   contact::FieldSamples samples;
-  contact::Pushes along_normal, along_gradient;
-  contact::PushLanes lanes;
+  contact::PenaltyForces along_normal, along_gradient;
+  contact::PenaltyLanes lanes;
   for (int n = 0; n < 2000; ++n) {
     block.groups = 1 + random() % contact::HitBlock::kGroups, block.count = block.filled();
     // From far outside of the table to the middle of the block.
@@ -89,8 +89,8 @@ TEST(FieldModel, BatchedLookupIsBitIdenticalToSingle) {
       block.weight[k] = uniform(random, 0.0, 1e-6);
     }
     contact::sample_block(s.ground.field, local, block, samples);
-    contact::push_by_field(block, samples, s.ground.field.arrays().depth_voxels, along_normal,
-                           along_gradient, lanes);
+    contact::field_forces(block, samples, s.ground.field.arrays().depth_voxels, along_normal,
+                          along_gradient, lanes);
     for (std::size_t k = 0; k < block.filled(); ++k) {
       const voxmap::FieldSample one = s.ground.field.at(
           (local + Vec3(block.arm[0][k], block.arm[1][k], block.arm[2][k])) / grid.edge);
@@ -98,12 +98,12 @@ TEST(FieldModel, BatchedLookupIsBitIdenticalToSingle) {
       for (int axis = 0; axis < 3; ++axis)
         ASSERT_EQ(samples.gradient[axis][k], one.gradient[axis]);
       ASSERT_EQ(samples.least[k] <= -s.ground.field.arrays().depth_voxels, one.saturated);
-      const double steepness = one.gradient.norm(), push = block.weight[k] * -one.distance_m;
+      const double steepness = one.gradient.norm(), force = block.weight[k] * -one.distance_m;
       const Vec3 gradient = steepness > 0.0 ? Vec3(one.gradient * (1.0 / steepness)) : one.gradient;
       for (int axis = 0; axis < 3; ++axis)
         ASSERT_EQ(along_gradient.j[axis][k], gradient[axis]);
-      ASSERT_EQ(along_normal.push[k], push > 0.0 ? push : 0.0);
-      ASSERT_EQ(along_normal.weight[k], push > 0.0 ? 0.5 * block.weight[k] * steepness : 0.0);
+      ASSERT_EQ(along_normal.force[k], force > 0.0 ? force : 0.0);
+      ASSERT_EQ(along_normal.weight[k], force > 0.0 ? 0.5 * block.weight[k] * steepness : 0.0);
       deep += one.saturated, unknown += !one.known;
     }
   }

@@ -8,7 +8,7 @@
 
 #include "core/contact/instructions.hpp"
 #include "core/contact/limits.hpp"
-#include "core/contact/push_sums.hpp"
+#include "core/contact/penalty_sums.hpp"
 #include "field_scenes.hpp"
 #include "fixtures.hpp"
 #include "tests/support/seed.hpp"
@@ -128,7 +128,7 @@ struct Plain {
   Vec3 deepest_point = Vec3::Zero();
 };
 
-Plain plain_sums(const contact::HitList& hits, const contact::PushDirection& direction) {
+Plain plain_sums(const contact::HitList& hits, const contact::ForceDirection& direction) {
   Plain out;
   for (const contact::Hit& hit : hits.surface) {
     Vec3 u = hit.normal;
@@ -190,15 +190,15 @@ TEST_F(KernelTest, SumEqualsAPlainLoop) {
         for (const double fraction : {0.0, 0.3, 0.7}) {
           contact::ContactResult result;
           contact::StiffnessSum sum;
-          contact::push_along_directions(hits.surface, {m, fraction}, kStiffness,
-                                         hits.pose_WT.position, result, sum);
+          contact::add_forces_along_directions(hits.surface, {m, fraction}, kStiffness,
+                                               hits.pose_WT.position, result, sum);
           Mat6 stiffness = Mat6::Zero();
           sum.add_to(kStiffness, stiffness);
           ASSERT_NO_FATAL_FAILURE(
               expect_near(result, stiffness, plain_sums(hits, {m, fraction}), kStiffness));
         }
         contact::ContactResult result;
-        contact::push_along_mean(hits.surface, m, kStiffness, hits.pose_WT.position, result);
+        contact::add_forces_along_mean(hits.surface, m, kStiffness, hits.pose_WT.position, result);
         ASSERT_NO_FATAL_FAILURE(
             expect_near(result, result.stiffness, plain_sums(hits, {m, 1.0}), kStiffness));
         if (HasFailure())
@@ -247,10 +247,10 @@ TEST_F(KernelTest, SkipNoPushingHit) {
             const auto sum = [&](const contact::Hits& list, contact::StageResult& result,
                                  contact::StiffnessSum& stiffness) {
               if (fraction == 1.0)
-                contact::push_along_mean(list, m, 3.0, hits.pose_WT.position, result.contact);
+                contact::add_forces_along_mean(list, m, 3.0, hits.pose_WT.position, result.contact);
               else
-                contact::push_along_directions(list, {m, fraction}, 3.0, hits.pose_WT.position,
-                                               result.contact, stiffness);
+                contact::add_forces_along_directions(
+                    list, {m, fraction}, 3.0, hits.pose_WT.position, result.contact, stiffness);
             };
             sum(hits.surface, some, of_some), sum(all, every, of_every);
             ASSERT_TRUE(same(some, every))

@@ -34,7 +34,7 @@ struct Led {
     ++periods;
   }
   MotionPoint position() const { return follower.position_at(time_s()); }
-  MotionTurnPoint turn() const { return follower.turn_at(time_s()); }
+  MotionOrientation turn() const { return follower.orientation_at(time_s()); }
 };
 
 /// Gain of the follower at a frequency, by correlation over whole periods.
@@ -155,10 +155,10 @@ TEST(TargetFollower, RatesAreTheDerivativesOfThePose) {
     const Vec3 moved =
         led.follower.position_at(t + h).position - led.follower.position_at(t - h).position;
     ASSERT_LT((moved / (2 * h) - led.follower.position_at(t).velocity).norm(), 1e-6);
-    const Quat turn = led.follower.turn_at(t + h).orientation *
-                      led.follower.turn_at(t - h).orientation.conjugate();
+    const Quat turn = led.follower.orientation_at(t + h).orientation *
+                      led.follower.orientation_at(t - h).orientation.conjugate();
     const Vec3 rate = (turn.w() < 0 ? -1.0 : 1.0) * turn.vec() / h;
-    ASSERT_LT((rate - led.follower.turn_at(t).rate).norm(), 1e-6);
+    ASSERT_LT((rate - led.follower.orientation_at(t).rate).norm(), 1e-6);
   });
 }
 

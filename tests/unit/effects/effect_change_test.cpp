@@ -30,8 +30,8 @@ constexpr std::array kPushParameters = {
 /// A constant force; its stiffness is bounded only below a `high` of 9.
 class Push final : public Effect {
  public:
-  void apply(const EffectFrame&, const EffectValues& values, EffectForce& push) noexcept override {
-    push.wrench.force += values.number(kForce) * values.vector(kAlong);
+  void apply(const EffectFrame&, const EffectValues& values, EffectForce& sum) noexcept override {
+    sum.wrench.force += values.number(kForce) * values.vector(kAlong);
   }
 };
 

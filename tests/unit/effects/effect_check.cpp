@@ -124,14 +124,14 @@ void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance, b
             effects::bound_of(bench.spec()).stiffness_nm_per_rad * (1 + 1e-9));
 }
 
-std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m, double turn_rad,
-                              std::size_t steps) {
+std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m,
+                              double rotation_rad, std::size_t steps) {
   constexpr int kSines = 3;
   std::array<Vec3, 2 * kSines> swing, turn;
   for (Vec3& v : swing)
     v = random.vector(size_m / kSines);
   for (Vec3& v : turn)
-    v = random.vector(turn_rad / kSines);
+    v = random.vector(rotation_rad / kSines);
   std::vector<Pose> path;
   for (std::size_t n = 0; n <= steps; ++n) {
     const double t =

@@ -68,8 +68,8 @@ void expect_stiffness_covers(Bench& bench, const Pose& pose, double tolerance,
                              bool with_rotation = false, double step = 1e-7);
 
 /// A closed path: sums of sines round `centre`; straight between `steps` poses.
-std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m, double turn_rad,
-                              std::size_t steps);
+std::vector<Pose> closed_path(Random& random, const Vec3& centre, double size_m,
+                              double rotation_rad, std::size_t steps);
 
 struct Work {
   double net_j = 0.0;    ///< given to the hand

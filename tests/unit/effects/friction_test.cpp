@@ -11,9 +11,9 @@ const BallTool kBall;
 constexpr double kWall = 1000.0;  // N/m of the object
 const Vec3 kUp = Vec3::UnitZ();
 
-/// Presses with `push_n` at `x`, `y`.
-Pose pressing(double push_n, double x, double y = 0.0) {
-  return {Vec3(x, y, kBall.radius_m - push_n / kWall), Quat::Identity()};
+/// Presses with `force_n` at `x`, `y`.
+Pose pressing(double force_n, double x, double y = 0.0) {
+  return {Vec3(x, y, kBall.radius_m - force_n / kWall), Quat::Identity()};
 }
 
 effects::EffectForce slide_to(Asked& asked, const Pose& pose) {
@@ -281,18 +281,18 @@ TEST(Friction, ReportsAtLeastItsOwnStiffness) {
 }
 
 TEST(Friction, StiffnessCoversAReleaseUnderEasingForce) {
-  const double wall = 3000, slides = 0.5, k = 100, push_n = 2.0;
+  const double wall = 3000, slides = 0.5, k = 100, force_n = 2.0;
   Asked asked(
       effect("friction", {{"coulomb", {slides}}, {"sticking", {1.5}}, {"stiffness_n_per_m", {k}}}));
   const auto contact = [&](const Pose& pose) {
     return std::vector{on_plane(pose, kBall, kUp, 0, wall)};
   };
-  Pose pose{Vec3(0, 0, 0.01 - push_n / wall), Quat::Identity()};
+  Pose pose{Vec3(0, 0, 0.01 - force_n / wall), Quat::Identity()};
   asked.at(pose, contact(pose));
-  pose.position.x() = (1.5 * slides * push_n + 0.25 * slides * push_n) / k;  // half torn
+  pose.position.x() = (1.5 * slides * force_n + 0.25 * slides * force_n) / k;  // half torn
   const effects::EffectForce before = asked.at(pose, contact(pose));
-  ASSERT_GT(before.wrench.force.norm(), 1.1 * slides * push_n);
-  ASSERT_LT(before.wrench.force.norm(), 1.4 * slides * push_n);
+  ASSERT_GT(before.wrench.force.norm(), 1.1 * slides * force_n);
+  ASSERT_LT(before.wrench.force.norm(), 1.4 * slides * force_n);
   pose.position.z() += 1e-7;
   const effects::EffectForce after = asked.at(pose, contact(pose));
   const double change = (after.wrench.force - before.wrench.force).norm() / 1e-7;

@@ -6,7 +6,7 @@ namespace surface_damping_test {
 const BallTool kBall;
 const Vec3 kUp = Vec3::UnitZ();
 
-Pose pressing(double push_n) { return {Vec3(0, 0, 0.01 - push_n / 1000.0), Quat::Identity()}; }
+Pose pressing(double force_n) { return {Vec3(0, 0, 0.01 - force_n / 1000.0), Quat::Identity()}; }
 contact::ContactResult plane(const Pose& pose) { return on_plane(pose, kBall, kUp, 0, 1000); }
 
 TEST(SurfaceDamping, HasItsViscosityAlongAndAcrossTheSurface) {

@@ -16,8 +16,8 @@ effects::EffectSpec texture(int pattern, double wavelength_m, double force_n,
                             {"force_n", {force_n}},
                             {"direction", {direction.x(), direction.y(), direction.z()}}});
 }
-Pose pressing(double push_n, double x, double y = 0.0) {
-  return {Vec3(x, y, 0.01 - push_n / 1000.0), Quat::Identity()};
+Pose pressing(double force_n, double x, double y = 0.0) {
+  return {Vec3(x, y, 0.01 - force_n / 1000.0), Quat::Identity()};
 }
 contact::ContactResult plane(const Pose& pose) { return on_plane(pose, kBall, kUp, 0, 1000); }
 effects::EffectSpec any_texture(std::mt19937_64& random) {
@@ -81,11 +81,11 @@ TEST(Texture, PushesAlongTheSurfaceOnlyAndNotInFreeSpace) {
     Asked asked(texture(pattern, 0.003, 1.0, Vec3(0.6, 0, 0.8)));
     double last_push = 0.0, most = 0.0;
     for (int n = 0; n < 500; ++n) {
-      const double push_n = 0.004 * n - 1.0;
-      const Pose pose = pressing(push_n, 0.0001);
+      const double force_n = 0.004 * n - 1.0;
+      const Pose pose = pressing(force_n, 0.0001);
       const Vec3 force = asked.at(pose, {plane(pose)}).wrench.force;
       EXPECT_NEAR(force.z(), 0.0, 1e-15);
-      if (push_n <= 0) {
+      if (force_n <= 0) {
         EXPECT_EQ(force, Vec3::Zero());
       }
       EXPECT_LE(std::abs(force.norm() - last_push), 0.05) << "a step at the begin of the contact";

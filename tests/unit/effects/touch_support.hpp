@@ -98,10 +98,10 @@ inline double work(const Wrench& from, const Wrench& to, const Pose& start, cons
 /// A smooth closed path of the tool, seeded: three harmonics on each axis.
 class ClosedPath {
  public:
-  ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& path_m, double turn_rad)
+  ClosedPath(std::mt19937_64& random, const Pose& middle, const Vec3& path_m, double rotation_rad)
       : middle_(middle),
         path_m_(path_m),
-        turn_rad_(turn_rad) {
+        rotation_rad_(rotation_rad) {
     std::normal_distribution<double> number;
     for (int h = 0; h < 3; ++h)
       for (int a = 0; a < 6; ++a)
@@ -115,7 +115,7 @@ class ClosedPath {
         const double phase = 2.0 * M_PI * (h + 1) * t;
         x[a] += sine_[h][a] * std::sin(phase) + cosine_[h][a] * std::cos(phase);
       }
-    const Vec3 turn = turn_rad_ * x.tail<3>();
+    const Vec3 turn = rotation_rad_ * x.tail<3>();
     return {middle_.position + path_m_.cwiseProduct(x.head<3>()),
             Quat(Eigen::AngleAxisd(turn.norm(), turn.normalized())) * middle_.orientation};
   }
@@ -123,7 +123,7 @@ class ClosedPath {
  private:
   Pose middle_;
   Vec3 path_m_;
-  double turn_rad_;
+  double rotation_rad_;
   double sine_[3][6], cosine_[3][6];
 };
 

@@ -45,7 +45,7 @@ void print(const Scene& scene) {
   std::vector<double> times;
   std::uint64_t most_work = 0;
   double most_us_per_unit = 0.0, first_us = 0.0;
-  int cut_short = 0, not_converged = 0, void_steps = 0, intersecting = 0, starts = 0;
+  int cut_short = 0, not_converged = 0, rejected_steps = 0, intersecting = 0, starts = 0;
   for (int k = 0; k < scene.frames; ++k) {
     const Pose hand = scene.hand(k);
     const double begin = cpu_us();
@@ -63,7 +63,7 @@ void print(const Scene& scene) {
       most_us_per_unit = std::max(most_us_per_unit, took / static_cast<double>(frame.work));
     cut_short += frame.cut_short;
     not_converged += frame.not_converged;
-    void_steps += frame.void_steps;
+    rejected_steps += frame.rejected_steps;
     if (k % 100 == 0)
       intersecting += rig.intersects();
   }
@@ -77,7 +77,7 @@ void print(const Scene& scene) {
       "{:<26} {:>6} {:>6.2f} {:>7.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>7.1f} {:>7} {:>6.1f} {:>6} "
       "{:>6} {:>6} {:>4}\n",
       scene.name, times.size(), built, first_us, at(0.5), at(0.99), at(0.9999), times.back(),
-      most_work, 1e3 * most_us_per_unit, cut_short, not_converged, void_steps, intersecting);
+      most_work, 1e3 * most_us_per_unit, cut_short, not_converged, rejected_steps, intersecting);
 }
 
 /// A hand that moves to random places within `reach` and rotates within `angle`, a new one each 0.1

@@ -75,7 +75,7 @@ TEST(Frames, AtTheWorkLimitTheToolTrailsAndNeverPasses) {
 }
 
 struct Journey {
-  int intersections = 0, void_steps = 0, unfinished = 0, cut_short = 0;
+  int intersections = 0, rejected_steps = 0, unfinished = 0, cut_short = 0;
   std::uint64_t most_work = 0;
 };
 
@@ -85,7 +85,7 @@ Journey travel(Rig& rig, int frames, const Hand& hand) {
   Journey out;
   for (int k = 0; k < frames; ++k) {
     const VirtualToolFrame frame = rig.frame(hand(k));
-    out.void_steps += frame.void_steps;
+    out.rejected_steps += frame.rejected_steps;
     out.unfinished += frame.not_converged;
     out.cut_short += frame.cut_short;
     out.most_work = std::max(out.most_work, frame.work);
@@ -101,7 +101,7 @@ TEST(Frames, GapsDoNotErodeAtThreeMetresPerSecond) {
   ASSERT_TRUE(bowl.virtual_tool.place({}, {&bowl.object_pose, 1}));
   const Journey in_bowl = travel(bowl, 6000, [](int k) { return tumbling(3 * k); });
   EXPECT_EQ(in_bowl.intersections, 0);
-  EXPECT_LT(in_bowl.void_steps, 6000);
+  EXPECT_LT(in_bowl.rejected_steps, 6000);
   EXPECT_FALSE(bowl.rest(tumbling(18000), 1000).not_converged);
 
   Rig plate(box, test::box({-.1, -.1, -.02}, {.1, .1, 0}));
@@ -113,7 +113,7 @@ TEST(Frames, GapsDoNotErodeAtThreeMetresPerSecond) {
   };
   const Journey on_plate = travel(plate, 6000, over);
   EXPECT_EQ(on_plate.intersections, 0);
-  EXPECT_LT(on_plate.void_steps, 6000);
+  EXPECT_LT(on_plate.rejected_steps, 6000);
   EXPECT_FALSE(plate.rest(over(6000), 1000).not_converged);
 }
 

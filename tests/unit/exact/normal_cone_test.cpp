@@ -44,7 +44,7 @@ TEST(NormalCone, HoldsAllThatWasAdded) {
 
 /// Two normals that face each other within the slack are never promised to be farther apart by
 /// rotation than they are.
-TEST(TurnBound, IsNoMoreThanTheRotationThatIsNeeded) {
+TEST(RotationBound, IsNoMoreThanTheRotationThatIsNeeded) {
   const std::uint64_t seed = testing::seed(82);
   SCOPED_TRACE(testing::seed_trace(seed));
   constexpr double kReach = 0.02;
@@ -56,23 +56,23 @@ TEST(TurnBound, IsNoMoreThanTheRotationThatIsNeeded) {
     const Vec3 a = near(of_tool, 0.2, random), b = near(of_tool, 0.2, random),
                c = near(of_object, 0.2, random), d = near(of_object, 0.2, random);
     const Quat turn(Eigen::AngleAxisd(uniform(random), direction(random)));
-    const TurnBound bound(NormalCone(a, b), turn.toRotationMatrix(), kReach);
+    const RotationBound bound(NormalCone(a, b), turn.toRotationMatrix(), kReach);
     const double path = bound.path_m(NormalCone(c, d));
     away += path > 0.0;
     for (const Vec3& tool : {a, b, Vec3((a + b).normalized())})
       for (const Vec3& object : {c, d, Vec3((c + d).normalized())})
         ASSERT_LE(
             path,
-            kReach * std::max(0.0, angle(-(turn * tool), object) - TurnBound::kSlackRad) + 1e-9)
+            kReach * std::max(0.0, angle(-(turn * tool), object) - RotationBound::kSlackRad) + 1e-9)
             << n;
   }
   EXPECT_GT(away, 10000);
 }
 
-TEST(TurnBound, OfAnyDirectionPromisesNothing) {
-  const TurnBound bound(NormalCone::all(), Mat3::Identity(), 1.0);
+TEST(RotationBound, OfAnyDirectionPromisesNothing) {
+  const RotationBound bound(NormalCone::all(), Mat3::Identity(), 1.0);
   EXPECT_EQ(bound.path_m(NormalCone(Vec3::UnitX(), Vec3::UnitX())), 0.0);
-  const TurnBound other(NormalCone(Vec3::UnitX(), Vec3::UnitX()), Mat3::Identity(), 1.0);
+  const RotationBound other(NormalCone(Vec3::UnitX(), Vec3::UnitX()), Mat3::Identity(), 1.0);
   EXPECT_EQ(other.path_m(NormalCone::all()), 0.0);
 }
 

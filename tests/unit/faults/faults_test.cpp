@@ -160,14 +160,14 @@ TEST(FaultLatch, IsResetByItsOwnNumberOnlyOnce) {
 }
 
 TEST(FaultRecorder, ReportsEachRecordOfAnotherNodeOnce) {
-  OthersFaults seen;
+  ReportedFaults seen;
   runtime::NodeReport other;
-  EXPECT_FALSE(seen.see(other));
-  other.figures[OthersFaults::kFigure] = {1.0, "records"};
-  EXPECT_TRUE(seen.see(other));
-  EXPECT_FALSE(seen.see(other));
-  other.figures[OthersFaults::kFigure] = {0.0, "records"};
-  EXPECT_FALSE(seen.see(other)) << "it was started anew";
+  EXPECT_FALSE(seen.is_new(other));
+  other.figures[ReportedFaults::kFigure] = {1.0, "records"};
+  EXPECT_TRUE(seen.is_new(other));
+  EXPECT_FALSE(seen.is_new(other));
+  other.figures[ReportedFaults::kFigure] = {0.0, "records"};
+  EXPECT_FALSE(seen.is_new(other)) << "it was started anew";
 }
 
 }  // namespace

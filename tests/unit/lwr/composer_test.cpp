@@ -12,9 +12,9 @@ struct Scene {
   Scene() {
     msr.interface.state = State::kMon, msr.interface.quality = Quality::kPerfect;
     msr.robot.power = kAllDrives, msr.robot.control = Control::kJointImpedance;
-    session.see(msr, 1e-3, Diagnostic::kNone);
+    session.update(msr, 1e-3, Diagnostic::kNone);
     msr.interface.state = State::kCmd;
-    session.see(msr, 1e-3, Diagnostic::kNone);
+    session.update(msr, 1e-3, Diagnostic::kNone);
     push.setConstant(5.0);
   }
   MsrPacket msr = empty_msr();
@@ -28,7 +28,7 @@ TEST(FriComposer, OmitsTheForceIfTheSessionForbidsIt) {
   ASSERT_TRUE(s.session.force_allowed());
   EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq[3], 5.0F);
   s.msr.interface.quality = Quality::kBad;
-  s.session.see(s.msr, 1e-3, Diagnostic::kNone);
+  s.session.update(s.msr, 1e-3, Diagnostic::kNone);
   ASSERT_TRUE(s.session.in_command());
   EXPECT_EQ(s.composer.answer(s.msr, s.session, true, s.push).command.add_jnt_trq, Joints{});
 }

@@ -13,9 +13,9 @@ using Verdict = SequenceTracker::Verdict;
 TEST(FriSequence, TakesEachCountOnceAcrossTheWrap) {
   SequenceTracker tracker;
   for (std::uint16_t n = 65000; n != 1000; ++n) {
-    ASSERT_EQ(tracker.see(n), Verdict::kNew);
+    ASSERT_EQ(tracker.update(n), Verdict::kNew);
     ASSERT_EQ(tracker.steps(), 1U);
-    ASSERT_EQ(tracker.see(n), Verdict::kDuplicate);
+    ASSERT_EQ(tracker.update(n), Verdict::kDuplicate);
   }
   EXPECT_EQ(tracker.counts().lost, 0U);
   EXPECT_EQ(tracker.counts().duplicates, 1536U);
@@ -23,40 +23,40 @@ TEST(FriSequence, TakesEachCountOnceAcrossTheWrap) {
 
 TEST(FriSequence, CountsWhatIsLostAndWhatComesLate) {
   SequenceTracker tracker;
-  tracker.see(65534);
-  EXPECT_EQ(tracker.see(1), Verdict::kNew);
+  tracker.update(65534);
+  EXPECT_EQ(tracker.update(1), Verdict::kNew);
   EXPECT_EQ(tracker.steps(), 3U);
   EXPECT_EQ(tracker.counts().lost, 2U);
-  EXPECT_EQ(tracker.see(65535), Verdict::kOld);
-  EXPECT_EQ(tracker.see(0), Verdict::kOld);
+  EXPECT_EQ(tracker.update(65535), Verdict::kOld);
+  EXPECT_EQ(tracker.update(0), Verdict::kOld);
   EXPECT_EQ(tracker.counts().reordered, 2U);
-  EXPECT_EQ(tracker.see(2), Verdict::kNew);
+  EXPECT_EQ(tracker.update(2), Verdict::kNew);
   EXPECT_EQ(tracker.steps(), 1U);
 }
 
 TEST(FriSequence, FollowsARestartedCount) {
   SequenceTracker tracker;
-  tracker.see(20000);
+  tracker.update(20000);
   std::uint16_t n = 1;
-  while (tracker.see(n) == Verdict::kOld)
+  while (tracker.update(n) == Verdict::kOld)
     ASSERT_LT(n++, 100);
   EXPECT_EQ(n, SequenceTracker::kRestartRun);
-  EXPECT_EQ(tracker.see(static_cast<std::uint16_t>(n + 1)), Verdict::kNew);
+  EXPECT_EQ(tracker.update(static_cast<std::uint16_t>(n + 1)), Verdict::kNew);
   EXPECT_EQ(tracker.counts().restarts, 1U);
 }
 
 TEST(FriSequence, DoesNotTakeScatteredOldPacketsForARestart) {
   SequenceTracker tracker;
-  tracker.see(20000);
+  tracker.update(20000);
   for (int n = 0; n < 100; ++n)
-    EXPECT_EQ(tracker.see(static_cast<std::uint16_t>(19000 + 7 * n % 500)), Verdict::kOld);
+    EXPECT_EQ(tracker.update(static_cast<std::uint16_t>(19000 + 7 * n % 500)), Verdict::kOld);
 }
 
 TEST(FriSequence, AcceptsAnyCountAfterReset) {
   SequenceTracker tracker;
-  tracker.see(20000);
+  tracker.update(20000);
   tracker.forget();
-  EXPECT_EQ(tracker.see(100), Verdict::kNew);
+  EXPECT_EQ(tracker.update(100), Verdict::kNew);
   EXPECT_EQ(tracker.counts().lost, 0U);
 }
 
@@ -64,7 +64,7 @@ TEST(FriClock, CountsPeriodsForCoarseStamps) {
   FriClock clock(1'000'000, false);
   std::int64_t sum = 0;
   for (int n = 0; n < 1000; ++n)
-    sum += clock.see(static_cast<float>(9000.0 + 0.001 * n), 1);
+    sum += clock.update(static_cast<float>(9000.0 + 0.001 * n), 1);
   EXPECT_EQ(clock.time_ns(), 999'000'000);
   EXPECT_EQ(sum, clock.time_ns());
   EXPECT_EQ(clock.disagreements(), 0U);
@@ -72,18 +72,18 @@ TEST(FriClock, CountsPeriodsForCoarseStamps) {
 
 TEST(FriClock, KeepsTheCountAgainstAStampThatJumps) {
   FriClock clock(1'000'000, false);
-  clock.see(1.000F, 1);
-  EXPECT_EQ(clock.see(5.0F, 1), 1'000'000);
-  EXPECT_EQ(clock.see(0.0F, 2), 2'000'000);
+  clock.update(1.000F, 1);
+  EXPECT_EQ(clock.update(5.0F, 1), 1'000'000);
+  EXPECT_EQ(clock.update(0.0F, 2), 2'000'000);
   EXPECT_EQ(clock.disagreements(), 2U);
 }
 
 TEST(FriClock, AcceptsVirtualTime) {
   FriClock clock(1'000'000, true);
-  clock.see(1.0F, 1);
-  EXPECT_NEAR(static_cast<double>(clock.see(1.004F, 1)), 4e6, 200.0);
-  EXPECT_EQ(clock.see(1.005F, 1), 1'000'000) << "where both agree the count has no rounding";
-  EXPECT_EQ(clock.see(0.5F, 1), 1'000'000) << "never back";
+  clock.update(1.0F, 1);
+  EXPECT_NEAR(static_cast<double>(clock.update(1.004F, 1)), 4e6, 200.0);
+  EXPECT_EQ(clock.update(1.005F, 1), 1'000'000) << "where both agree the count has no rounding";
+  EXPECT_EQ(clock.update(0.5F, 1), 1'000'000) << "never back";
 }
 
 TEST(JointRates, TrailsARampByItsStatedDelay) {
@@ -92,18 +92,18 @@ TEST(JointRates, TrailsARampByItsStatedDelay) {
   const LwrJoints acceleration = LwrJoints::Constant(2.0);
   double t = 0.0;
   for (int n = 0; n < 500; ++n, t = n * kDt)
-    rates.see(0.5 * t * t * acceleration, kDt);
+    rates.update(0.5 * t * t * acceleration, kDt);
   const double true_rate = 2.0 * (t - kDt);
   EXPECT_NEAR((true_rate - rates.rate()[3]) / 2.0, 3.68e-3, kDt);
 }
 
 TEST(JointRates, RestartsAtRestAfterAGap) {
   arm::JointRates rates(50.0);
-  rates.see(LwrJoints::Zero(), 1e-3);
-  rates.see(LwrJoints::Constant(0.01), 1e-3);
+  rates.update(LwrJoints::Zero(), 1e-3);
+  rates.update(LwrJoints::Constant(0.01), 1e-3);
   EXPECT_GT(rates.rate()[0], 1.0);
   rates.restart();
-  EXPECT_EQ(rates.see(LwrJoints::Constant(5.0), 1e-3), LwrJoints::Zero());
+  EXPECT_EQ(rates.update(LwrJoints::Constant(5.0), 1e-3), LwrJoints::Zero());
 }
 
 TEST(FriCapture, KeepsTheNewestAndReportsAWriteFailure) {

@@ -19,9 +19,9 @@ struct Scene {
     msr.robot.power = kAllDrives;
     msr.robot.control = Control::kJointImpedance;
   }
-  Diagnostic see(double seconds = kDt, Diagnostic arm = Diagnostic::kNone) {
+  Diagnostic update(double seconds = kDt, Diagnostic arm = Diagnostic::kNone) {
     for (double t = 0.0; t < seconds - kDt / 2; t += kDt)
-      session.see(msr, kDt, arm);
+      session.update(msr, kDt, arm);
     return session.diagnostic();
   }
   void command() { msr.interface.state = State::kCmd, msr.krl.integer[kToIntEcho] = kRun; }
@@ -32,9 +32,9 @@ struct Scene {
     return krl.integer[kFrmIntRun];
   }
   void run() {
-    see();
+    update();
     command();
-    ASSERT_EQ(see(), Diagnostic::kNone);
+    ASSERT_EQ(update(), Diagnostic::kNone);
   }
   MsrPacket msr = empty_msr();
   FriSession session;
@@ -48,15 +48,15 @@ TEST(FriSession, StartsAtPerfectQualityOnly) {
   for (const Quality quality :
        {Quality::kInvalid, Quality::kUnacceptable, Quality::kBad, Quality::kOk}) {
     s.msr.interface.quality = quality;
-    EXPECT_EQ(s.see(0.1), Diagnostic::kQualityTooLowToStart);
+    EXPECT_EQ(s.update(0.1), Diagnostic::kQualityTooLowToStart);
     EXPECT_EQ(s.request(), kHalt);
   }
   s.msr.interface.quality = Quality::kPerfect;
-  EXPECT_EQ(s.see(), Diagnostic::kStarting);
+  EXPECT_EQ(s.update(), Diagnostic::kStarting);
   EXPECT_EQ(s.request(), kRun);
   EXPECT_FALSE(s.session.force_allowed());
   s.command();
-  EXPECT_EQ(s.see(), Diagnostic::kNone);
+  EXPECT_EQ(s.update(), Diagnostic::kNone);
   EXPECT_TRUE(s.session.force_allowed());
   EXPECT_EQ(s.session.starts(), 1U);
 }
@@ -64,27 +64,27 @@ TEST(FriSession, StartsAtPerfectQualityOnly) {
 TEST(FriSession, StartsAtTheRequestedQuality) {
   Scene s({.start_quality = Quality::kOk});
   s.msr.interface.quality = Quality::kOk;
-  EXPECT_EQ(s.see(), Diagnostic::kStarting);
+  EXPECT_EQ(s.update(), Diagnostic::kStarting);
 }
 
 TEST(FriSession, HaltsAProgramOfAnEarlierSession) {
   Scene s;
   s.command();
-  EXPECT_EQ(s.see(0.1), Diagnostic::kProgramStillRuns);
+  EXPECT_EQ(s.update(0.1), Diagnostic::kProgramStillRuns);
   EXPECT_EQ(s.request(), kHalt);
   EXPECT_FALSE(s.session.force_allowed()) << "command mode, but not the one that was asked for";
   s.msr.interface.state = State::kMon;
-  EXPECT_EQ(s.see(), Diagnostic::kProgramStillRuns) << "the echo says that it has not received";
+  EXPECT_EQ(s.update(), Diagnostic::kProgramStillRuns) << "the echo says that it has not received";
   s.monitor();
-  EXPECT_EQ(s.see(), Diagnostic::kStarting);
+  EXPECT_EQ(s.update(), Diagnostic::kStarting);
 }
 
 TEST(FriSession, RetriesAFailedStart) {
   Scene s({.start_timeout_s = 0.1, .pause_s = 0.05});
-  EXPECT_EQ(s.see(0.09), Diagnostic::kStarting);
-  EXPECT_EQ(s.see(0.02), Diagnostic::kStartTimedOut);
+  EXPECT_EQ(s.update(0.09), Diagnostic::kStarting);
+  EXPECT_EQ(s.update(0.02), Diagnostic::kStartTimedOut);
   EXPECT_EQ(s.request(), kHalt);
-  EXPECT_EQ(s.see(0.06), Diagnostic::kStarting);
+  EXPECT_EQ(s.update(0.06), Diagnostic::kStarting);
   EXPECT_EQ(s.request(), kRun);
 }
 
@@ -92,13 +92,13 @@ TEST(FriSession, RecoversAfterLeavingCommandMode) {
   Scene s({.pause_s = 0.05});
   s.run();
   s.monitor();
-  EXPECT_EQ(s.see(), Diagnostic::kDroppedOut);
+  EXPECT_EQ(s.update(), Diagnostic::kDroppedOut);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(s.request(), kHalt) << "asked to halt before it is asked to start";
-  EXPECT_EQ(s.see(0.04), Diagnostic::kDroppedOut);
-  EXPECT_EQ(s.see(0.02), Diagnostic::kStarting);
+  EXPECT_EQ(s.update(0.04), Diagnostic::kDroppedOut);
+  EXPECT_EQ(s.update(0.02), Diagnostic::kStarting);
   s.command();
-  EXPECT_EQ(s.see(), Diagnostic::kNone);
+  EXPECT_EQ(s.update(), Diagnostic::kNone);
   EXPECT_EQ(s.session.drops(), 1U);
   EXPECT_EQ(s.session.starts(), 2U);
 }
@@ -109,9 +109,9 @@ TEST(FriSession, RequestsAnOperatorAfterTooManyDrops) {
     ASSERT_NE(s.session.error(), devices::DeviceError::kFault);
     s.run();
     s.monitor();
-    s.see();
+    s.update();
   }
-  EXPECT_EQ(s.see(1.0), Diagnostic::kTooManyDrops);
+  EXPECT_EQ(s.update(1.0), Diagnostic::kTooManyDrops);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
   EXPECT_EQ(s.request(), kHalt);
 }
@@ -120,29 +120,29 @@ TEST(FriSession, SuspendsTheForceForLowQuality) {
   Scene s;
   s.run();
   s.msr.interface.quality = Quality::kBad;
-  EXPECT_EQ(s.see(), Diagnostic::kQualityDropped);
+  EXPECT_EQ(s.update(), Diagnostic::kQualityDropped);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
   EXPECT_EQ(s.request(), kRun) << "command mode is kept";
   s.msr.interface.quality = Quality::kInvalid;
-  EXPECT_EQ(s.see(), Diagnostic::kQualityDropped);
+  EXPECT_EQ(s.update(), Diagnostic::kQualityDropped);
   s.msr.interface.quality = Quality::kOk;
-  EXPECT_EQ(s.see(), Diagnostic::kNone);
+  EXPECT_EQ(s.update(), Diagnostic::kNone);
 }
 
 TEST(FriSession, DistinguishesDrivesNotOnFromDrivesOff) {
   Scene s({.pause_s = 0.0, .drives_off_grace_s = 0.5});
   s.msr.robot.power = 0x3F;
-  EXPECT_EQ(s.see(10.0), Diagnostic::kDrivesNotOn);
+  EXPECT_EQ(s.update(10.0), Diagnostic::kDrivesNotOn);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable)
       << "a person has not switched them on yet";
   s.msr.robot.power = kAllDrives;
   s.run();
   s.msr.robot.power = 0;
-  EXPECT_EQ(s.see(), Diagnostic::kDrivesWentOff);
+  EXPECT_EQ(s.update(), Diagnostic::kDrivesWentOff);
   EXPECT_FALSE(s.session.in_command())
       << "drives off: the position must mirror, whatever the state says";
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
-  s.see(0.6);
+  s.update(0.6);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
 }
 
@@ -150,7 +150,7 @@ TEST(FriSession, DriveErrorIsAFaultAtOnce) {
   Scene s;
   s.run();
   s.msr.robot.error = 0x04;
-  EXPECT_EQ(s.see(), Diagnostic::kDriveError);
+  EXPECT_EQ(s.update(), Diagnostic::kDriveError);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kFault);
 }
 
@@ -159,7 +159,7 @@ TEST(FriSession, ClosedInterfaceIsADisconnection) {
     Scene s;
     s.run();
     s.msr.interface.state = state;
-    EXPECT_EQ(s.see(), Diagnostic::kClosed);
+    EXPECT_EQ(s.update(), Diagnostic::kClosed);
     EXPECT_EQ(s.session.error(), devices::DeviceError::kDisconnected);
     EXPECT_FALSE(s.session.in_command());
   }
@@ -167,24 +167,24 @@ TEST(FriSession, ClosedInterfaceIsADisconnection) {
 
 TEST(FriSession, RefusesAnotherControlMode) {
   Scene s;
-  s.see();
+  s.update();
   s.command();
   s.msr.robot.control = Control::kPosition;
-  EXPECT_EQ(s.see(), Diagnostic::kWrongControlMode);
+  EXPECT_EQ(s.update(), Diagnostic::kWrongControlMode);
   EXPECT_EQ(s.request(), kHalt);
   Scene t;
   t.run();
   t.msr.robot.control = Control::kCartesianImpedance;
-  EXPECT_EQ(t.see(), Diagnostic::kWrongControlMode);
+  EXPECT_EQ(t.update(), Diagnostic::kWrongControlMode);
   EXPECT_FALSE(t.session.force_allowed());
 }
 
 TEST(FriSession, SuspendsTheForceForATooFastJoint) {
   Scene s;
   s.run();
-  EXPECT_EQ(s.see(kDt, Diagnostic::kTooFast), Diagnostic::kTooFast);
+  EXPECT_EQ(s.update(kDt, Diagnostic::kTooFast), Diagnostic::kTooFast);
   EXPECT_EQ(s.session.error(), devices::DeviceError::kRecoverable);
-  EXPECT_EQ(s.see(), Diagnostic::kNone);
+  EXPECT_EQ(s.update(), Diagnostic::kNone);
 }
 
 TEST(FriSession, StopIsFinal) {
@@ -194,12 +194,12 @@ TEST(FriSession, StopIsFinal) {
   EXPECT_EQ(s.request(), kHalt);
   EXPECT_FALSE(s.session.force_allowed());
   EXPECT_FALSE(s.session.stopped());
-  s.see();
+  s.update();
   EXPECT_FALSE(s.session.stopped());
   s.monitor();
-  s.see();
+  s.update();
   EXPECT_TRUE(s.session.stopped());
-  s.see(1.0);
+  s.update(1.0);
   EXPECT_EQ(s.request(), kHalt);
 }
 

@@ -54,11 +54,11 @@ TEST(Counters, PublishNamesAndUnitsAndFirstValuesIfAny) {
 
 TEST(StatusText, ShowsTheHighestPriorityAndOfEqualTheFirst) {
   runtime::StatusText status;
-  status.say(StatusPriority::kFault, "");
-  status.say(StatusPriority::kProgress, "runs");
-  status.say(StatusPriority::kFault, "first");
-  status.say(StatusPriority::kFault, "second");
-  status.say(StatusPriority::kWaiting, "waits");
+  status.set(StatusPriority::kFault, "");
+  status.set(StatusPriority::kProgress, "runs");
+  status.set(StatusPriority::kFault, "first");
+  status.set(StatusPriority::kFault, "second");
+  status.set(StatusPriority::kWaiting, "waits");
   status.append("; more");
   EXPECT_EQ(status.text(), "first; more");
 }

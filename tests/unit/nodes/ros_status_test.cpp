@@ -42,13 +42,13 @@ class RosLines : public testing::Test {
 };
 
 TEST_F(RosLines, AreLimitedToTenASecondAndCountTheRest) {
-  log.say(NodeState::kRunning, "none reads this");
+  log.write(NodeState::kRunning, "none reads this");
   EXPECT_EQ(log.written(), 0U);
   listen();
   constexpr int kSaid = 5000;
   const std::int64_t begin_ns = runtime::monotonic_ns();
   for (int n = 0; n < kSaid; ++n)
-    log.say(NodeState::kRunning, "sentence " + std::to_string(n));
+    log.write(NodeState::kRunning, "sentence " + std::to_string(n));
   const std::uint64_t of_the_flood = log.written();
   // A stalled machine makes it longer, and then more lines fit.
   const auto seconds =
@@ -56,7 +56,7 @@ TEST_F(RosLines, AreLimitedToTenASecondAndCountTheRest) {
   EXPECT_GE(of_the_flood, 10U);
   EXPECT_LE(of_the_flood, 10U * (seconds + 2));
   ASSERT_TRUE(wait_until(
-      [&] { return log.say(NodeState::kRunning, "at last"), log.written() > of_the_flood; }));
+      [&] { return log.write(NodeState::kRunning, "at last"), log.written() > of_the_flood; }));
   ASSERT_TRUE(has(of_the_flood + 1));
   EXPECT_EQ(lines.front().text, "sentence 0");
   EXPECT_EQ(lines.front().name, rig + ".coupling");
@@ -65,9 +65,9 @@ TEST_F(RosLines, AreLimitedToTenASecondAndCountTheRest) {
 
 TEST_F(RosLines, CarryTheirSeverity) {
   listen();
-  log.say(NodeState::kRunning, "all runs"),
-      log.say(NodeState::kRunning, "warning: the scenes differ"),
-      log.say(NodeState::kFailed, "No force is commanded.");
+  log.write(NodeState::kRunning, "all runs"),
+      log.write(NodeState::kRunning, "warning: the scenes differ"),
+      log.write(NodeState::kFailed, "No force is commanded.");
   ASSERT_TRUE(has(3));
   EXPECT_EQ((std::vector{lines[0].level, lines[1].level, lines[2].level}),
             (std::vector{20, 30, 40}));

@@ -103,7 +103,7 @@ TEST_F(Driver, ACommandActsInTheTickAfterItsSampleAndForOneTickOnly) {
   EXPECT_NEAR(applied().x(), 2.0, 0.05);
   ASSERT_TRUE(driver->read(10ms));  // nothing was written meanwhile
   EXPECT_EQ(applied().norm(), 0.0);
-  EXPECT_EQ(driver->servo().counts().pushed.load(), 1u);
+  EXPECT_EQ(driver->servo().counts().applied.load(), 1u);
 }
 
 TEST_F(Driver, ForceRisesAlongTheDevicesRamp) {
@@ -260,12 +260,12 @@ TEST_F(RealTime, ASecondOfTheServoThreadFeedsASecondOfTheLoop) {
   EXPECT_GT(samples, 200);  // 1000 on an idle processor
   EXPECT_LT(samples, 1100);
   EXPECT_NEAR(1e-9 * static_cast<double>(last), 1.0, 0.3);
-  EXPECT_GT(s.pushed.load(), 200u);
+  EXPECT_GT(s.applied.load(), 200u);
   EXPECT_EQ(driver->servo().errors().count(), 0u);
   EXPECT_GT(state().hand_force[0], -5.0);
   EXPECT_LT(state().hand_force[0], -0.2);  // the hand feels it
   RecordProperty("samples", samples);
-  RecordProperty("pushed", static_cast<int>(s.pushed));
+  RecordProperty("pushed", static_cast<int>(s.applied));
   RecordProperty("late", static_cast<int>(s.late));
   RecordProperty("superseded", static_cast<int>(s.superseded));
 }

@@ -69,7 +69,7 @@ TEST_F(NoAllocation, ServoThreadUsesNoHeap) {
                 },
                 test::HeapOf::kAllThreads),
             0);
-  EXPECT_GT(driver.servo().counts().pushed.load(), 0u);
+  EXPECT_GT(driver.servo().counts().applied.load(), 0u);
 }
 
 }  // namespace

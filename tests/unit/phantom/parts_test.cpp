@@ -51,30 +51,30 @@ TEST(WakeUp, ComesForEachValueThatFoundTheOneBeforeTaken) {
 TEST(ThermalClamp, ShrinksWhileWarmAndRecoversWhenCool) {
   ThermalClamp clamp(8.5, 1.4);
   const std::vector<double> warm{0.2, 0.71, 0.2}, between{0.6, 0.2, 0.7}, cool{0.49, 0.1, 0.0};
-  EXPECT_EQ(clamp.see(cool, 0.0), 8.5);
-  EXPECT_DOUBLE_EQ(clamp.see(warm, 0.0), 8.5 * 0.999);
-  EXPECT_DOUBLE_EQ(clamp.see(between, 8.5), 8.5 * 0.999);
+  EXPECT_EQ(clamp.update(cool, 0.0), 8.5);
+  EXPECT_DOUBLE_EQ(clamp.update(warm, 0.0), 8.5 * 0.999);
+  EXPECT_DOUBLE_EQ(clamp.update(between, 8.5), 8.5 * 0.999);
   for (int i = 0; i < 5000; ++i)
-    clamp.see(warm, 0.0);
+    clamp.update(warm, 0.0);
   EXPECT_EQ(clamp.limit_n(), 1.4);
-  EXPECT_DOUBLE_EQ(clamp.see(cool, 1.4), 1.4 * 1.001);
+  EXPECT_DOUBLE_EQ(clamp.update(cool, 1.4), 1.4 * 1.001);
   for (int i = 0; i < 5000; ++i)
-    clamp.see(cool, 8.5);
+    clamp.update(cool, 8.5);
   EXPECT_EQ(clamp.limit_n(), 8.5);
 }
 
 TEST(ThermalClamp, StartsFromTheRequestedForce) {
   ThermalClamp clamp(8.5, 1.4);
-  EXPECT_DOUBLE_EQ(clamp.see(std::array{0.8}, 4.0), 4.0 * 0.999);
-  EXPECT_EQ(clamp.see(std::array{0.8}, 0.1), 1.4);  // never below the motors' continuous limit
+  EXPECT_DOUBLE_EQ(clamp.update(std::array{0.8}, 4.0), 4.0 * 0.999);
+  EXPECT_EQ(clamp.update(std::array{0.8}, 0.1), 1.4);  // never below the motors' continuous limit
 }
 
 TEST(ThermalClamp, TreatsNanAsWarmAndKeepsItsStateWithoutData) {
   ThermalClamp clamp(8.5, 1.4);
-  EXPECT_EQ(clamp.see({}, 8.5), 8.5);
-  EXPECT_LT(clamp.see(std::array{0.1, kNan}, 8.5), 8.5);
+  EXPECT_EQ(clamp.update({}, 8.5), 8.5);
+  EXPECT_LT(clamp.update(std::array{0.1, kNan}, 8.5), 8.5);
   const double before = clamp.limit_n();
-  EXPECT_EQ(clamp.see({}, 1.0), before);
+  EXPECT_EQ(clamp.update({}, 1.0), before);
 }
 
 std::array<double, 16> column_major(const Mat3& rotation) {
@@ -125,7 +125,7 @@ TEST(TwistEstimate, DelaysAccelerationByHalfAPeriodAndLowPass) {
   for (int i = 0; i < 500; ++i, t += kDt) {
     const Pose pose{Vec3(0, 0.5 * kAcceleration * t * t, 0),
                     Quat(Eigen::AngleAxisd(0.5 * kTurn * t * t, Vec3::UnitZ()))};
-    twist = estimate.see(pose, kDt);
+    twist = estimate.update(pose, kDt);
   }
   t -= kDt;
   const double lag = 0.5 * kDt + 1.0 / (2.0 * std::numbers::pi * 50.0);
@@ -143,12 +143,12 @@ TEST(TwistEstimate, IgnoresQuaternionSignAndUnequalPeriods) {
     Pose pose{Vec3(0.1 * t, 0, 0), Quat(Eigen::AngleAxisd(1.5 * t, Vec3::UnitX()))};
     if (i % 3 == 0)
       pose.orientation.coeffs() *= -1.0;
-    twist = estimate.see(pose, dt);
+    twist = estimate.update(pose, dt);
   }
   EXPECT_NEAR(twist.linear.x(), 0.1, 1e-9);
   EXPECT_NEAR(twist.angular.x(), 1.5, 1e-9);
   estimate.restart();
-  EXPECT_EQ(estimate.see({Vec3(9, 9, 9), Quat::Identity()}, 1e-3).linear, Vec3(Vec3::Zero()));
+  EXPECT_EQ(estimate.update({Vec3(9, 9, 9), Quat::Identity()}, 1e-3).linear, Vec3(Vec3::Zero()));
 }
 
 TEST(HdErrors, AreClassifiedByTheirRemedy) {

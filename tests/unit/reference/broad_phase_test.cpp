@@ -88,7 +88,7 @@ TEST(BroadPhase, QueriesFewObjects) {
   for (int i = 0; i < 100; ++i) {
     const Vec3 point(x(random), x(random), z(random));
     double found = 1e9, least = 1e9;
-    ask_nearest_first(objects, point, 0.0, [&](std::size_t which) {
+    visit_nearest_first(objects, point, 0.0, [&](std::size_t which) {
       ++asked;
       return found = std::min(found, objects[which].mesh_signed_distance(point).distance_m);
     });

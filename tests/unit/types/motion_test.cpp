@@ -175,12 +175,13 @@ TEST(Motion, DeviceMotionMovesTheToolAsInTheWorld) {
     const Motion d = motion_in_device(w, base, offset, scale);
     for (double t = 0; t < 20; t += 0.37) {
       const MotionPoint in_w = motion_at(w, t), in_d = motion_at(d, t);
-      const Pose tool = base * Pose{scale * in_d.position, turn_at(d, t).orientation} * offset;
+      const Pose tool =
+          base * Pose{scale * in_d.position, orientation_at(d, t).orientation} * offset;
       // The hand rotates about the device's tip, and the tool's origin with it.
       const Vec3 arm = base.orientation * (d.orientation * offset.position),
-                 turned = base.orientation * (turn_at(d, t).orientation * offset.position);
+                 turned = base.orientation * (orientation_at(d, t).orientation * offset.position);
       EXPECT_LE((tool.position - in_w.position - (turned - arm)).norm(), 1e-12);
-      EXPECT_LE(tool.orientation.angularDistance(turn_at(w, t).orientation), 1e-7);
+      EXPECT_LE(tool.orientation.angularDistance(orientation_at(w, t).orientation), 1e-7);
       EXPECT_LE((scale * (base.orientation * in_d.velocity) - in_w.velocity).norm(), 1e-12);
     }
   }
@@ -191,22 +192,23 @@ TEST(Motion, RotatesFromRestToRestAndStays) {
   m.orientation = Quat(Eigen::AngleAxisd(0.3, Vec3::UnitX()));
   m.turn = {Vec3::UnitY(), 0.2, 1.0, 3.0};
   for (const double t : {-1.0, 0.0, 1.0}) {
-    EXPECT_EQ(turn_at(m, t).orientation.coeffs(), m.orientation.coeffs());
-    EXPECT_EQ(turn_at(m, t).rate, Vec3::Zero().eval());
+    EXPECT_EQ(orientation_at(m, t).orientation.coeffs(), m.orientation.coeffs());
+    EXPECT_EQ(orientation_at(m, t).rate, Vec3::Zero().eval());
   }
   const Quat end = Quat(Eigen::AngleAxisd(0.2, Vec3::UnitY())) * m.orientation;
   for (const double t : {3.0, 1e300, std::numeric_limits<double>::infinity()}) {
-    EXPECT_LE(turn_at(m, t).orientation.angularDistance(end), 1e-12);
-    EXPECT_EQ(turn_at(m, t).rate, Vec3::Zero().eval());
+    EXPECT_LE(orientation_at(m, t).orientation.angularDistance(end), 1e-12);
+    EXPECT_EQ(orientation_at(m, t).rate, Vec3::Zero().eval());
   }
   constexpr double kStep = 1e-5;
   for (double t = 1.05; t < 3.0; t += 0.1) {
-    const Quat before = turn_at(m, t - kStep).orientation,
-               after = turn_at(m, t + kStep).orientation;
-    EXPECT_LE((2.0 * (after * before.conjugate()).vec() / (2 * kStep) - turn_at(m, t).rate).norm(),
-              1e-7);
+    const Quat before = orientation_at(m, t - kStep).orientation,
+               after = orientation_at(m, t + kStep).orientation;
+    EXPECT_LE(
+        (2.0 * (after * before.conjugate()).vec() / (2 * kStep) - orientation_at(m, t).rate).norm(),
+        1e-7);
   }
-  EXPECT_LE(turn_at(m, 2.0).orientation.angularDistance(
+  EXPECT_LE(orientation_at(m, 2.0).orientation.angularDistance(
                 Quat(Eigen::AngleAxisd(0.1, Vec3::UnitY())) * m.orientation),
             1e-12);
 }

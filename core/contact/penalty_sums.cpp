@@ -1,4 +1,4 @@
-#include "core/contact/push_sums.hpp"
+#include "core/contact/penalty_sums.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -10,9 +10,9 @@ namespace voxtouch::contact {
 namespace {
 
 /// The deepest of all lanes, if it is deeper than that of the result so far.
-void give_deepest(const Hits& hits, const double (&deepest)[kLanes],
-                  const double (&deepest_hit)[kLanes], const Vec3& tool,
-                  ContactResult& result) noexcept {
+void set_deepest(const Hits& hits, const double (&deepest)[kLanes],
+                 const double (&deepest_hit)[kLanes], const Vec3& tool,
+                 ContactResult& result) noexcept {
   std::size_t best = kLanes;
   const auto place = [&](std::size_t lane) {
     return deepest_hit[lane] + static_cast<double>(lane);
@@ -38,7 +38,7 @@ void take_group(const Hits& hits, std::size_t place, HitBlock& block) noexcept {
 
 /// Prepares the single-precision test for hits that certainly have no force along `direction`.
 /// Returns false if it is not possible.
-bool make_rough(const HitSource& source, const PushDirection& direction,
+bool make_rough(const HitSource& source, const ForceDirection& direction,
                 RoughDirection& rough) noexcept {
   const double own = 1.0 - direction.mean_weight;
   if (!(source.rough.certain > 0.0F) || (own > 0.0 && source.rough.normal == nullptr))
@@ -63,10 +63,10 @@ bool make_rough(const HitSource& source, const PushDirection& direction,
 }
 
 /// Decides when the single-precision test runs: rarely, if it skips nothing.
-class Asking {
+class RoughTestSchedule {
  public:
-  bool now() noexcept { return waiting_ == 0 || --waiting_ == 0; }
-  void answered(bool skipped) noexcept {
+  bool is_due() noexcept { return waiting_ == 0 || --waiting_ == 0; }
+  void record(bool skipped) noexcept {
     wait_ = skipped ? 0 : std::min(kLongest, 2 * wait_ + 1);
     waiting_ = wait_;
   }
@@ -79,11 +79,11 @@ class Asking {
 /// Passes the hits to `each` in blocks, without the groups of eight that have no force. Their
 /// contribution is zero, so the result stays bit-identical.
 template <class Fill, class Each>
-void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
-                              const PushKernel& kernel, Fill&& fill, Each&& each) noexcept {
+void for_blocks_with_force(const Hits& hits, const ForceDirection& direction,
+                           const PenaltyKernel& kernel, Fill&& fill, Each&& each) noexcept {
   RoughDirection rough;
   const bool decides = make_rough(hits.source(), direction, rough);
-  Asking asking;
+  RoughTestSchedule schedule;
   HitBlock block;
   const auto flush = [&]() noexcept {
     if (block.groups == 0)
@@ -96,10 +96,10 @@ void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
     const std::size_t groups =
         (std::min(HitBlock::kHits, hits.size() - begin) + kLanes - 1) / kLanes;
     std::uint32_t left = (1U << groups) - 1U;
-    if (decides && asking.now()) {
+    if (decides && schedule.is_due()) {
       const std::uint32_t all = left;
-      left = kernel.may_push(hits, begin, rough);
-      asking.answered(left != all);
+      left = kernel.may_have_force(hits, begin, rough);
+      schedule.record(left != all);
     }
     for (; left != 0; left &= left - 1) {
       take_group(hits, begin + kLanes * static_cast<std::size_t>(std::countr_zero(left)), block);
@@ -112,7 +112,7 @@ void for_blocks_that_may_push(const Hits& hits, const PushDirection& direction,
 
 }  // namespace
 
-void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin,
+void fill_block(const PenaltyKernel& kernel, const Hits& hits, std::size_t begin,
                 HitBlock& block) noexcept {
   block.groups = block.count = 0;
   for (std::size_t g = 0; g < HitBlock::kGroups && begin + kLanes * g < hits.size(); ++g)
@@ -120,53 +120,53 @@ void fill_block(const PushKernel& kernel, const Hits& hits, std::size_t begin,
   kernel.fill(hits, block);
 }
 
-void add_lanes(const Hits& hits, const PushLanes& lanes, double stiffness, const Vec3& tool,
+void add_lanes(const Hits& hits, const PenaltyLanes& lanes, double stiffness, const Vec3& tool,
                ContactResult& result, StiffnessSum& sum) noexcept {
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    result.wrench.force[static_cast<Eigen::Index>(axis)] += stiffness * combined(lanes.push[axis]);
+    result.wrench.force[static_cast<Eigen::Index>(axis)] += stiffness * combined(lanes.force[axis]);
     result.wrench.torque[static_cast<Eigen::Index>(axis)] +=
-        stiffness * combined(lanes.push[axis + 3]);
+        stiffness * combined(lanes.force[axis + 3]);
   }
   result.stiffness_bound_n_per_m += stiffness * combined(lanes.weight);
   for (std::size_t n = 0; n < 21; ++n)
     sum.entries()[n] += combined(lanes.stiffness[n]);
-  give_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
+  set_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
 }
 
-void push_along_directions(const Hits& hits, const PushDirection& direction, double stiffness,
-                           const Vec3& tool, ContactResult& result, StiffnessSum& sum) noexcept {
+void add_forces_along_directions(const Hits& hits, const ForceDirection& direction,
+                                 double stiffness, const Vec3& tool, ContactResult& result,
+                                 StiffnessSum& sum) noexcept {
   if (hits.empty())
     return;
-  const PushKernel& kernel = push_kernel(instructions());
-  PushLanes lanes;
-  Pushes pushes;
-  for_blocks_that_may_push(hits, direction, kernel, kernel.fill,
-                           [&](const HitBlock& block) noexcept {
-                             kernel.push(block, direction, pushes, lanes);
-                             kernel.add(block, pushes, lanes);
-                           });
+  const PenaltyKernel& kernel = penalty_kernel(instructions());
+  PenaltyLanes lanes;
+  PenaltyForces forces;
+  for_blocks_with_force(hits, direction, kernel, kernel.fill, [&](const HitBlock& block) noexcept {
+    kernel.compute(block, direction, forces, lanes);
+    kernel.add(block, forces, lanes);
+  });
   add_lanes(hits, lanes, stiffness, tool, result, sum);
 }
 
-void push_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const Vec3& tool,
-                     ContactResult& result) noexcept {
+void add_forces_along_mean(const Hits& hits, const Vec3& mean, double stiffness, const Vec3& tool,
+                           ContactResult& result) noexcept {
   if (hits.empty())
     return;
-  const PushKernel& kernel = push_kernel(instructions());
+  const PenaltyKernel& kernel = penalty_kernel(instructions());
   MeanLanes lanes;
-  for_blocks_that_may_push(
+  for_blocks_with_force(
       hits, {mean, 1.0}, kernel, kernel.fill_places,
-      [&](const HitBlock& block) noexcept { kernel.push_along_mean(block, mean, lanes); });
+      [&](const HitBlock& block) noexcept { kernel.add_forces_along_mean(block, mean, lanes); });
   double moments[CommonDirectionSum::kSums];
   for (std::size_t n = 0; n < CommonDirectionSum::kSums; ++n)
     moments[n] = combined(lanes.moments[n]);
   result.stiffness_bound_n_per_m += stiffness * moments[0];
-  result.wrench.force = (stiffness * combined(lanes.push[0])) * mean;
+  result.wrench.force = (stiffness * combined(lanes.force[0])) * mean;
   result.wrench.torque =
-      Vec3(combined(lanes.push[1]), combined(lanes.push[2]), combined(lanes.push[3]))
+      Vec3(combined(lanes.force[1]), combined(lanes.force[2]), combined(lanes.force[3]))
           .cross(stiffness * mean);
   result.stiffness = CommonDirectionSum(moments).matrix(stiffness, mean);
-  give_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
+  set_deepest(hits, lanes.deepest, lanes.deepest_hit, tool, result);
 }
 
 void begin_result(const HitList& hits, ContactResult& result) noexcept {
@@ -177,7 +177,7 @@ void begin_result(const HitList& hits, ContactResult& result) noexcept {
   result.pose_status = hits.pose_status;
 }
 
-void give_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept {
+void set_mean_normal(const Vec3& normals, double weights, ContactResult& result) noexcept {
   const double length = normals.norm();
   if (weights > 0.0)
     result.coherence = length / weights;

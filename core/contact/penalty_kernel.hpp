@@ -30,15 +30,15 @@ struct HitBlock {
   std::size_t group_place(std::size_t n) const noexcept { return place[n / kLanes]; }
 };
 
-/// Forces of the hits of a block: along j[0..2], at most of unit length, with `push` times the
+/// Forces of the hits of a block: along j[0..2], at most of unit length, with `force` times the
 /// stiffness, and the weight of each in the stiffness matrix. Both must be 0 in the padding.
 /// `groups` of them are summed, starting at the hits `group`.
-struct Pushes {
+struct PenaltyForces {
   std::size_t groups = 0;
   std::uint32_t group[HitBlock::kGroups];
   /// J = [u', (arm x u)']; `add` computes the second half.
   alignas(64) double j[6][HitBlock::kHits];
-  alignas(64) double push[HitBlock::kHits], weight[HitBlock::kHits];
+  alignas(64) double force[HitBlock::kHits], weight[HitBlock::kHits];
 
   void add_all(const HitBlock& block) noexcept {
     groups = block.groups;
@@ -48,8 +48,8 @@ struct Pushes {
 };
 
 /// Sums of forces.
-struct PushLanes {
-  alignas(64) double push[6][kLanes] = {};        ///< of force J: the wrench for unit stiffness
+struct PenaltyLanes {
+  alignas(64) double force[6][kLanes] = {};       ///< of force J: the wrench for unit stiffness
   alignas(64) double weight[kLanes] = {};         ///< of the weights
   alignas(64) double stiffness[21][kLanes] = {};  ///< of weight J' J: the upper triangle by rows
   alignas(64) double deepest[kLanes] = {};        ///< the largest depth of a lane
@@ -59,14 +59,14 @@ struct PushLanes {
 
 /// The same along one common direction: each hit adds the moments of its arm.
 struct MeanLanes {
-  alignas(64) double push[4][kLanes] = {};      ///< of force, and of force times arm
+  alignas(64) double force[4][kLanes] = {};     ///< of force, and of force times arm
   alignas(64) double moments[10][kLanes] = {};  ///< of weights as CommonDirectionSum::kSums
-  alignas(64) double deepest[kLanes] = {}, deepest_hit[kLanes] = {};  ///< as PushLanes
+  alignas(64) double deepest[kLanes] = {}, deepest_hit[kLanes] = {};  ///< as PenaltyLanes
 };
 
 /// Force direction of a point: u_i = s m + (1 - s) n_i, normalised (limits::kShortestDirection);
 /// n_i itself for s = 0.
-struct PushDirection {
+struct ForceDirection {
   Vec3 mean = Vec3::Zero();  ///< m
   double mean_weight = 0.0;  ///< s in [0, 1]; for 1 there are separate sums
 };
@@ -82,28 +82,28 @@ struct RoughDirection {
 };
 
 /// The loops of one instruction set. All are real-time safe.
-struct PushKernel {
+struct PenaltyKernel {
   /// Finds groups of eight hits that may have a force, among a block's hits from `begin` on: bit k
   /// for the hits from begin + 8 k on. Requires hits of a query with `certain` > 0; packed normals
   /// are read only if `own` is set.
-  std::uint32_t (*may_push)(const Hits& hits, std::size_t begin,
-                            const RoughDirection& direction) noexcept;
+  std::uint32_t (*may_have_force)(const Hits& hits, std::size_t begin,
+                                  const RoughDirection& direction) noexcept;
   /// Fills in the hits of a query in the block's groups, bit-identical to HitSource::hit.
   void (*fill)(const Hits& hits, HitBlock& block) noexcept;
   /// The same without normals.
   void (*fill_places)(const Hits& hits, HitBlock& block) noexcept;
   /// Computes the forces, with weight w_i if d_i > 0, else 0:
-  ///     d_i = max(0, u_i . (c_i - x_i)),   push = w_i d_i
-  void (*push)(const HitBlock& block, const PushDirection& direction, Pushes& pushes,
-               PushLanes& lanes) noexcept;
+  ///     d_i = max(0, u_i . (c_i - x_i)),   force = w_i d_i
+  void (*compute)(const HitBlock& block, const ForceDirection& direction, PenaltyForces& forces,
+                  PenaltyLanes& lanes) noexcept;
   /// Adds the forces.
-  void (*add)(const HitBlock& block, Pushes& pushes, PushLanes& lanes) noexcept;
+  void (*add)(const HitBlock& block, PenaltyForces& forces, PenaltyLanes& lanes) noexcept;
   /// Adds only their stiffness; no force.
-  void (*add_stiffness)(const HitBlock& block, Pushes& pushes, PushLanes& lanes) noexcept;
+  void (*add_stiffness)(const HitBlock& block, PenaltyForces& forces, PenaltyLanes& lanes) noexcept;
   /// Both at once, with all hits along `mean`.
-  void (*push_along_mean)(const HitBlock& block, const Vec3& mean, MeanLanes& lanes) noexcept;
+  void (*add_forces_along_mean)(const HitBlock& block, const Vec3& mean, MeanLanes& lanes) noexcept;
 };
 
-const PushKernel& push_kernel(Instructions instructions) noexcept;
+const PenaltyKernel& penalty_kernel(Instructions instructions) noexcept;
 
 }  // namespace voxtouch::contact

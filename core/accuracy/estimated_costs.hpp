@@ -9,7 +9,7 @@ namespace voxtouch::accuracy {
 
 /// Seconds of CPU time on two processors of 2025, right within a small factor. MeasuredProgress
 /// corrects them.
-struct GuessedCosts {
+struct EstimatedCosts {
   double triangles = 0.0, area_m2 = 0.0;  ///< of the static surface
 
   double places_s(std::size_t count) const {

@@ -1,4 +1,4 @@
-#include "core/contact/push_kernel.hpp"
+#include "core/contact/penalty_kernel.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ using Fours = std::int32_t __attribute__((vector_size(16)));
 VOXTOUCH_INLINE bool all_set(Fours mask) noexcept {
   return (mask[0] & mask[1] & mask[2] & mask[3]) != 0;
 }
-#include "core/contact/push_kernel.inc"
+#include "core/contact/penalty_kernel.inc"
 #undef VOXTOUCH_LOOK_UP
 #undef VOXTOUCH_LOOK_UP_SINGLE
 
@@ -57,7 +57,7 @@ VOXTOUCH_INLINE __m256d quotient(__m256d a, __m256d b, __m256d inverse) noexcept
   return _mm256_fmadd_pd(_mm256_fnmadd_pd(nearer, b, a), inverse, nearer);
 }
 VOXTOUCH_INLINE __m256d root(__m256d a) noexcept { return _mm256_sqrt_pd(a); }
-#include "core/contact/push_kernel.inc"
+#include "core/contact/penalty_kernel.inc"
 #undef VOXTOUCH_LOOK_UP
 
 }  // namespace
@@ -82,7 +82,7 @@ VOXTOUCH_INLINE __m512d quotient(__m512d a, __m512d b, __m512d inverse) noexcept
   return _mm512_fmadd_pd(_mm512_fnmadd_pd(nearer, b, a), inverse, nearer);
 }
 VOXTOUCH_INLINE __m512d root(__m512d a) noexcept { return _mm512_sqrt_pd(a); }
-#include "core/contact/push_kernel.inc"
+#include "core/contact/penalty_kernel.inc"
 #undef VOXTOUCH_LOOK_UP
 
 }  // namespace
@@ -91,7 +91,7 @@ VOXTOUCH_INLINE __m512d root(__m512d a) noexcept { return _mm512_sqrt_pd(a); }
 #undef VOXTOUCH_LOOK_UP_SINGLE
 #endif
 
-const PushKernel& push_kernel(Instructions instructions) noexcept {
+const PenaltyKernel& penalty_kernel(Instructions instructions) noexcept {
 #if VOXTOUCH_WIDE_KERNELS
   if (instructions == Instructions::kAvx512)
     return avx512::kKernel;
