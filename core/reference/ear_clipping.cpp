@@ -11,7 +11,7 @@ namespace {
 using Point = Eigen::Vector2d;
 
 /// Twice the area of a triangle, positive if it is counter-clockwise.
-double doubled_area(const Point& a, const Point& b, const Point& c) {
+double twice_area(const Point& a, const Point& b, const Point& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
@@ -40,7 +40,7 @@ class Outline {
 
   double doubled_area() const { return doubled_area_; }
   std::size_t size() const { return points_.size(); }
-  double area_at(std::size_t k) const { return doubled_area(at(k + size() - 1), at(k), at(k + 1)); }
+  double area_at(std::size_t k) const { return twice_area(at(k + size() - 1), at(k), at(k + 1)); }
   std::array<std::uint32_t, 3> triangle_at(std::size_t k) const {
     const std::size_t n = size();
     return {numbers_[(k + n - 1) % n], numbers_[k % n], numbers_[(k + 1) % n]};
@@ -55,19 +55,19 @@ class Outline {
   bool ear_at(std::size_t k) const {
     const std::size_t n = size();
     const Point &a = at(k + n - 1), &b = at(k), &c = at(k + 1);
-    if (doubled_area(a, b, c) <= 1e-13 * (b - a).norm() * (c - b).norm())
+    if (twice_area(a, b, c) <= 1e-13 * (b - a).norm() * (c - b).norm())
       return false;
     if (!inside_at(k + n - 1, c) || !inside_at(k + 1, a))
       return false;
     for (std::size_t j = 0; j < n; ++j) {
       const Point &p = at(j), &q = at(j + 1);
       const bool corner = p == a || p == b || p == c;
-      if (!corner && doubled_area(a, b, p) >= 0 && doubled_area(b, c, p) >= 0 &&
-          doubled_area(c, a, p) >= 0)
+      if (!corner && twice_area(a, b, p) >= 0 && twice_area(b, c, p) >= 0 &&
+          twice_area(c, a, p) >= 0)
         return false;
       const bool touches = p == a || p == c || q == a || q == c;
-      if (!touches && doubled_area(a, c, p) * doubled_area(a, c, q) < 0 &&
-          doubled_area(p, q, a) * doubled_area(p, q, c) < 0)
+      if (!touches && twice_area(a, c, p) * twice_area(a, c, q) < 0 &&
+          twice_area(p, q, a) * twice_area(p, q, c) < 0)
         return false;
     }
     return true;
@@ -79,9 +79,9 @@ class Outline {
   /// Whether the segment from corner k to `end` starts inside the polygon (O'Rourke 1998, InCone).
   bool inside_at(std::size_t k, const Point& end) const {
     const Point &before = at(k + size() - 1), &own = at(k), &behind = at(k + 1);
-    if (doubled_area(own, behind, before) >= 0)
-      return doubled_area(own, end, before) >= 0 && doubled_area(end, own, behind) >= 0;
-    return !(doubled_area(own, end, behind) > 0 && doubled_area(end, own, before) > 0);
+    if (twice_area(own, behind, before) >= 0)
+      return twice_area(own, end, before) >= 0 && twice_area(end, own, behind) >= 0;
+    return !(twice_area(own, end, behind) > 0 && twice_area(end, own, before) > 0);
   }
 
   std::vector<Point> points_;
