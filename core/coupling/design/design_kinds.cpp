@@ -46,11 +46,10 @@ std::vector<double> fitting(const std::vector<AxisProblem>& problems, const Filt
 
 }  // namespace
 
-Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                        CandidateCache& cache) {
+Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   const FilterChoice choice =
       search_filter(problems, filter_settings(request), request.goals.allow_injected_damping,
-                    request.goals.velocity_windows, cache);
+                    request.goals.velocity_windows);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(problems, choice, out.worst);
   out.spec.kind = "shaping_filter";
@@ -70,14 +69,13 @@ Proposal propose_filter(const DesignProblem& request, const std::vector<AxisProb
   return out;
 }
 
-Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                        CandidateCache& cache) {
+Proposal propose_direct(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   std::vector<AxisProblem> whole = problems;
   for (AxisProblem& axis : whole)
     axis.target = axis.requested;
   const FilterChoice choice =
       search_filter(whole, {{kInfinity, 1.0}}, request.goals.allow_injected_damping,
-                    request.goals.velocity_windows, cache);
+                    request.goals.velocity_windows);
   Proposal out{{}, choice.status, {}};
   const std::vector<double> fits = fitting(whole, choice, out.worst);
   out.spec.kind = "direct";

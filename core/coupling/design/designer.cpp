@@ -129,16 +129,15 @@ double upper_bound(const DesignProblem& request, const std::vector<AxisProblem>&
   return least;
 }
 
-Evaluation best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                       CandidateCache& cache) {
-  const Proposal filter = propose_filter(request, problems, cache);
+Evaluation best_of_all(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
+  const Proposal filter = propose_filter(request, problems);
   Evaluation best = certified(request, problems, filter);
   if (best.design.status == DesignStatus::kAsRequested)
     return best;
   const double with_filter = objective(problems, best.design);
   double to_beat = kObjectiveWithoutFilter * with_filter;
   for (const auto propose : {propose_spring_damper, propose_direct}) {
-    const Proposal proposal = propose(request, problems, cache);
+    const Proposal proposal = propose(request, problems);
     if (upper_bound(request, problems, proposal) < to_beat)
       continue;
     Evaluation other = certified(request, problems, proposal);
@@ -152,16 +151,15 @@ Evaluation best_of_all(const DesignProblem& request, const std::vector<AxisProbl
   return best;
 }
 
-Evaluation designed(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-                    CandidateCache& cache) {
+Evaluation designed(const DesignProblem& request, const std::vector<AxisProblem>& problems) {
   const std::string& kind = request.goals.kind;
   if (kind == "shaping_filter")
-    return certified(request, problems, propose_filter(request, problems, cache));
+    return certified(request, problems, propose_filter(request, problems));
   if (kind == "spring_damper")
-    return certified(request, problems, propose_spring_damper(request, problems, cache));
+    return certified(request, problems, propose_spring_damper(request, problems));
   if (kind == "direct")
-    return certified(request, problems, propose_direct(request, problems, cache));
-  return best_of_all(request, problems, cache);
+    return certified(request, problems, propose_direct(request, problems));
+  return best_of_all(request, problems);
 }
 
 /// A design with the minimum damping ratios of the goals, as far as they can be met.
@@ -174,10 +172,10 @@ struct Damped {
 
 /// `with_minimum`: `problems` with their minimum damping ratios.
 Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& problems,
-              const std::vector<AxisProblem>& with_minimum, CandidateCache& cache) {
+              const std::vector<AxisProblem>& with_minimum) {
   const MinDampingRatios &min_damping = request.goals.min_damping,
                          &of_rotation = request.goals.rotation_min_damping;
-  Evaluation found = designed(request, problems, cache);
+  Evaluation found = designed(request, problems);
   const std::array displayed{found.design.translation.displayed_stiffness,
                              found.design.rotation.displayed_stiffness};
   if (!(min_damping.released + min_damping.gripped + of_rotation.released + of_rotation.gripped >
@@ -186,7 +184,7 @@ Damped damped(const DesignProblem& request, const std::vector<AxisProblem>& prob
     return {std::move(found), problems, displayed, Damped::Minimum::kNotRequested};
   if (meets_min_damping(request, with_minimum, found.design.spec))
     return {std::move(found), problems, displayed, Damped::Minimum::kMet};
-  Evaluation again = designed(request, with_minimum, cache);
+  Evaluation again = designed(request, with_minimum);
   if (again.design.status == DesignStatus::kInfeasible)
     return {std::move(found), problems, displayed, Damped::Minimum::kDropped};
   return {std::move(again), with_minimum, displayed, Damped::Minimum::kMet};
@@ -254,11 +252,10 @@ Design design_coupling(const DesignProblem& original) {
   DesignProblem request = original;
   std::vector<AxisProblem> problems = axis_problems(request), with_minimum = problems;
   const LeastDamping out_of_reach = set_min_damping(request, with_minimum);
-  CandidateCache cache;
   const auto with_ratio = [&](double fraction) {
     request.goals.damping_force_ratio = problems[0].damping_force_ratio =
         with_minimum[0].damping_force_ratio = fraction;
-    return damped(request, problems, with_minimum, cache);
+    return damped(request, problems, with_minimum);
   };
   const std::optional<double>& given = original.goals.damping_force_ratio;
   const std::span<const double> fractions =

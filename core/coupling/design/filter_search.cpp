@@ -28,8 +28,8 @@ constexpr std::size_t kMaxConfirmations = 24;
 
 struct Axis {
   const AxisProblem* problem;
-  FilterTable* table;  ///< null if rule P decides
-  std::optional<FilterTable>
+  std::optional<LoopTable> table;  ///< empty if rule P decides
+  std::optional<LoopTable>
       damped_table;  ///< of the cases with a minimum damping ratio; empty without such cases
   std::array<double, kVelocityEstimates.size()> most_damping{};
   /// Whether a minimum damping ratio is missed although the contact is negligible: an underdamped
@@ -62,20 +62,17 @@ bool has_minimum(const DesignCase& one) { return one.least_damping_ratio > 0.0; 
 class Search {
  public:
   Search(const std::vector<AxisProblem>& problems, const std::vector<FilterSetting>& shapes,
-         bool allow_damping, bool windows, CandidateCache& cache)
+         bool allow_damping, bool windows)
       : shapes_(shapes),
         allow_damping_(allow_damping),
         velocities_(velocity_estimates(may_bounce(problems[0]), windows)) {
-    cache.tables.resize(problems.size());
-    for (std::size_t a = 0; a < problems.size(); ++a) {
-      const AxisProblem& problem = problems[a];
-      std::optional<FilterTable>& table = cache.tables[a];
-      if (!problem.hand.any_passive && !table)
-        table.emplace(problem.cases, velocities_);
-      Axis axis{&problem, table ? &*table : nullptr, std::nullopt, {}, {}, 0.0, 0};
+    for (const AxisProblem& problem : problems) {
+      Axis& axis = axes_.emplace_back();
+      axis.problem = &problem;
+      if (!problem.hand.any_passive)
+        axis.table.emplace(problem.cases, velocities_);
       if (std::ranges::any_of(problem.cases, has_minimum))
         axis.damped_table.emplace(problem.cases, velocities_, LoopLimit::kDamped);
-      axes_.push_back(std::move(axis));
     }
   }
 
@@ -94,20 +91,32 @@ class Search {
  private:
   bool may_damp() const {
     return allow_damping_ &&
-           std::ranges::any_of(axes_, [](const Axis& a) { return a.table != nullptr; });
+           std::ranges::any_of(axes_, [](const Axis& a) { return a.table.has_value(); });
+  }
+
+  /// Puts the filter in front of all tables.
+  void use(const FilterSetting& shape) {
+    const auto law = [&](const DecayingPhasor& at, double period_s) {
+      const double half_angle = std::numbers::pi * shape.cutoff_hz * period_s;
+      return std::isinf(shape.cutoff_hz) ? Complex(1.0)
+                                         : filter_response(half_angle, shape.damping_ratio, at);
+    };
+    for (Axis& axis : axes_)
+      for (std::optional<LoopTable>* table : {&axis.table, &axis.damped_table})
+        if (*table)
+          (*table)->use(law);
   }
 
   /// Stiffness over target, by the table or by rule P. If it is below `enough`, the result is some
-  /// smaller number.
+  /// smaller number. Call `use` for the shape before.
   double ratio(Axis& axis, std::size_t shape, std::size_t velocity, std::size_t level,
                double enough) const {
     const AxisProblem& problem = *axis.problem;
     const double whole = problem.margin * problem.target;
     const double critical =
-        axis.table
-            ? axis.table->critical(shapes_[shape], velocity, axis.damping(velocity, level),
-                                   enough * whole, problem.damping_force_ratio, problem.large_swing)
-            : passive_limit(problem, law_of(shapes_[shape]));
+        axis.table ? axis.table->critical(velocity, axis.damping(velocity, level), enough * whole,
+                                          problem.damping_force_ratio, problem.large_swing)
+                   : passive_limit(problem, law_of(shapes_[shape]));
     LoopController law;
     law.injected_damping = axis.damping(velocity, level);
     law.use(velocities_[velocity]);
@@ -115,10 +124,9 @@ class Search {
         std::min(critical / whole, quiet_stiffness(problem, law) / problem.target);
     if (!axis.damped_table || stable < enough)
       return stable;
-    return std::min(
-        stable, axis.damped_table->critical(shapes_[shape], velocity, axis.damping(velocity, level),
-                                            enough * problem.target) /
-                    problem.target);
+    return std::min(stable, axis.damped_table->critical(velocity, axis.damping(velocity, level),
+                                                        enough * problem.target) /
+                                problem.target);
   }
 
   /// Verifies the candidate exactly by the governing rule.
@@ -153,6 +161,7 @@ class Search {
     for (std::size_t s = 0; s < shapes_.size(); ++s) {
       const Candidate candidate{s, 0, std::vector<std::size_t>(axes_.size(), 0), 0.0, 0.0};
       bool likely = true;
+      use(shapes_[s]);
       for (Axis& axis : axes_)
         likely = likely && ratio(axis, s, 0, 0, kTableTolerance) >= kTableTolerance;
       if (!likely || !confirmed(candidate))
@@ -196,6 +205,7 @@ class Search {
     best_ = 0.0;
     for (std::size_t s = shapes_.size();
          s-- > 0;) {  // the highest cut-off first, so that most others are rejected early
+      use(shapes_[s]);
       for (std::size_t v = 0; v < velocities_.size(); ++v) {
         ratios_[s][v].resize(axes_.size());
         const double enough =
@@ -320,31 +330,6 @@ class Search {
 
 }  // namespace
 
-double FilterTable::critical(const FilterSetting& shape, std::size_t velocity,
-                             double injected_damping, double enough, double damping_force_ratio,
-                             double large_swing) {
-  const bool damped = injected_damping > 0.0;
-  const Key key(shape.cutoff_hz, shape.damping_ratio, damped ? velocity : 0, injected_damping,
-                damped ? damping_force_ratio : 0.0, damped ? large_swing : 1.0);
-  const auto [found, is_new] = cache_.try_emplace(key);
-  Entry& entry = found->second;
-  const bool exact = !is_new && entry.critical >= entry.enough, below = entry.critical < enough;
-  if (!is_new && (exact || below))
-    return entry.critical;
-  if (used_.cutoff_hz != shape.cutoff_hz || used_.damping_ratio != shape.damping_ratio) {
-    const double w0 = 2.0 * std::numbers::pi * shape.cutoff_hz;
-    table_.use([&](const DecayingPhasor& at, double period) {
-      return std::isinf(shape.cutoff_hz)
-                 ? Complex(1.0)
-                 : filter_response(0.5 * w0 * period, shape.damping_ratio, at);
-    });
-    used_ = shape;
-  }
-  entry = {table_.critical(velocity, injected_damping, enough, damping_force_ratio, large_swing),
-           enough};
-  return entry.critical;
-}
-
 LoopController law_of(const FilterSetting& shape) {
   LoopController law;
   const bool none = std::isinf(shape.cutoff_hz);
@@ -376,8 +361,8 @@ std::vector<FilterSetting> filter_settings(const DesignProblem& request) {
 
 FilterChoice search_filter(const std::vector<AxisProblem>& problems,
                            const std::vector<FilterSetting>& shapes, bool allow_injected_damping,
-                           bool velocity_windows, CandidateCache& cache) {
-  return Search(problems, shapes, allow_injected_damping, velocity_windows, cache).run();
+                           bool velocity_windows) {
+  return Search(problems, shapes, allow_injected_damping, velocity_windows).run();
 }
 
 }  // namespace voxtouch::coupling::design

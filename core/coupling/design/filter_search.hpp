@@ -3,10 +3,7 @@
 /// cut-off, damping ratio and injected damping that meet the goal at the least cost, or else give
 /// the largest stiffness.
 #include <array>
-#include <map>
-#include <optional>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "core/coupling/design/certificates.hpp"
@@ -39,35 +36,6 @@ LoopController law_of(const FilterSetting& shape);
 /// which rule P allows the largest stiffness.
 std::vector<FilterSetting> filter_settings(const DesignProblem& request);
 
-/// A LoopTable behind filters, with a cache of its results.
-class FilterTable {
- public:
-  FilterTable(const std::vector<DesignCase>& cases, std::span<const VelocityEstimate> velocities,
-              LoopLimit limit = LoopLimit::kStable)
-      : table_(cases, velocities, limit) {}
-  /// `LoopTable::critical` behind `shape`. If it is below `enough`, the result is some smaller
-  /// number.
-  double critical(const FilterSetting& shape, std::size_t velocity, double injected_damping,
-                  double enough, double damping_force_ratio = 0.0, double large_swing = 1.0);
-
- private:
-  /// Cut-off, damping ratio, velocity, injected damping, ratio, large swing.
-  using Key = std::tuple<double, double, std::size_t, double, double, double>;
-  struct Entry {
-    double critical, enough;
-  };
-  LoopTable table_;
-  FilterSetting used_{0.0, 0.0};
-  std::map<Key, Entry> cache_;
-};
-
-/// Cache shared by the searches of one design, whose cases are the same.
-struct CandidateCache {
-  std::vector<std::optional<FilterTable>>
-      tables;  ///< of each axis whose hand is known beyond its passivity
-  std::optional<SpringDamperPair> spring_damper;  ///< the stiffest for the cases
-};
-
 struct FilterChoice {
   FilterSetting shape;
   VelocityEstimate velocity;
@@ -84,6 +52,6 @@ struct FilterChoice {
 /// the larger fraction of the allowed damping.
 FilterChoice search_filter(const std::vector<AxisProblem>& problems,
                            const std::vector<FilterSetting>& shapes, bool allow_injected_damping,
-                           bool velocity_windows, CandidateCache& cache);
+                           bool velocity_windows);
 
 }  // namespace voxtouch::coupling::design

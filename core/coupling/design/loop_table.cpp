@@ -37,8 +37,8 @@ LoopTable::LoopTable(const std::vector<DesignCase>& cases,
     });
     if (timing == timings_.end())
       timing = timings_.insert(timing, timing_of(period, ratio, velocities));
-    Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}, {}};
-    entry.damped.resize(velocities.size()), entry.crossings.resize(velocities.size());
+    Case entry{static_cast<std::size_t>(timing - timings_.begin()), {}, {}, {}};
+    entry.damped.resize(velocities.size());
     const LoopResponse plant(one.plant, {.law = LoopController::Law::kDirect});
     for (const DecayingPhasor& at : timing->grid)
       add(entry.plant, plant.damped_plant(at));
@@ -74,8 +74,6 @@ void LoopTable::use(const LoopLaw& law) {
       laws.back().push_back(law(at, timing.period_s));
   }
   for (Case& one : cases_) {
-    for (auto& crossings : one.crossings)
-      crossings.clear();
     for (std::size_t i = 0; i < kPoints; ++i) {
       const Complex loop = laws[one.timing][i] * Complex(one.plant.re[i], one.plant.im[i]);
       one.loop.re[i] = loop.real(), one.loop.im[i] = loop.imag();
@@ -83,34 +81,7 @@ void LoopTable::use(const LoopLaw& law) {
   }
 }
 
-/// Im L, times a positive number, is Im loop + B c with c = Im(loop conj(unit)), so it changes sign
-/// at no more than one B. If rounding could decide a sign, the step counts for every B.
-std::vector<LoopTable::Crossing> LoopTable::crossings_of(const Response& loop,
-                                                         const Response& unit) {
-  constexpr double kNever = std::numeric_limits<double>::infinity(), kCancelled = 1e-9,
-                   kWiden = 1e-4;
-  std::vector<Crossing> out;
-  double root_before = 0.0;
-  bool sure_before = false, below_before = false;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    const double left = loop.im[i] * unit.re[i], right = loop.re[i] * unit.im[i], c = left - right;
-    const bool sure = loop.im[i] != 0.0 &&
-                      std::abs(c) > kCancelled * (std::abs(left) + std::abs(right)),
-               below = loop.im[i] < 0.0;
-    const double root = below != (c < 0.0) ? -loop.im[i] / c : kNever;
-    if (i == 0) {
-    } else if (!(sure && sure_before) || below != below_before) {
-      out.push_back({0.0, kNever, i});
-    } else if (root != root_before) {
-      out.push_back({(1.0 - kWiden) * std::min(root, root_before),
-                     (1.0 + kWiden) * std::max(root, root_before), i});
-    }
-    root_before = root, sure_before = sure, below_before = below;
-  }
-  return out;
-}
-
-double LoopTable::critical(Case& one, std::size_t velocity, double injected_damping,
+double LoopTable::critical(const Case& one, std::size_t velocity, double injected_damping,
                            const Bound* bound) {
   const bool damped = injected_damping > 0.0;
   const Response& unit = damped ? one.damped[velocity] : one.plant;
@@ -132,10 +103,10 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
   // stiffness on.
   if (im(0) > 0.0 && re(0) < 0.0)
     return 0.0;
-  const auto visit = [&](std::size_t i) {
+  for (std::size_t i = 1; i < kPoints; ++i) {
     const double before = im(i - 1), now = im(i);
     if ((before < 0.0) == (now < 0.0))
-      return;
+      continue;
     const double here = now / size(i), there = before / size(i - 1),
                  fraction = there / (there - here);
     const double crossing = (1.0 - fraction) * re(i - 1) / size(i - 1) + fraction * re(i) / size(i);
@@ -147,17 +118,6 @@ double LoopTable::critical(Case& one, std::size_t velocity, double injected_damp
         (!bound || (-1.0 / crossing / bound->large_swing < bound->lowest &&
                     residual_damping(damper(), bound->fraction) <= bound->up_to)))
       lowest = -1.0 / crossing;
-  };
-  if (damped) {
-    std::vector<Crossing>& crossings = one.crossings[velocity];
-    if (crossings.empty())
-      crossings = crossings_of(one.loop, unit);
-    for (const Crossing& crossing : crossings)
-      if (crossing.least <= b && b <= crossing.most)
-        visit(crossing.end);
-  } else {
-    for (std::size_t i = 1; i < kPoints; ++i)
-      visit(i);
   }
   const double nyquist = re(kPoints - 1) / size(kPoints - 1);
   return nyquist < 0.0 ? std::min(lowest, -1.0 / nyquist) : lowest;
@@ -168,7 +128,7 @@ double LoopTable::critical(std::size_t velocity, double injected_damping, double
   double lowest = std::numeric_limits<double>::infinity();
   for (std::size_t n = 0; n < cases_.size(); ++n) {
     const std::size_t c = n > first_ ? n : n == 0 ? first_ : n - 1;
-    Case& one = cases_[c];
+    const Case& one = cases_[c];
     lowest = std::min(lowest, critical(one, velocity, injected_damping, nullptr));
     if (damping_force_ratio > 0.0 && injected_damping > 0.0 && lowest >= enough)
       for (const DamperPart& part : kDamperParts) {

@@ -39,19 +39,11 @@ class LoopTable {
   struct Response {
     std::vector<double> re, im;
   };
-  /// Between the point ahead of `end` and `end` the loop may cross the real axis if B is between
-  /// `least` and `most`.
-  struct Crossing {
-    double least, most;
-    std::size_t end;
-  };
   struct Case {
     std::size_t timing;
     Response plant, loop;
     std::vector<Response>
         damped;  ///< plant times unit injected damping, for each velocity estimate
-    std::vector<std::vector<Crossing>>
-        crossings;  ///< of each velocity estimate, in order; empty: not yet computed
   };
   /// Bound of a damper. A crossing counts only if at most `up_to` of the damper remains, and over
   /// `large_swing` it must be below `lowest`.
@@ -59,8 +51,7 @@ class LoopTable {
     double whole, fraction, up_to, large_swing, lowest;
   };
   static void add(Response& to, const Complex& value);
-  static std::vector<Crossing> crossings_of(const Response& loop, const Response& unit);
-  static double critical(Case& one, std::size_t velocity, double injected_damping,
+  static double critical(const Case& one, std::size_t velocity, double injected_damping,
                          const Bound* bound);
 
   struct Timing {

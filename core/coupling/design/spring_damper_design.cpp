@@ -112,12 +112,10 @@ double most_stiffness(const DesignProblem& request, const std::vector<AxisProble
 }  // namespace
 
 Proposal propose_spring_damper(const DesignProblem& request,
-                               const std::vector<AxisProblem>& problems, CandidateCache& cache) {
+                               const std::vector<AxisProblem>& problems) {
   SpringDamperPair pair = passive_pair(request, problems);
   if (!passive_only(problems)) {
-    if (!cache.spring_damper)
-      cache.spring_damper = ranged_pair(request, problems);
-    const SpringDamperPair& ranged = *cache.spring_damper;
+    const SpringDamperPair ranged = ranged_pair(request, problems);
     if (ranged.stiffness > pair.stiffness)
       pair = ranged;
   }
