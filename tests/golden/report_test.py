@@ -277,7 +277,9 @@ class Reports(unittest.TestCase):
         run = run_data.Run(self.bag)
         self.assertEqual(len(run.contact), len(contact))
         for i in (0, len(contact) // 2, len(contact) - 1):
-            self.assertEqual(tuple(run.contact_force[i]), struct.unpack_from("<3d", contact[i], 184))
+            self.assertEqual(
+                tuple(run.contact_force[i]), struct.unpack_from("<3d", contact[i], 184)
+            )
             self.assertEqual(run.depth_mm[i], 1e3 * struct.unpack_from("<d", contact[i], 328)[0])
         self.assertEqual(run.scene, "cup")
         self.assertEqual(run.design["status"], self.summary["coupling"]["status"])
