@@ -185,7 +185,7 @@ def force_picture(runs):
     rows = (
         (sizes, "force magnitude [N]", None, False),
         (parts("returned"), "returned, device\naxes [N]", "returned", True),
-        (parts("pushed"), "contact, world\naxes [N]", "contact", True),
+        (parts("contact_force"), "contact, world\naxes [N]", "contact", True),
     )
     for row, (values, label, which, below) in enumerate(rows):
         limit = robust_limit(*(v for run in runs for v in values(run).values()))
