@@ -482,7 +482,7 @@ def tick_at(axis, sizes):
 def draw_points(m, picture):
     figure, (axis,) = new_plane(
         1,
-        "What a frame costs by the number of shell points",
+        "Time of a frame by the number of shell points",
         conditions(m.context) + "; CPU time, medians",
     )
     sizes = m.sizes()
@@ -542,7 +542,7 @@ def draw_points(m, picture):
 def draw_triangles(m, picture):
     figure, axes = new_plane(
         3,
-        "What a query costs by the number of triangles",
+        "Time of a query by the number of triangles",
         conditions(m.context) + "; CPU time, medians; same meshes and poses",
     )
     sizes = m.sizes()
