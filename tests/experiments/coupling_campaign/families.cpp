@@ -122,11 +122,11 @@ class Extremes {
   std::vector<Part> parts_;
 };
 
-/// Energy that the hand receives over two cycles of 2 s, over 2 F A each: the work of the force
-/// less what the device itself takes.
+/// Energy that the hand receives in a cycle of 2 s, the mean of two, over 2 F A: the work of the
+/// force less what the device itself takes.
 class ClosedCycles {
  public:
-  static constexpr double kFromS = 6.0, kUntilS = 10.0;
+  static constexpr double kFromS = 6.0, kUntilS = 10.0, kCycles = 2.0;
   explicit ClosedCycles(const DeviceDescription& device) : device_(device) {}
   void add(double time_s, const Vec3& at_m, const Vec3& applied_n) {
     if (time_s >= kFromS && time_s < kUntilS) {
@@ -142,8 +142,9 @@ class ClosedCycles {
   /// Of a motion of at least 25 encoder steps; -1 below it, where the encoder decides.
   double fraction() const {
     const double path_m = (high_m_ - low_m_).norm();
-    return path_m >= 25.0 * device_.position_resolution_m ? given_j_ / (2.0 * largest_n_ * path_m)
-                                                          : -1.0;
+    return path_m >= 25.0 * device_.position_resolution_m
+               ? given_j_ / kCycles / (2.0 * largest_n_ * path_m)
+               : -1.0;
   }
 
  private:
@@ -456,8 +457,8 @@ int all(const Request& ask) {
   fmt::print(
       "| family | runs | not feasible | swing by 0.2 N or more | smaller bounces | reported as a "
       "swing "
-      "| grew | slew limit acted | most "
-      "| damping ratio that ends all | look-ups a sample | longest | energy given, of 2 F A |\n"
+      "| grew | slew limit acted | largest bounce "
+      "| damping ratio that ends all | queries a sample | longest | energy given, of 2 F A |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::uint64_t swung = 0, runs = 0;
   for (std::size_t f = 0; f < kFamilies.size(); ++f) {
