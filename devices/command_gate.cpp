@@ -4,7 +4,7 @@ namespace voxtouch::devices {
 
 GateVerdict CommandGate::accept(std::uint64_t writer, std::uint64_t session, std::uint64_t sequence,
                                 std::uint64_t newest_sample) noexcept {
-  // The writer is checked last, so a writer that only answers foreign sessions is not followed.
+  // The session is checked first, so a writer that only answers foreign sessions is not followed.
   if (session != session_)
     return GateVerdict::kForeignSession;
   if (writer_ && *writer_ != writer)

@@ -52,8 +52,8 @@ struct DeviceSample {
 /// An open device. It exists only while connected; destruction and every error path end in zero
 /// force.
 ///
-/// One thread owns a driver: `read`, then one `write`, once a period. All three calls below are
-/// real-time safe: no allocation, no lock that a slower thread holds, no log, no throw.
+/// One thread owns a driver: `read`, then one `write`, once a period. `read`, `write` and `stop`
+/// are real-time safe: no allocation, no lock that a slower thread holds, no log, no throw.
 ///
 /// A real device sets the pace: `read` blocks until its next sample, so the caller does not sleep.
 ///
@@ -74,8 +74,8 @@ class Driver {
   /// Returns the newest sample that was not returned before; waits at most `timeout` for it.
   virtual DeviceResult<DeviceSample> read(std::chrono::microseconds timeout) noexcept = 0;
   /// Applies force and torque in D for one period. Refuses commands that are not finite or over a
-  /// limit (the last check before the hardware, after the guard; see limits.hpp). A refused command
-  /// gives zero force for that period.
+  /// limit (the last check before the hardware, after the guard; see devices/limits.hpp). A refused
+  /// command gives zero force for that period.
   virtual DeviceResult<void> write(const Wrench& command) noexcept = 0;
   /// Sets zero force immediately and drops pending commands. May be called twice. The next accepted
   /// `write` gives force again: to stay at zero, keep the guard stopped.

@@ -9,19 +9,17 @@
 
 namespace voxtouch::devices {
 
-/// Limits of the guard. Infinity: no slew limit.
+/// Limits of the guard. The slew limits allow its own fades; infinity: no limit.
 struct GuardConfig {
-  double period_s = 1e-3;
-  double max_force_n = 0.0;  ///< (0, finite)
-  double max_torque_nm =
-      0.0;  ///< [0, finite); 0: the device gives no torque, so the output has none
-  double max_force_rate_n_per_s =
-      0.0;  ///< see derive_slew_limits; at least max_force_n / fade_s, for fades
-  double max_torque_rate_nm_per_s = 0.0;  ///< for torque
+  double period_s = 1e-3;                 ///< [1e-6, 1]
+  double max_force_n = 0.0;               ///< (0, 1e9]
+  double max_torque_nm = 0.0;             ///< [0, 1e9]; 0: the output has no torque
+  double max_force_rate_n_per_s = 0.0;    ///< derive_slew_limits; at least max_force_n / fade_s
+  double max_torque_rate_nm_per_s = 0.0;  ///< likewise; at least max_torque_nm / fade_s
   double hold_periods = 3.0;              ///< a command is repeated for this many, [1, 1000]
   double fade_s = 0.02;                   ///< duration of the fade that follows, (0, 1]
   double start_ramp_s = 0.5;              ///< ramp to full force at the start, [0, 10]
-  double return_ramp_s = kReturnRampS;    ///< ramp to full force after a fade, [0, 10]
+  double return_ramp_s = kReturnRampS;    ///< after a fade, once the start's ramp is over; [0, 10]
 
   /// Throws std::runtime_error that names field, value and rule.
   void validate() const;

@@ -27,7 +27,7 @@ DeviceDescription describe_device(std::string_view name, const DeviceOptions& op
 /// Prefix of a device that a file describes.
 inline constexpr std::string_view kDescribedPrefix = "sim:";
 
-/// A simulated hand grips it and follows options.motion; otherwise a real operator does.
+/// Whether a simulated hand grips the device and follows options.motion; else a person does.
 bool has_simulated_hand(std::string_view name);
 
 /// DeviceOptions::is_led may be set: the device is arithmetic alone.
@@ -35,8 +35,8 @@ bool can_be_led(std::string_view name);
 /// Throws DeviceOpenError if its hand cannot be led.
 void require_led(std::string_view name);
 
-/// How a simulated hand usually holds the device: a start for options.hand. Throws for an unknown
-/// name and for hardware.
+/// How a simulated hand usually holds the device: a start for options.hand. Throws DeviceOpenError
+/// for an unknown name and for hardware.
 sim::OperatorConfig usual_hand(std::string_view name, const DeviceOptions& options = {});
 
 }  // namespace voxtouch::devices

@@ -23,7 +23,7 @@ struct ArmDescription {
   double link_radius_m = 0.04;   ///< for drawing the links
 };
 
-/// The same as URDF: links <model>_base, <model>_link1 and so on, <model>_flange. Each link is
+/// The arm in URDF, with links <model>_base, <model>_link1 and so on, <model>_flange. Each link is
 /// drawn as a cylinder to the next.
 std::string to_urdf(const ArmDescription& arm);
 

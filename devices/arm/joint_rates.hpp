@@ -11,9 +11,8 @@ namespace voxtouch::arm {
 ///
 ///     rate += (1 - exp(-2 pi f dt)) (difference - rate)
 ///
-/// Any dt is stable. At constant acceleration it lags by half a period (the difference) and 1 / (2
-/// pi f) (the low-pass). This holds to within a period, because a sampled low-pass leads by half a
-/// period. Real-time safe.
+/// Any dt is stable. At constant acceleration it lags by 1 / (2 pi f) to within a period.
+/// Real-time safe.
 class JointRates {
  public:
   /// `cutoff_hz`: f of the low-pass, > 0.

@@ -7,14 +7,12 @@ namespace voxtouch::sim {
 /// parameters.cpp has the means of grips and arms. All zero: a hand without effect.
 struct OperatorConfig {
   bool released = false;  ///< no hand; the other values are unused
-  double release_time_s = std::numeric_limits<double>::infinity();  ///< simulated time at which the
-                                                                    ///< hand opens, for good
-  double grip_change_time_s =
-      std::numeric_limits<double>::infinity();  ///< simulated time at which the grip changes, for
-                                                ///< good:
-  double grip_factor = 1.0;  ///< stiffness and damping times this, which grow together with the
-                             ///< force of a grip; over 0
-  double mass_kg = 0.0;      ///< moves with the tool
+  /// Simulated time at which the hand opens; it stays open.
+  double release_time_s = std::numeric_limits<double>::infinity();
+  /// Simulated time from which stiffness and damping are times `grip_factor`, > 0.
+  double grip_change_time_s = std::numeric_limits<double>::infinity();
+  double grip_factor = 1.0;
+  double mass_kg = 0.0;            ///< moves with the tool
   double damping_ns_per_m = 0.0;   ///< against the target's velocity
   double stiffness_n_per_m = 0.0;  ///< towards the target
   double inertia_kg_m2 = 0.0;      ///< the same three for rotation

@@ -24,8 +24,9 @@ struct Mobility {
 /// returns the mean velocity over the step.
 ///
 /// Friction takes at most what brings the end velocity to zero, so it never drives: a body at rest
-/// below the friction limit stays exactly in place. A body that stops within the step loses the
-/// last bit of its path, and one that reverses passes through rest; both only dissipate energy.
+/// below the friction limit stays exactly in place. A body that stops within the step does not
+/// travel on to where it would stop, and one that reverses passes through rest; both only dissipate
+/// energy.
 Vec3 step_mobility(const Mobility& mobility, const Vec3& pull, const Vec3& target_velocity,
                    const Vec3& force, double dt_s, Vec3& velocity) noexcept;
 

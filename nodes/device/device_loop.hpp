@@ -74,10 +74,10 @@ inline constexpr auto kDeviceTable = [] {
       {kClamped, "clamped", "commands", kLast},
       {kSlewed, "slewed", "samples", kLast},
       {kFaded, "faded", "fades", kLast},
-      // Failures of a device that had accepted force, regardless of their duration. Waiting until
-      // it is ready does not count.
+      // Ends of the force of a device that had accepted it: by its failure, a stall of the process
+      // or a latched fault. Waiting until the device is ready does not count.
       {kInterruptions, "interruptions", "times"},
-      // Failed reads and writes, during interruptions and waiting. Each gives zero force.
+      // Samples with zero force for one of these reasons, or while waiting.
       {kZeroForce, "zero_force_samples", "samples"},
       {kLatchedPoses, "latched_poses", "samples"},
       {kDeadlineMisses, "deadline_misses", "deadlines", kLast},  // at the end
@@ -96,7 +96,7 @@ inline constexpr auto kDeviceTable = [] {
 struct Progress {
   runtime::Counters<kDeviceTable> counters;
   std::atomic<devices::DeviceError> last_error{
-      devices::DeviceError::kTimeout};  ///< of the last failure counted in kZeroForce
+      devices::DeviceError::kTimeout};  ///< of the device's last failure
   std::atomic<bool> has_error{
       false};  ///< the last read or write failed, so the device is at zero force
   runtime::Heartbeat heartbeat;
