@@ -41,10 +41,10 @@ struct DeviceOpenError : std::runtime_error {
 
 /// One sample, in frame D, at the tool's origin.
 struct DeviceSample {
-  std::int64_t time_ns =
-      0;        ///< the device's clock, increasing; simulated time in a simulated device
-  Pose pose;    ///< T in D
-  Twist twist;  ///< D axes; filtered by the device, so it lags the pose
+  /// The device's clock, increasing; simulated time in a simulated device.
+  std::int64_t time_ns = 0;
+  Pose pose;                  ///< T in D
+  Twist twist;                ///< D axes; filtered by the device, so it lags the pose
   std::uint32_t buttons = 0;  ///< bit 0 = first button
   bool pose_valid = true;     ///< false: the device marked the sample as invalid
 };

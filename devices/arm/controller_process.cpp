@@ -35,8 +35,8 @@ std::string words(int status) {
 
 /// Between fork and exec of a process with threads: async-signal-safe calls only.
 [[noreturn]] void become(char* const* argv, pid_t parent, int hand, int log) {
-  prctl(PR_SET_PDEATHSIG,
-        SIGKILL);  // it must not continue to send to a port without an owner, or of another program
+  // It must not continue to send to a port without an owner, or of another program.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent)
     _exit(kExecFailed);
   setpgid(0, 0);  // SIGINT goes to the parent, which stops the arm and then ends this process

@@ -18,7 +18,7 @@ class ControllerProcess {
   /// if the program is missing or ended at once; then with its output.
   ControllerProcess(std::string_view device, const std::string& program,
                     const std::vector<std::string>& arguments, const std::string& hand);
-  /// Ends the process: by a signal first, by force after 2 s.
+  /// Ends the process with SIGTERM, after 2 s with SIGKILL.
   ~ControllerProcess();
   ControllerProcess(const ControllerProcess&) = delete;
   ControllerProcess& operator=(const ControllerProcess&) = delete;

@@ -5,8 +5,8 @@
 namespace voxtouch::arm {
 
 using Joints = Eigen::Matrix<double, 7, 1>;  ///< rad, rad/s or Nm
-using Jacobian =
-    Eigen::Matrix<double, 6, 7>;  ///< [linear; angular] of the tool over joint rates, base axes
+/// [linear; angular] of the tool over joint rates, base axes.
+using Jacobian = Eigen::Matrix<double, 6, 7>;
 
 /// Joint torque that gives `wrench` (base axes, about the tool's origin): J^T F.
 inline Joints joint_torque(const Jacobian& jacobian, const Wrench& wrench) noexcept {

@@ -10,7 +10,7 @@ struct PostureRules {
   double stiffness_nm_per_rad = 6.0;  ///< along the null-space motion
   double damping_nms_per_rad = 1.5;
   double max_torque_nm = 3.0;        ///< length of the torque vector over the seven joints
-  double min_manipulability = 0.02;  ///< below it the torque fades to zero, linearly
+  double min_manipulability = 0.02;  ///< [m^3] below it the torque falls to zero, linearly
   double ramp_s = 0.5;               ///< fade-in time after force is enabled
 };
 
@@ -19,9 +19,9 @@ struct PostureRules {
 /// (Cauchy-Binet gives the length). Zero at a singularity.
 Joints free_motion(const Jacobian& jacobian) noexcept;
 
-/// Torque along the unit null-space direction n, limited to `max_torque_nm`:
+/// Torque along the unit null-space direction n; w is the manipulability:
 ///
-///     -k n n^T (q - posture) - d n n^T rate
+///     min(1, w / min_manipulability) clamp(n^T (k (posture - q) - d rate), max_torque_nm) n
 ///
 /// A torque in null(J) is orthogonal to every J^T F, so the operator of a resting tool receives no
 /// force from it. While the elbow moves, the operator receives the reaction to its acceleration (no

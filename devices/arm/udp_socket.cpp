@@ -82,8 +82,8 @@ UdpSocket::UdpSocket(const std::string& address, std::uint16_t port) {
     throw devices::DeviceOpenError(
         fmt::format("cannot create a UDP socket: {}", std::strerror(errno)));
   const int on = 1;
-  setsockopt(file_, SOL_SOCKET, SO_TIMESTAMPNS, &on,
-             sizeof on);  // without it the age of a packet is unknown and counts as zero
+  // Without it the age of a packet is unknown and counts as zero.
+  setsockopt(file_, SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof on);
   const sockaddr_in requested = to_system({*host, port});
   if (bind(file_, reinterpret_cast<const sockaddr*>(&requested), sizeof requested) != 0) {
     const int error = errno;
@@ -130,8 +130,8 @@ std::optional<UdpSocket::Datagram> UdpSocket::receive(std::span<std::byte> buffe
   message.msg_control = control;
   message.msg_controllen = sizeof control;
   for (;;) {
-    const ssize_t size = recvmsg(
-        file_, &message, MSG_TRUNC);  // MSG_TRUNC: the true size, also if it exceeds the buffer
+    // MSG_TRUNC: the true size, also if it exceeds the buffer.
+    const ssize_t size = recvmsg(file_, &message, MSG_TRUNC);
     if (size >= 0)
       return Datagram{static_cast<std::size_t>(size), from_system(from), age_of(message)};
     if (errno == EINTR)

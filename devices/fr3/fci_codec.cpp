@@ -321,8 +321,8 @@ Message move_request(const Dialect& dialect, std::uint32_t id) noexcept {
   head(m, number_of(dialect, Request::kMove), id, kMoveSize);
   put(&m.bytes[12], kExternalController);
   put(&m.bytes[16], dialect.generator);
-  constexpr std::array<double, 3> kWide = {10.0, 3.12,
-                                           2.0 * std::numbers::pi};  // m, rad, rad of the elbow
+  // [m], [rad], [rad] of the elbow.
+  constexpr std::array<double, 3> kWide = {10.0, 3.12, 2.0 * std::numbers::pi};
   for (std::size_t i = 0; i < 6; ++i)
     put(&m.bytes[20 + 8 * i], kWide[i % 3]);
   return m;
@@ -354,8 +354,8 @@ Message load_request(const Dialect& dialect, std::uint32_t id, const Load& load)
   put(&m.bytes[12], load.mass_kg);
   for (int i = 0; i < 3; ++i) {
     put(&m.bytes[20 + 8 * static_cast<std::size_t>(i)], load.centre_m[i]);
-    put(&m.bytes[44 + 32 * static_cast<std::size_t>(i)],
-        load.inertia_kg_m2[i]);  // diagonal of nine
+    // Diagonal of nine.
+    put(&m.bytes[44 + 32 * static_cast<std::size_t>(i)], load.inertia_kg_m2[i]);
   }
   return m;
 }

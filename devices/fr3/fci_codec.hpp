@@ -20,6 +20,7 @@ inline constexpr std::uint16_t kCommandPort = 1337;  ///< TCP
 
 // --- the command channel
 
+/// The order is that of the command tables of the dialects.
 enum class Request : std::uint8_t {
   kConnect,
   kMove,
@@ -125,8 +126,8 @@ class StreamReader {
 
  private:
   std::array<std::byte, 4096> buffer_;
-  std::size_t filled_ = 0,
-              skip_ = 0;  // skip_: remaining bytes of a long body, which are dropped
+  // skip_: remaining bytes of a long body, which are dropped.
+  std::size_t filled_ = 0, skip_ = 0;
   bool broken_ = false;
 };
 /// nullopt for a number that is undefined in the dialect or unknown to this driver.
@@ -142,6 +143,7 @@ std::uint16_t version_in(const Received& received) noexcept;
 
 // --- the exchange
 
+/// The values of RobotMode and ControllerMode are those on the wire.
 enum class RobotMode : std::uint8_t {
   kOther,
   kIdle,
@@ -161,8 +163,8 @@ inline constexpr std::size_t kErrors = 41;
 using Errors = std::uint64_t;  ///< bit i: error i of the manufacturer's list
 /// The list as text: "joint reflex, power limit violation". Allocates.
 std::string words_of(Errors errors);
-inline constexpr Errors kLostPacketsError = Errors{1}
-                                            << 25;  ///< communication constraints violation
+/// Communication constraints violation.
+inline constexpr Errors kLostPacketsError = Errors{1} << 25;
 inline constexpr Errors kTorqueJumpError = Errors{1} << 32;  ///< controller torque discontinuity
 inline constexpr Errors kTorqueRangeError = Errors{1} << 34;
 
@@ -173,8 +175,8 @@ struct State {
   Joints dq = Joints::Zero();     ///< measured [rad/s]
   Joints tau_d = Joints::Zero();  ///< last torque received by the robot, without gravity [Nm]
   Joints tau = Joints::Zero();    ///< sensed, gravity included [Nm]
-  Vec3 ee_in_base = Vec3::Zero(),
-       ee_in_flange = Vec3::Zero();  ///< origin of the end effector's frame [m]
+  /// Origin of the end effector's frame [m].
+  Vec3 ee_in_base = Vec3::Zero(), ee_in_flange = Vec3::Zero();
   std::uint8_t generator_mode = 0;
   ControllerMode controller = ControllerMode::kOther;
   RobotMode mode = RobotMode::kIdle;

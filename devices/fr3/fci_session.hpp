@@ -13,8 +13,8 @@ namespace voxtouch::fr3::fci {
 struct SessionRules {
   double pause_s = 0.5;          ///< after a motion ended by the robot, until the next request
   double start_timeout_s = 2.0;  ///< from Move to the first state in torque control
-  double user_stop_timeout_s =
-      2.0;  ///< a longer user stop ends the session: the operator is working at the robot
+  /// A longer user stop ends the session: the operator is working at the robot.
+  double user_stop_timeout_s = 2.0;
   int most_restarts = 10;
 };
 

@@ -30,8 +30,8 @@ Fr3Arm::State Fr3Arm::at(const Joints& q) const noexcept {
   state.flange = frame * Pose{Vec3(0.0, 0.0, kFlange), Quat::Identity()};
   state.pose_BT = state.flange * pose_FT_;
   for (int i = 0; i < kJoints; ++i) {
-    const Pose& own =
-        frames[static_cast<std::size_t>(i)];  // joint i rotates about the z axis of frame i
+    // Joint i rotates about the z axis of frame i.
+    const Pose& own = frames[static_cast<std::size_t>(i)];
     const Vec3 axis = own.orientation * Vec3::UnitZ();
     state.jacobian.col(i) << axis.cross(state.pose_BT.position - own.position), axis;
   }

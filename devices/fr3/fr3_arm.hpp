@@ -27,8 +27,8 @@ class Fr3Arm {
   static constexpr int kJoints = 7;
   static constexpr std::array<double, kJoints> kA = {0.0,     0.0, 0.0,  0.0825,
                                                      -0.0825, 0.0, 0.088};  ///< m
-  static constexpr std::array<double, kJoints> kD = {0.333, 0.0, 0.316, 0.0,
-                                                     0.384, 0.0, 0.0};  ///< m
+  /// [m]
+  static constexpr std::array<double, kJoints> kD = {0.333, 0.0, 0.316, 0.0, 0.384, 0.0, 0.0};
   static constexpr std::array<int, kJoints> kAlphaQuarterTurns = {0, -1, 1, 1, -1, 1, 1};
   static constexpr double kFlange = 0.107;  ///< m, along the last axis
 

@@ -6,8 +6,8 @@ namespace voxtouch::fr3 {
 namespace {
 
 constexpr double kBeyondLimitRad = 0.05;  // the arm's stops are within this of its limits
-constexpr std::uint64_t kStrangeAhead =
-    5000;  // a larger jump, beyond the lifetime of a session, is not a count of milliseconds
+// A larger jump, beyond the lifetime of a session, is not a count of milliseconds.
+constexpr std::uint64_t kStrangeAhead = 5000;
 
 }  // namespace
 

@@ -174,8 +174,8 @@ void Fr3Driver::start_in_virtual_time() {
 }
 
 DeviceDescription describe_fr3() {
-  DeviceDescription d =
-      sim::sim_lwr().description;  // class defaults of an arm, for values that the file omits
+  // Class defaults of an arm, for values that the file omits.
+  DeviceDescription d = sim::sim_lwr().description;
   d.model = "fr3";
   // The figures and their sources are in deploy/devices/fr3.yaml; a test compares them.
   d.rate_hz = 1000.0;

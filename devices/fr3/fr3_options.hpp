@@ -13,8 +13,8 @@ namespace voxtouch::fr3 {
 struct Fr3Options {
   std::string address = "172.16.0.2";  ///< of the robot; the one in the manufacturer's manual
   std::uint16_t port = fci::kCommandPort;
-  double connect_timeout_s =
-      3.0;  ///< for the connection, and again for its first reply and the first state
+  /// For the connection, and again for its first reply and the first state.
+  double connect_timeout_s = 3.0;
   double silence_s = 1.0;       ///< without a state for this long the robot is lost
   double max_age_s = 0.02;      ///< a state that waited longer in the kernel is outdated
   double stop_timeout_s = 0.5;  ///< for leaving torque control at the end

@@ -14,9 +14,10 @@ class TorqueRamp {
       : step_nm_(step_nm),
         most_nm_(most_nm) {}
 
-  /// Takes the torque that the robot reports as last received, so a lost command does not count as
-  /// executed. A report that differs from the last two commands, or of no reception for more than
-  /// 20 commands, is ignored. Without a finite report, the last command counts.
+  /// Takes the torque that the robot reports as last received, so that a lost command does not
+  /// count as executed. Each joint of the report is limited to the range between the last two
+  /// commands. The last command counts as received if the report is not finite, or after more than
+  /// 20 commands that did not arrive.
   void acknowledge(const arm::Joints& tau_d) noexcept;
   /// The joint torques of the next command towards `requested` (base axes, at the tool of
   /// `jacobian`) and `posture` [Nm]. `posture` moves the joints but not the tool.
@@ -36,8 +37,8 @@ class TorqueRamp {
   Vec6 wrench_ = Vec6::Zero();
   arm::Joints posture_ = arm::Joints::Zero();
   int unheard_ = 0;
-  arm::Joints sent_ = arm::Joints::Zero(),
-              given_ = arm::Joints::Zero();  // given_: the previous one, or the last if it arrived
+  // given_: the torque that counts as received.
+  arm::Joints sent_ = arm::Joints::Zero(), given_ = arm::Joints::Zero();
 };
 
 }  // namespace voxtouch::fr3

@@ -21,7 +21,7 @@ enum class PacketFault : std::uint8_t {
   kEnum,       ///< state, quality or control has an undefined value
   kNotFinite,  ///< a required number is not finite (see the function)
 };
-/// One word, for logs.
+/// A phrase for messages.
 std::string_view name_of(PacketFault fault) noexcept;
 
 /// Copies `datagram` to `packet` and checks it. On kLength nothing is copied; after other faults

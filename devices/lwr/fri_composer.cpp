@@ -11,8 +11,8 @@ FriComposer::FriComposer(const ComposerRules& rules) noexcept
     : rules_(rules),
       packet_(empty_cmd()) {
   packet_.command.cmd_flags = kJointFlags;
-  packet_.command.jnt_damping.fill(
-      static_cast<float>(rules.joint_damping));  // jnt_stiffness stays zero
+  // jnt_stiffness stays zero.
+  packet_.command.jnt_damping.fill(static_cast<float>(rules.joint_damping));
 }
 
 void FriComposer::head(const Header& header, const FriSession& session) noexcept {

@@ -64,8 +64,8 @@ inline constexpr std::uint32_t kFlagJntPos = 0x0001, kFlagJntTrq = 0x0004, kFlag
 inline constexpr std::size_t kFrmIntStrategy = 0;  ///< $FRI_FRM_INT[1]: the requested Strategy
 inline constexpr std::size_t kFrmIntRun = 1;       ///< $FRI_FRM_INT[2]: 1 friStart, 0 friStop
 inline constexpr std::size_t kToIntEcho = 1;  ///< $FRI_TO_INT[2]: echo of it, or kKrlInitialised
-inline constexpr std::size_t kToIntSimulated =
-    15;  ///< $FRI_TO_INT[16]: kVirtualTime, from the simulated controller only
+/// $FRI_TO_INT[16]: kVirtualTime, from the simulated controller only.
+inline constexpr std::size_t kToIntSimulated = 15;
 inline constexpr std::int32_t kRun = 1, kHalt = 0, kKrlInitialised = 10;
 /// "VTXT": the controller runs in virtual time and sends its next measurement only after the reply
 /// to the last.

@@ -32,8 +32,8 @@ LwrArm::State LwrArm::at(const LwrJoints& q) const noexcept {
   }
   state.pose_BT = state.links.back() * pose_FT_;
   for (int i = 0; i < kJoints; ++i) {
-    const Pose& before =
-        state.links[static_cast<std::size_t>(i)];  // joint i rotates about the z axis of frame i
+    // Joint i rotates about the z axis of frame i.
+    const Pose& before = state.links[static_cast<std::size_t>(i)];
     const Vec3 axis = before.orientation * Vec3::UnitZ();
     state.jacobian.col(i) << axis.cross(state.pose_BT.position - before.position), axis;
   }

@@ -27,8 +27,8 @@ LwrLimits lwr_limits() noexcept;
 class LwrArm {
  public:
   static constexpr int kJoints = 7;
-  static constexpr std::array<double, kJoints> kD = {0.3105, 0.0, 0.400, 0.0,
-                                                     0.390,  0.0, 0.078};  ///< m
+  /// [m]
+  static constexpr std::array<double, kJoints> kD = {0.3105, 0.0, 0.400, 0.0, 0.390, 0.0, 0.078};
   static constexpr std::array<int, kJoints> kAlphaQuarterTurns = {1, -1, -1, 1, 1, -1, 0};
 
   /// `pose_FT`: the frame T, for poses, twists and wrenches.

@@ -6,8 +6,8 @@
 namespace voxtouch::lwr {
 namespace {
 
-constexpr std::uint64_t kGapPeriods =
-    5;  // after a longer gap a difference of positions is not the present velocity
+// After a longer gap a difference of positions is not the present velocity.
+constexpr std::uint64_t kGapPeriods = 5;
 constexpr double kBeyondLimitRad = 0.05;  // the arm's stops are within this of its limits
 
 std::int64_t wall_ns() noexcept {

@@ -8,15 +8,8 @@
 /// $FRI_TO_INT[2]. It must widen the deviation limits of the impedance controller
 /// ($stiffness.axismaxdelta, axismaxdeltatrq), because all force is additional torque.
 ///
-/// The successor, LBR iiwa, is not supported: its "FRI 1.x" shares only the name. It uses protocol
-/// buffers over UDP 30200 with reversed roles (the client binds, the controller is addressed by its
-/// own application program). The ids of the monitor and command messages (0x245142, 0x34001), their
-/// fields and readable client sources are public. The fields are header, joint position and torque,
-/// wrench feed-forward, connection quality and session state (IDLE to COMMANDING_ACTIVE). A driver
-/// would need permission to use those sources without the vendor's product, or its own decoder from
-/// the public field numbers. It would also need the kinematic and torque limits of the iiwa and a
-/// controller-side application. Hardware is needed to test which command mode (torque or wrench
-/// overlay) keeps its rate.
+/// The successor, LBR iiwa, is not supported: its "FRI 1.x" is a different protocol (protocol
+/// buffers over UDP 30200).
 #include <atomic>
 #include <cstddef>
 #include <optional>

@@ -82,8 +82,8 @@ void LwrDriver::connect() {
     throw devices::DeviceOpenError(fmt::format(
         "device 'lwr': the controller at {} announces a period of {} s, valid: 1 to 100 ms",
         text_of(controller_), period_s));
-  period_ns_ =
-      std::llround(period_s * 1e6) * 1000;  // whole microseconds: the float is slightly off
+  // Whole microseconds: the float is slightly off.
+  period_ns_ = std::llround(period_s * 1e6) * 1000;
   virtual_time_ = msr_.krl.integer[fri::kToIntSimulated] == fri::kVirtualTime;
   composer_.emplace(composer_rules(options_, 1e-9 * static_cast<double>(period_ns_)));
   clock_.emplace(period_ns_, virtual_time_);
@@ -165,8 +165,8 @@ void LwrDriver::disengage() noexcept {
                          session_.phase() == fri::FriSession::Phase::kRunning;
   session_.request_stop();
   stop();
-  const std::uint64_t received_enough =
-      counts_.answered + (requested ? 3 : 0);  // a request may be lost
+  // A request may be lost.
+  const std::uint64_t received_enough = counts_.answered + (requested ? 3 : 0);
   const auto deadline = Clock::now() + seconds(options_.stop_timeout_s);
   while (requested && !(session_.stopped() && counts_.answered >= received_enough)) {
     const Intake intake = wait_and_take(deadline);

@@ -19,8 +19,8 @@ struct LwrOptions {
   double connect_timeout_s = 10.0;  ///< for the first measurement
   double silence_s = 1.0;           ///< without a measurement for this long the controller is lost
   double max_age_s = 0.02;          ///< a measurement that waited longer in the kernel is outdated
-  double virtual_timeout_s =
-      10.0;  ///< longest time until the next measurement of a controller in virtual time
+  /// Longest time until the next measurement of a controller in virtual time.
+  double virtual_timeout_s = 10.0;
   double stop_timeout_s = 0.5;  ///< for leaving command mode at the end
   Pose pose_FT;                 ///< the tool T in the flange F
   Pose pose_BD;                 ///< frame D in the robot's base B (z up, along axis 1)

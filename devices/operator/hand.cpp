@@ -155,7 +155,7 @@ HandAction Hand::step() noexcept {
   return action;
 }
 
-/// Moves the lags on by one step; the target in its middle.
+/// Advances the lags by one step. Returns the target in the middle of the step.
 MotionPoint Hand::lead(const MotionPoint& requested, const Quat& goal) noexcept {
   const double sign = orientation_.dot(goal) < 0.0 ? -1.0 : 1.0;
   orientation_.coeffs() += gain_ * (sign * goal.coeffs() - orientation_.coeffs());

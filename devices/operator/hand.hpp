@@ -54,17 +54,17 @@ struct HandAction {
   }
 };
 
-/// Follows a Motion through two equal first-order lags, which limit it to the bandwidth of
-/// voluntary movement. Steps have a fixed length; the same calls give bit-identical results.
+/// Follows a Motion through first-order lags, two for the position and one for the orientation,
+/// which limit it to the bandwidth of voluntary movement. Equal calls give bit-identical results.
 /// Real-time safe except for the constructor, `follow` and `grip_as`.
 class Hand {
  public:
-  /// Voluntary movement reaches 2 to 5 Hz; -3 dB of both lags together. Infinity: the target is the
-  /// motion itself.
+  /// Voluntary movement reaches 2 to 5 Hz; -3 dB of both lags together.
   static constexpr double kBandwidthHz = 5.0;
 
-  /// In D. Throws std::runtime_error if the parameters are invalid (OperatorConfig::validate) or
-  /// the motion has no way point.
+  /// `motion`: of the tip in D. `step_s`: length of a step, (0, 0.01]. `seed`: of the tremor.
+  /// `bandwidth_hz` > 0; infinity: the target is the motion itself. Throws std::runtime_error if an
+  /// argument is invalid.
   Hand(const sim::OperatorConfig& config, Motion motion, double step_s, std::uint64_t seed = 0,
        const ToolDrag& drag = {}, double bandwidth_hz = kBandwidthHz);
 

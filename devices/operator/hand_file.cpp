@@ -142,8 +142,8 @@ HandFile parse_hand(std::string_view text, std::string_view name) {
   std::map<std::string, YAML::Node> values;
   std::map<std::string, YAML::Mark> places;
   try {
-    const YAML::Node root = YAML::Load(
-        std::string(text));  // the first document alone: LoadAll does not end with every text
+    // The first document alone: LoadAll does not end with every text.
+    const YAML::Node root = YAML::Load(std::string(text));
     // Behind a map in braces, or a mark between documents, anything could follow unread.
     if (!root.IsMap() || root.Style() == YAML::EmitterStyle::Flow ||
         text.find("\n---") != text.npos || text.find("\n...") != text.npos)

@@ -51,8 +51,8 @@ std::string HdLibrary::open(const std::string& file) {
 
 const HdLibrary& HdLibrary::load(const std::string& path) {
   static std::mutex mutex;
-  static const HdLibrary* loaded =
-      nullptr;  // never unloaded: its functions are called until the process ends
+  // Never unloaded: its functions are called until the process ends.
+  static const HdLibrary* loaded = nullptr;
   const std::lock_guard lock(mutex);
   if (loaded != nullptr) {
     if (path.empty() || path == loaded->name_)

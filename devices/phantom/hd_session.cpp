@@ -19,7 +19,7 @@ constexpr double kPollS = 0.01;
 std::atomic<bool> g_in_use{
     false};  // the servo loop belongs to the process, so there is one session per process
 
-/// Discards all waiting errors; returns the newest relevant one.
+/// Discards all waiting errors; returns the newest one.
 hd::HDerror take_errors(const hd::Api& api) {
   hd::HDerror newest = hd::kSuccess;
   for (int i = 0; i < 256; ++i) {

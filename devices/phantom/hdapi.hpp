@@ -89,8 +89,8 @@ inline constexpr HDenum kNominalMaxForce = 0x2603;            // double, N
 inline constexpr HDenum kNominalMaxContinuousForce = 0x2604;  // double, N
 inline constexpr HDenum kMotorTemperature = 0x2605;  // double x OUTPUT_DOF, 0..1; 1 is overheated
 inline constexpr HDenum kSoftwareVelocityLimit = 0x2606;  // set: double, mm/s; also a capability
-inline constexpr HDenum kSoftwareForceImpulseLimit =
-    0x2607;  // get, set: double, N/ms; also a capability
+// Get, set: double, N/ms; also a capability.
+inline constexpr HDenum kSoftwareForceImpulseLimit = 0x2607;
 inline constexpr HDenum kNominalMaxTorqueForce = 0x2622;  // double
 
 // --- capabilities: for hdEnable, hdDisable, hdIsEnabled, in addition to the two limits above

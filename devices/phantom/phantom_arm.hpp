@@ -74,18 +74,18 @@ class PhantomDynamics {
                            double gravity_m_per_s2 = 9.81) noexcept;
 
   Mat3 mass(const Vec3& joints) const noexcept;  ///< [kg m^2]
-  Mat3 coriolis(const Vec3& joints,
-                const Vec3& rates) const noexcept;      ///< from the Christoffel symbols [Nms/rad]
+  /// From the Christoffel symbols [Nms/rad].
+  Mat3 coriolis(const Vec3& joints, const Vec3& rates) const noexcept;
   Vec3 gravity(const Vec3& joints) const noexcept;      ///< [Nm]
   double potential(const Vec3& joints) const noexcept;  ///< whose gradient is `gravity` [J]
-  double energy(const Vec3& joints,
-                const Vec3& rates) const noexcept;  ///< kinetic and potential [J]
+  /// Kinetic and potential [J].
+  double energy(const Vec3& joints, const Vec3& rates) const noexcept;
   const PhantomGeometry& geometry() const noexcept { return geometry_; }
 
  private:
   PhantomGeometry geometry_;
-  double turret_, thigh_wave_, shin_wave_,
-      cross_;  // M11 = turret + thigh_wave cos 2t2 + shin_wave cos 2t3 + cross cos t2 sin t3
+  // M11 = turret + thigh_wave cos 2t2 + shin_wave cos 2t3 + cross cos t2 sin t3.
+  double turret_, thigh_wave_, shin_wave_, cross_;
   double thigh_, shin_;
   double thigh_weight_, shin_weight_;  // [Nm]
   Vec3 rotor_;

@@ -32,8 +32,8 @@ constexpr std::array kFigures{
 // range of the rows above.
 constexpr PhantomFigures kUnknown{"", 6.0, 0.88, 1000.0, 0.030, 0.160, 0.26, 0.055e-3};
 
-constexpr double kFadeS =
-    0.02;  // of the guard; a force rate below max_force / this would prevent its fade
+// Of the guard; a force rate below max_force / this would prevent its fade.
+constexpr double kFadeS = 0.02;
 
 bool starts_with(std::string_view name, std::string_view prefix) noexcept {
   const auto same = [](char a, char b) {

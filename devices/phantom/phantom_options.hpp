@@ -17,8 +17,8 @@ enum class EncoderReset : std::uint8_t {
 };
 
 struct PhantomOptions {
-  std::string
-      library;  ///< file of the vendor's library or of the simulated one; empty: the usual names
+  /// File of the vendor's library or of the simulated one; empty: the usual names.
+  std::string library;
   std::string name;  ///< of the device, as in the vendor's setup tool; empty: its default names
   /// Origin of the library's frame in D (for a Premium: its tip in the reset pose). The axes of D
   /// are those of the library: x right, y up, z towards the operator.

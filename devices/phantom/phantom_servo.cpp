@@ -12,8 +12,8 @@ namespace voxtouch::phantom {
 namespace {
 
 constexpr double kMilli = 1e-3;  // m per mm, Nm per mNm
-constexpr std::int64_t kGapPeriods =
-    5;  // after a longer gap a difference of positions is not the present velocity
+// After a longer gap a difference of positions is not the present velocity.
+constexpr std::int64_t kGapPeriods = 5;
 constexpr double kNoArmReachesM = 10.0;
 constexpr auto kRelaxed = std::memory_order_relaxed;
 

@@ -6,8 +6,8 @@
 namespace voxtouch::phantom {
 
 /// Limit of the force magnitude. Real-time safe.
-/// If any motor is above `kWarm`, the limit decreases by a thousandth per tick from the requested
-/// force, down to the continuous force. If all are below `kCool`, it increases by a thousandth per
+/// If any motor is above `kWarm`, the limit falls to the last set force, then by a thousandth per
+/// tick, down to the continuous force. If all are below `kCool`, it increases by a thousandth per
 /// tick, up to the maximum. In between it is constant. The rule is an example published by the
 /// vendor. A non-finite temperature counts as warm.
 class ThermalClamp {

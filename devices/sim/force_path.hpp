@@ -16,8 +16,7 @@ class ForcePath {
  public:
   static constexpr int kMaxDelayPeriods = 32;
 
-  /// `device`: limits, delay (rounded to a whole substep), bandwidth. `substep_s`: length of a
-  /// substep.
+  /// `device`: limits, delay (rounded to a whole substep, at most kMaxDelayPeriods), bandwidth.
   ForcePath(const DeviceDescription& device, double substep_s) noexcept;
 
   /// One substep with a constant `command`: the mean wrench at the tool.

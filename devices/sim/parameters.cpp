@@ -65,8 +65,8 @@ SimParameters sim_lwr() {
   d.rate_hz = 1000.0;      // confirmed: fastest rate of the remote interface
   d.max_force_n = 150.0;   // assumed; joint torques would allow 200 N and more, derived
   d.max_torque_nm = 15.0;  // assumed: half of the wrist joints' torque
-  d.max_stiffness_n_per_m =
-      5000.0;           // confirmed: cap of the Cartesian stiffness in published drivers
+  // Confirmed: cap of the Cartesian stiffness in published drivers.
+  d.max_stiffness_n_per_m = 5000.0;
   d.mass_min_kg = 3.0;  // derived from an identified model, motor inertia divided by four
   d.mass_max_kg = 6.0;
   d.damping_ns_per_m = 30.0;        // assumed
@@ -79,14 +79,14 @@ SimParameters sim_lwr() {
   d.damping_nms_per_rad = 0.3;          // confirmed as a published model's value of joint 6
   d.coulomb_friction_nm = 0.1;          // assumed residual of the torque control
   d.orientation_resolution_rad = 1e-4;  // assumed
-  d.max_stiffness_nm_per_rad =
-      300.0;  // assumed: cap of the rotational stiffness in published drivers
+  // Assumed: cap of the rotational stiffness in published drivers.
+  d.max_stiffness_nm_per_rad = 300.0;
   d.grip = "arm";
   d.input_dof = 6;
   d.output_dof = 6;
-  p.mass_kg =
-      Vec3(6.0, 3.9, 5.5);  // derived: elbow bent, orientation free, motor inertia divided by four
-  p.inertia_kg_m2 = 0.1;    // derived from assumed motor inertia of the wrist, divided by four
+  // Derived: elbow bent, orientation free, motor inertia divided by four.
+  p.mass_kg = Vec3(6.0, 3.9, 5.5);
+  p.inertia_kg_m2 = 0.1;        // derived from assumed motor inertia of the wrist, divided by four
   p.damping_nms_per_rad = 0.3;  // confirmed as a published model's value of joint 6
   p.coulomb_friction_nm = 0.1;  // assumed
   p.velocity_filter_hz = 50.0;  // assumed

@@ -16,8 +16,8 @@ Tremor::Tremor(double sigma_n, double bandwidth_hz, double period_s, std::uint64
     : sigma_n_(sigma_n),
       random_(seed) {
   keep_ = 1.0 / (1.0 + 2.0 * std::numbers::pi * bandwidth_hz * period_s);
-  gain_ =
-      sigma_n * std::sqrt(1.0 - keep_ * keep_);  // keeps the variance at sigma_n for any bandwidth
+  // The standard deviation of the force is sigma_n for any bandwidth.
+  gain_ = sigma_n * std::sqrt(1.0 - keep_ * keep_);
 }
 
 Vec3 Tremor::next() noexcept {

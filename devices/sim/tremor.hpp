@@ -16,7 +16,8 @@ double near_normal(std::mt19937_64& random) noexcept;
 /// zero. Real-time safe.
 class Tremor {
  public:
-  /// `sigma_n` 0: no force, and no random number is drawn.
+  /// `sigma_n` [N] 0: no force, and no random number is drawn. `bandwidth_hz`: corner of the
+  /// low-pass. `period_s`: time between calls.
   Tremor(double sigma_n, double bandwidth_hz, double period_s, std::uint64_t seed);
   /// The force over the next period [N].
   Vec3 next() noexcept;

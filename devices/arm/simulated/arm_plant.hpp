@@ -15,11 +15,11 @@ struct PlantParameters {
   arm::Joints viscous_nms_per_rad = arm::Joints::Zero();
   arm::Joints coulomb_nm = arm::Joints::Zero();
   arm::Joints brake_nm = arm::Joints::Zero();  ///< largest holding torque of a closed brake
-  arm::Joints torque_limit_nm = arm::Joints::Constant(
-      std::numeric_limits<double>::infinity());  ///< of the drives, gravity included
-  arm::Joints highest_rad =
-      arm::Joints::Constant(std::numeric_limits<double>::infinity());  ///< an inelastic stop
-  arm::Joints lowest_rad = -highest_rad;                               ///< an inelastic stop
+  /// Of the drives, gravity included.
+  arm::Joints torque_limit_nm = arm::Joints::Constant(std::numeric_limits<double>::infinity());
+  /// Positions of inelastic stops.
+  arm::Joints highest_rad = arm::Joints::Constant(std::numeric_limits<double>::infinity());
+  arm::Joints lowest_rad = -highest_rad;
 };
 
 enum class Drives {

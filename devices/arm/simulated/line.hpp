@@ -39,7 +39,7 @@ class Line {
     std::uint64_t lost = 0, delayed = 0, reordered = 0, duplicated = 0, answers_lost = 0;
   };
 
-  /// A measurement made at `now_s`.
+  /// Sends a measurement made at `now_s`. A full line drops its oldest packet.
   void put(const Payload& msr, double now_s) noexcept {
     if (happens(FaultKind::kLoss, now_s)) {
       ++counts_.lost;

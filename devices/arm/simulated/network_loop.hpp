@@ -35,8 +35,8 @@ enum class Ending : std::uint8_t {
 struct NetworkCounts {
   std::uint64_t sent = 0, send_errors = 0;
   std::uint64_t received = 0, foreign = 0;  ///< foreign: from another address, ignored
-  std::uint64_t overruns =
-      0;  ///< real time: periods missed by this process; its clock was suspended
+  /// Real time: periods missed by this process, during which its clock was suspended.
+  std::uint64_t overruns = 0;
 };
 
 inline std::int64_t now_ns() {
@@ -78,8 +78,8 @@ class NetworkLoop {
           break;
       } else {
         deadline_ns += period_ns;
-        if (now_ns() >
-            deadline_ns) {  // a whole period late: the clock is suspended instead of catching up
+        // A whole period late: the clock is suspended instead of catching up.
+        if (now_ns() > deadline_ns) {
           ++counts_.overruns;
           deadline_ns = now_ns() + period_ns;
         }

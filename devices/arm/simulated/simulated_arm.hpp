@@ -19,8 +19,8 @@ struct ArmConfig {
   PlantParameters plant;
   arm::Joints start_rad = arm::Joints::Zero();
   LawParameters laws;
-  int torque_delay_ticks =
-      1;  ///< of commanded torques, in addition to the waiting period of a command; assumed
+  /// Of commanded torques, in addition to the waiting period of a command; assumed.
+  int torque_delay_ticks = 1;
   double torque_lag_s = 0.003;         ///< their first-order lag by the torque loop; assumed
   double angle_resolution_rad = 2e-5;  ///< of the measured angles; assumed
   /// The hand grips the tool, and its clock starts, with the first motion.
@@ -31,7 +31,7 @@ struct ArmConfig {
   void validate() const;
 };
 
-/// Throws std::runtime_error, "simulated controller: FIELD has to be RULE", unless `good`.
+/// Throws std::runtime_error, "simulated controller: FIELD must be RULE", unless `good`.
 void require(bool good, const char* field, const char* rule);
 
 /// Time is a count of ticks: equal seeds and calls give bit-identical results. Real-time safe after

@@ -87,8 +87,8 @@ Outcome FciRobot::request(Request request, const fr3::fci::Received& body) noexc
     case Request::kSetCollisionBehavior: {
       if (in_motion())
         return Outcome::kNotPossible;
-      std::memcpy(&worst_hand_n_, &body.body[(4 * 7 + 3 * 6) * 8],
-                  sizeof worst_hand_n_);  // upper, nominal, along x
+      // Upper, nominal, along x.
+      std::memcpy(&worst_hand_n_, &body.body[(4 * 7 + 3 * 6) * 8], sizeof worst_hand_n_);
       return Outcome::kSuccess;
     }
     case Request::kSetLoad:

@@ -91,8 +91,8 @@ class FciRobot final : public arm_sim::SimulatedArm {
   fr3::fci::State state_;
   arm::Joints held_rad_;  // position that the robot's controller keeps
   arm::Joints commanded_ = arm::Joints::Zero();
-  arm::Joints measured_ =
-      arm::Joints::Zero();  // last torque that gave force over the last millisecond
+  // Last torque that gave force over the last millisecond.
+  arm::Joints measured_ = arm::Joints::Zero();
   std::optional<fr3::fci::Command> pending_;
   bool not_finite_ = false;
   bool armed_ = false;  // the remote side has begun to reply

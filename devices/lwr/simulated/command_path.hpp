@@ -5,7 +5,7 @@
 namespace voxtouch::lwr_sim {
 
 /// Interpolates longer periods and extrapolates missing replies. Positions of a missed period
-/// continue as in the last one, for at most `kExtrapolated` consecutive misses; forces are
+/// continue as in the last one, for at most `kExtrapolated` consecutive misses; torques are
 /// repeated. Real-time safe.
 class CommandPath {
  public:

@@ -32,12 +32,12 @@ struct ControllerConfig : arm_sim::ArmConfig {
   double safety_limits = 1.0;  ///< argument of friStart: fraction of the joints' speed, in (0, 1]
   SafetyRules safety;
   double torque_noise_nm = 0.05;  ///< standard deviation of each torque sensor; assumed
-  lwr::LwrJoints krl_stiffness_nm_per_rad =
-      lwr::LwrJoints::Constant(1000.0);  ///< used without a flag, as in published programs;
-  double krl_damping = 0.7;              ///< used without a flag, as in published programs
-  double script_pause_s = 0.05;          ///< of the KRL program's loop, as in a published one
-  bool first_start_keeps_strategy = false;
-  bool virtual_time = false;  ///< announced in $FRI_TO_INT[16]
+  /// Stiffness and damping of a command without their flags, as in published programs.
+  lwr::LwrJoints krl_stiffness_nm_per_rad = lwr::LwrJoints::Constant(1000.0);
+  double krl_damping = 0.7;
+  double script_pause_s = 0.05;             ///< of the KRL program's loop, as in a published one
+  bool first_start_keeps_strategy = false;  ///< see KrlScript
+  bool virtual_time = false;                ///< announced in $FRI_TO_INT[16]
 
   /// Throws std::runtime_error that names field and rule.
   void validate() const;
@@ -49,8 +49,8 @@ struct AnswerCounts {
   std::uint64_t length = 0, id = 0, size_field = 0;  ///< not a command packet
   std::uint64_t not_finite = 0;
   std::uint64_t stale = 0;  ///< does not reply to the last measurement
-  std::uint64_t replaced =
-      0;  ///< replies to it again with a newer count: accepted in place of the previous one
+  /// Replies to it again with a newer count: accepted in place of the previous one.
+  std::uint64_t replaced = 0;
   std::uint64_t doubled = 0;  ///< replies to it again with the same or an older count
 };
 

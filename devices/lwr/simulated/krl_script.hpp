@@ -14,12 +14,8 @@ namespace voxtouch::lwr_sim {
 /// mode has ended by itself, it restarts only after a 0. Real-time safe.
 class KrlScript {
  public:
-  enum class Request : std::uint8_t {
-    kNone,
-    kStart,
-    kStop,
-    kAcknowledge
-  };  ///< the last: no run active or requested, errors may be cleared
+  /// kAcknowledge: no run is active or requested, so errors may be cleared.
+  enum class Request : std::uint8_t { kNone, kStart, kStop, kAcknowledge };
   struct Input {
     std::int32_t strategy = 0, run = 0;  ///< $FRI_FRM_INT[1], [2]
     lwr::fri::State state = lwr::fri::State::kMon;

@@ -41,8 +41,8 @@ struct Violation {
 struct SafetyRules {
   lwr::LwrJoints max_speed_rad_s = lwr::lwr_limits().velocity_rad_s;  ///< measured and commanded
   lwr::LwrJoints max_position_rad = lwr::lwr_limits().position_rad;   ///< commanded, +-
-  lwr::LwrJoints max_torque_nm =
-      lwr::lwr_limits().torque_nm;  ///< overlaid ($stiffness.axismaxdeltatrq); assumed
+  /// Overlaid ($stiffness.axismaxdeltatrq); assumed.
+  lwr::LwrJoints max_torque_nm = lwr::lwr_limits().torque_nm;
   double max_deviation_rad =
       100.0 * std::numbers::pi / 180.0;      ///< $stiffness.axismaxdelta in published programs
   double max_stiffness_nm_per_rad = 2000.0;  ///< assumed

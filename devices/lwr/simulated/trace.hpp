@@ -9,8 +9,8 @@
 namespace voxtouch::lwr_sim {
 
 /// CSV: one header line, one row per period. Base axes. Force and torque `applied` are those of the
-/// drives at the tool in addition to carrying the arm (zero while brakes hold it); `hand` are those
-/// of the operator. Numbers do not depend on the locale.
+/// drives at the tool in addition to carrying the arm (zero while brakes hold it); `hand` is the
+/// force of the operator. Numbers do not depend on the locale.
 class Trace {
  public:
   /// Throws std::runtime_error if the file cannot be created.

@@ -5,8 +5,8 @@
 namespace voxtouch::hd_sim {
 namespace {
 
-constexpr std::uint64_t kAutoCalibrationTicks =
-    50;  // initial observation time of an automatic calibration: assumed
+// Initial observation time of an automatic calibration: assumed.
+constexpr std::uint64_t kAutoCalibrationTicks = 50;
 
 }  // namespace
 

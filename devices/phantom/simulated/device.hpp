@@ -10,8 +10,8 @@
 
 namespace voxtouch::hd_sim {
 
-inline constexpr phantom::hd::HHD kHandle =
-    0;  // the vendor's first handle is also 0: a driver must not treat it as "none"
+// The vendor's first handle is also 0: a driver must not treat it as "none".
+inline constexpr phantom::hd::HHD kHandle = 0;
 
 struct Switches {
   int buttons = 0;

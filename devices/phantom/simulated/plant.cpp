@@ -12,8 +12,8 @@ namespace voxtouch::hd_sim {
 namespace {
 
 constexpr double kLightestArm = 0.03;  // [kg] apparent mass at the tip, over the workspace
-constexpr int kFrictionSweeps =
-    20;  // the mass matrix is nearly diagonal: the projection converges much earlier
+// The mass matrix is nearly diagonal: the projection converges much earlier.
+constexpr int kFrictionSweeps = 20;
 
 void require_in(double value, double low, double high, std::string_view field) {
   if (value >= low && value <= high)

@@ -5,8 +5,8 @@
 
 namespace voxtouch::hd_sim {
 
-inline constexpr double kSubstepHz =
-    8000.0;  ///< of the integration; divisible by every servo rate of the device
+/// Of the integration; divisible by every servo rate of the device.
+inline constexpr double kSubstepHz = 8000.0;
 inline constexpr double kSubstep = 1.0 / kSubstepHz;
 
 /// Values without a source are assumed.
@@ -21,9 +21,8 @@ struct PlantConfig {
   Vec3 motor_limit_nm{1.8275, 1.8275, 1.445};
   double turret_stop_rad = 1.5708;  ///< to both sides; from a replica
   double thigh_low_rad = -0.9, thigh_high_rad = 1.6;
-  double fold_rad = 1.134,
-         stretch_rad =
-             0.960;  ///< of thigh minus shin, up and down: 65 and 55 degrees, from a replica
+  /// Limits of thigh minus shin, up and down: 65 and 55 degrees, from a replica.
+  double fold_rad = 1.134, stretch_rad = 0.960;
   /// A replica's model has 10 and 0.1, which lets an operator press the arm into the stretched
   /// pose.
   double stop_nm_per_rad = 300.0, stop_nms_per_rad = 0.3;

@@ -18,8 +18,8 @@ struct InServo {
   InServo& operator=(const InServo&) = delete;
 };
 
-constexpr long kMaxMissed =
-    200;  // periods that the arm makes up for after a stall of the whole process
+// Periods that the arm makes up for after a stall of the whole process.
+constexpr long kMaxMissed = 200;
 
 }  // namespace
 

@@ -23,8 +23,8 @@ struct Settings {
   double velocity_filter_hz = 50.0;
   double thermal_time_s = 60.0;  ///< of a motor
   double watchdog_s = 0.01;      ///< longest time that the amplifier holds its last value
-  Vec3 reset_error_rad =
-      Vec3::Zero();  ///< Deviation from right angles when the operator holds the links for a reset.
+  /// Deviation from right angles when the operator holds the links for a reset.
+  Vec3 reset_error_rad = Vec3::Zero();
   Vec3 power_on_rad{0.3, -0.4, 0.2};  ///< positions of the three joints' encoders at power-on
 
   /// Sets a number by its name. Throws std::runtime_error with the valid names or the invalid
