@@ -10,7 +10,7 @@
 
 namespace voxtouch::device_node {
 
-/// Ratio of late commands during the last second.
+/// Texts on late commands and the network delay, from the last second.
 class LateCommands {
  public:
   /// `designed_ms`: network delay that the coupling is designed for.
@@ -31,7 +31,7 @@ class LateCommands {
   std::string reason_, network_;
 };
 
-/// Used by the monitor thread, except `peers().ready`.
+/// Used by the monitor thread, except `peers().ready`, and `sentence` once that thread has ended.
 class DeviceMonitor {
  public:
   DeviceMonitor(runtime::NodeHost& host, const devices::Driver& driver,

@@ -31,8 +31,8 @@ namespace {
 std::uint64_t make_session_id(const Options& options, const scene::Scene& scene,
                               std::uint64_t sessions) {
   if (!options.lockstep) {
-    std::random_device
-        random;  // not from a clock: clocks of two hosts may differ, and a clock may be set back
+    // Not from a clock: clocks of two hosts may differ, and a clock may be set back.
+    std::random_device random;
     std::uint64_t id = 0;
     while (id == 0)
       id = (static_cast<std::uint64_t>(random()) << 32U) | random();
@@ -58,8 +58,9 @@ std::optional<std::uint64_t> require_free_rig(const bus::Participant& participan
   for (;; std::this_thread::sleep_for(std::chrono::milliseconds(10))) {
     if (stop.load())
       return std::nullopt;
+    // Read the clock before the reports, so that the last look is after `until`.
     const bool looked = runtime::monotonic_ns() >= until;
-    registry.update();  // read the clock first, so that no report appears older
+    registry.update();
     for (const runtime::NodeReport& other : registry.reports())
       if (other.node == "device" && !other.final())
         throw std::runtime_error(
@@ -213,10 +214,9 @@ class DeviceNode {
     s.session_id = session_;
     s.lockstep = options_.lockstep;
     s.epoch_ns = options_.lockstep ? 0 : runtime::realtime_ns();
+    // 0 only for a duration of 0.
     s.max_samples = static_cast<std::uint64_t>(
-        std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));  // gives 0 only
-                                                                                  // for a duration
-                                                                                  // of 0
+        std::ceil(options_.duration_s * driver_->description().rate_hz - 1e-6));
     return s;
   }
 

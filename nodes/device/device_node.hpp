@@ -16,8 +16,8 @@ namespace voxtouch::device_node {
 
 struct Options : runtime::NodeOptions {
   std::string device = "sim-phantom";
-  std::filesystem::path
-      device_file;  ///< measured figures of the device; empty: those of the driver
+  /// Measured figures of the device; empty: those of the driver.
+  std::filesystem::path device_file;
   /// Name of a motion in the scene; empty: rest at the start of the first motion.
   std::string motion;
   double duration_s = 0.0;              ///< in device time [s]; 0: until stopped
@@ -27,8 +27,7 @@ struct Options : runtime::NodeOptions {
   std::filesystem::path fault_records;  ///< folder for records of faults; empty: no records
 };
 
-/// Adds --device, --device-option, --motion, --duration [s] and the options of the simulated
-/// operator.
+/// Adds the options for the fields of Options.
 void add_device_options(CLI::App& app, Options& options);
 
 /// The operator's motion, in W, as the scene defines it. An empty `name` gives rest at the first

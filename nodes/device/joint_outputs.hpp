@@ -50,7 +50,7 @@ class JointOutputs {
   std::thread thread_;
 };
 
-/// A driver whose joints are published. All other calls are forwarded.
+/// A driver whose joints are published. All calls except `lead_hand` are forwarded.
 class JointPublishingDriver final : public devices::Driver {
  public:
   JointPublishingDriver(std::unique_ptr<devices::Driver> driver,

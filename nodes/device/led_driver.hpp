@@ -14,7 +14,7 @@
 namespace voxtouch::device_node {
 
 /// Accepts the targets of the one participant with the role `page`. Targets of others are refused,
-/// counted and reported by name. All other calls are forwarded to the driver.
+/// counted and reported by name.
 class LedDriver final : public devices::Driver {
  public:
   /// `driver` must have been opened with DeviceOptions::is_led. Throws bus::Error.
