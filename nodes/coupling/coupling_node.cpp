@@ -195,8 +195,8 @@ class CouplingNode final : public runtime::Step<msg::ContactState, msg::ForceCom
   CouplingCounters counters_;
   /// Description and plan of the bound participants have arrived.
   std::atomic<bool> both_known_{false};
-  std::uint64_t plan_binding_epoch_ =
-      0;  ///< binding epoch of the rendering whose plan began the session
+  /// Binding epoch of the rendering whose plan began the session.
+  std::uint64_t plan_binding_epoch_ = 0;
 };
 
 }  // namespace
