@@ -35,8 +35,7 @@ class PlanPublisher {
     if (lockstep_ && acknowledged)
       plans_.wait_for_acknowledgments(DDS_SECS(2));
   }
-  /// Called after `runs` has been validated for its device. `complete`: all changes requested in
-  /// this session have been processed.
+  /// Called after `runs` has been validated for its device.
   void set_judged(const device_fit::DeviceCompatibility& judged) {
     spring_n_per_m_.store(judged.spring_n_per_m(), std::memory_order_release);
     series_m_per_n_.store(judged.series_spring().translation, std::memory_order_release);
@@ -45,6 +44,7 @@ class PlanPublisher {
     const std::lock_guard lock(refusal_mutex_);
     refusal_ = design_text::sentence_of(judged.refusal());
   }
+  /// All changes requested in this session have been processed.
   void set_complete() noexcept { judged_.store(session_, std::memory_order_release); }
 
   // Any thread; all except `refusal` are real-time safe.

@@ -178,8 +178,8 @@ std::vector<msg::visualization_msgs_Marker> MarkerRounds::markers(std::int64_t s
     m.pose.position = runtime::to_point(lasting.position);
     m.scale.z = lasting.text_height_m;
   } else {
-    m.points._buffer =
-        const_cast<msg::geometry_msgs_Point*>(lasting.corners.data());  // DDS only reads them
+    // DDS only reads them.
+    m.points._buffer = const_cast<msg::geometry_msgs_Point*>(lasting.corners.data());
     m.points._length = m.points._maximum = static_cast<std::uint32_t>(lasting.corners.size());
   }
   out.push_back(m);

@@ -11,8 +11,8 @@ namespace voxtouch::rendering_node {
 namespace {
 
 constexpr std::int64_t kPeriodNs = runtime::DisplaySampler::kPeriodNs;
-constexpr std::int64_t kBehindNs =
-    1'500'000;  ///< at 1 kHz the first sample of a period has arrived by then
+/// At 1 kHz the first sample of a period has arrived by then.
+constexpr std::int64_t kBehindNs = 1'500'000;
 constexpr std::uint64_t kMarkersEvery = 10;
 
 msg::geometry_msgs_TransformStamped transform(std::int64_t stamp_ns, const std::string& child,
