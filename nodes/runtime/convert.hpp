@@ -20,7 +20,7 @@ inline Wrench from_msg(const msg::geometry_msgs_Wrench& w) noexcept {
   return {from_msg(w.force), from_msg(w.torque)};
 }
 
-/// `ns` since 1970, clamped at 0.
+/// `ns` >= 0, since 1970.
 inline msg::builtin_interfaces_Time to_time(std::int64_t ns) noexcept {
   return {static_cast<std::int32_t>(ns / 1'000'000'000),
           static_cast<std::uint32_t>(ns % 1'000'000'000)};

@@ -127,7 +127,7 @@ class NodeRegistry {
   /// Number of refused statuses.
   std::uint64_t refused() const noexcept { return refused_; }
   /// The node of the participant `guid`, as named in this rig or in `ros_discovery_info` ("ROS 2's
-  /// /talker"). Otherwise "a participant that gives no name (GUID)".
+  /// /talker"). Otherwise "an unnamed participant (GUID)".
   std::string name_of(const bus::Guid& guid) const;
   /// The same; empty for a participant without a name.
   std::string known_name_of(const bus::Guid& guid) const;
@@ -146,8 +146,8 @@ class NodeRegistry {
   std::unique_ptr<bus::Following> senders_;  // outlives the reader, which calls it
   bus::Reader<msg::NodeStatus> reader_;
   std::shared_ptr<bus::Graph> graph_;
-  std::map<dds_instance_handle_t, int> taken_,
-      taken_before_;  ///< statuses of each writer, in this poll and in the last
+  /// Statuses of each writer, in this poll and in the last.
+  std::map<dds_instance_handle_t, int> taken_, taken_before_;
   std::map<dds_instance_handle_t, bus::Guid> writers_;  ///< participant of each status writer
   std::set<bus::Guid> here_;
   std::uint64_t refused_ = 0;

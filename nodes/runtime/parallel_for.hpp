@@ -4,13 +4,13 @@
 
 namespace voxtouch::runtime {
 
-/// Number of processors that the calling thread may run on, at least 1.
+/// Number of online processors, at least 1. An affinity mask is ignored.
 std::size_t processors() noexcept;
 
 /// A loop on `threads` threads; 1 uses the calling thread. The threads have ordinary priority, even
 /// if the caller runs under SCHED_FIFO, and end with the loop. If bodies throw, the caller receives
 /// the exception of the lowest index, as from a serial loop. Higher indices may then be skipped.
-/// Throws std::system_error if no thread can be started.
+/// If no thread can be started, the calling thread does the work.
 ParallelFor threaded_for(std::size_t threads = processors());
 
 }  // namespace voxtouch::runtime

@@ -172,8 +172,8 @@ void ParameterServices::serve() {
     };
     if (requested.empty())
       return reply(true, {});
-    const auto first =
-        std::make_shared<Results::One>(Results::One{true, {}});  // the first refusal is reported
+    // The first refusal is reported.
+    const auto first = std::make_shared<Results::One>(Results::One{true, {}});
     set(requested, true, set_together_.participant_of(caller),
         [open, first, reply](std::size_t, bool done, const std::string& sentence) {
           if (!done && first->done)

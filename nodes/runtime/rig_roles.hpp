@@ -15,7 +15,9 @@ class RigRoles {
  public:
   /// Follows only the claims of the participant `up`.
   RigRoles(const bus::Participant& participant, const std::string& rig, const bus::Guid& up);
+  /// Reads the new claims.
   void update();
+  /// Whether the last claim gives the role `node` to `participant`.
   bool names(const std::string& node, const bus::Guid& participant) const;
 
  private:

@@ -10,8 +10,8 @@ namespace voxtouch::runtime {
 
 std::string status_line(const std::string& node, const Figures& now, const Figures& before,
                         double seconds) {
-  constexpr std::array kCounted{"samples", "checked",
-                                "received"};  // figure names of the nodes for their samples
+  // Figure names of the nodes for their samples.
+  constexpr std::array kCounted{"samples", "checked", "received"};
   for (const char* const name : kCounted) {
     const auto figure = now.find(name);
     if (figure == now.end() || figure->second.value <= 0.0)

@@ -13,6 +13,7 @@ namespace voxtouch::runtime {
 std::string status_line(const std::string& node, const Figures& now, const Figures& before,
                         double seconds);
 
+/// Prints the status line of a node at most once a second. Used by one thread.
 class RateLine {
  public:
   RateLine(std::string node, bool enabled) : node_(std::move(node)), enabled_(enabled) {}
