@@ -21,8 +21,8 @@ std::string reception_fault(std::string_view interface_name, std::uint32_t domai
 
 /// Stores the addresses that DDS uses in this process; called by `configure`.
 void note_addresses(const std::vector<Card>& cards);
-/// Describes a stored address that this machine has lost: "address 10.0.0.5 of eth0 is gone". Empty
-/// if all are present.
+/// Describes a stored address that this machine has lost: "address 10.0.0.5 of eth0 was removed
+/// from this machine". Empty if all are present.
 std::string lost_address();
 
 }  // namespace voxtouch::bus

@@ -60,8 +60,8 @@ Graph::Graph(dds_entity_t participant, RosNode node)
   dds_topic_descriptor_t type =
       *(node_.graph == RosGraph::kHumble ? msg::Type<HumbleInfo>::descriptor
                                          : msg::Type<IronInfo>::descriptor);
-  type.m_typename =
-      msg::Type<IronInfo>::descriptor->m_typename;  // Humble uses the same name for its layout
+  // Humble uses the same name for its layout.
+  type.m_typename = msg::Type<IronInfo>::descriptor->m_typename;
   topic_ = Entity(dds_create_topic(participant, &type, "ros_discovery_info", nullptr, nullptr),
                   "cannot create the ROS graph topic");
   const qos::Qos qos =
@@ -152,7 +152,7 @@ void Graph::read_names() {
   filter.mode = DDS_TOPIC_FILTER_SAMPLE;
   filter.f.sample = humble ? fits<HumbleInfo> : fits<IronInfo>;
   if (dds_set_topic_filter_extended(names_topic_.get(), &filter) != DDS_RETCODE_OK)
-    throw Error("cannot set the ROS graph reader to refuse requests");
+    throw Error("cannot limit the size of messages of the ROS graph");
   const qos::Qos qos =
       qos::make_qos(qos::profile(qos::ProfileId::kStatus), qos::Endpoint::kReader, 0.0);
   if (!humble)

@@ -327,8 +327,8 @@ void close_to_other_hosts(const std::vector<int>& sockets) {
   constexpr std::size_t kMaxAddresses = 200;  // a jump of the filter spans at most 255 instructions
   own.resize(std::min(own.size(), kMaxAddresses));
 
-  constexpr std::uint32_t kSource =
-      static_cast<std::uint32_t>(SKF_NET_OFF) + 12;  // of the IPv4 header
+  // Of the IPv4 header.
+  constexpr std::uint32_t kSource = static_cast<std::uint32_t>(SKF_NET_OFF) + 12;
   const auto to_accept = [&](std::size_t compared) {
     return static_cast<std::uint8_t>(own.size() - compared + 1);
   };

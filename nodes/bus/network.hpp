@@ -39,7 +39,7 @@ struct Network {
 /// The built-in settings followed by CYCLONEDDS_URI (`added`), which overrides them. If `added`
 /// names network cards, they replace `interface_name`. `peers` are hosts that discovery contacts
 /// directly, also without multicast. Throws Error if peers are given for a closed network, and if
-/// `added` is truncated or enables shared memory.
+/// `added` is truncated, enables shared memory, or names a file that configures nothing.
 Network network_of(std::string_view interface_name, const std::vector<std::string>& peers,
                    std::string_view added);
 

@@ -13,8 +13,8 @@ namespace voxtouch::bus {
 
 struct ParticipantOptions {
   std::uint32_t domain = 0;  ///< as ROS_DOMAIN_ID
-  std::string network_interface =
-      "host";  ///< kThisHost or a network card; cards named in CYCLONEDDS_URI replace it
+  /// kThisHost or a network card; cards named in CYCLONEDDS_URI replace it.
+  std::string network_interface = "host";
   std::string name = "voxtouch";               ///< shown by DDS tools
   std::vector<std::string> discovery_peers{};  ///< Hosts that discovery contacts directly, for
                                                ///< networks without multicast.

@@ -15,7 +15,7 @@ template <class T>
 class WireForm {
  public:
   /// DDS exposes the serialiser of a type only through a message, so one is written and taken.
-  /// Throws Error.
+  /// Throws std::runtime_error after 1 s without it.
   explicit WireForm(dds_entity_t participant) {
     const std::string name = "wire_form/" + std::string(msg::Type<T>::ros_name);
     const dds_entity_t topic =
