@@ -11,6 +11,7 @@
 
 namespace voxtouch::identification {
 
+/// A step kFit... holds the axis until `resume`.
 enum class Step : std::uint8_t {
   kHold,
   kBreakAwayForward,

@@ -4,11 +4,9 @@
 
 namespace voxtouch::identification {
 
-/// Gains start at 1/32 and double every 0.2 s while nothing grows; growth divides them by 8. If the
-/// axis
-/// falls away (gravity that the driver does not compensate), they double every 8 ms until it is
-/// caught.
-/// Once a mass is known they follow it. Real-time safe.
+/// The gains start at 1/32 and double every 0.2 s while the oscillation does not grow; growth
+/// divides them by 8. If the axis moves away (gravity that the driver does not compensate), they
+/// double every 8 ms until it stops. Once the mass is known they follow it. Real-time safe.
 class HoldingSpring {
  public:
   void start() noexcept { *this = {}; }

@@ -21,7 +21,8 @@ namespace voxtouch::identification {
 
 enum class Finding : std::uint8_t { kNotMeasured, kAgrees, kDiffers };
 
-/// A figure of the axis that differs most from the file, or is known best.
+/// One figure on the first axis with the strongest finding. It differs only if more axes differ
+/// than agree.
 struct StartFigure {
   Finding finding = Finding::kNotMeasured;
   double low = 0.0, high = 0.0;    ///< 99 % interval of the measured value
@@ -36,10 +37,9 @@ struct StartFindings {
   }
 };
 
-/// "delay 4.1 to 4.4 ms, the file allows at most 3.2 ms; ...": the figures that differ. Empty:
-/// none.
+/// The figures that differ: "delay 4.1 to 4.4 ms, its file allows 2 to 3.2 ms; ...". Empty: none.
 std::string differences(const StartFindings& findings);
-/// The result for each figure, in one line: "mass not measured, delay agrees, ...".
+/// The result for each figure, in one line: "mass not measured, delay agrees (4.1 to 4.4 ms), ...".
 std::string to_text(const StartFindings& findings);
 int count_differences(const StartFindings& findings) noexcept;
 

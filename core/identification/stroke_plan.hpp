@@ -10,11 +10,11 @@ namespace voxtouch::identification {
 struct Tone {
   double omega = 0.0;  ///< [rad/s]
   double speed = 0.0;  ///< amplitude [m/s]
-  double phase = 0.0;
+  double phase = 0.0;  ///< [rad]
 };
 
 struct ReferencePoint {
-  double velocity = 0.0, acceleration = 0.0;
+  double velocity = 0.0, acceleration = 0.0;  ///< [m/s], [m/s^2]
 };
 
 inline constexpr std::size_t kMostTones = 16;

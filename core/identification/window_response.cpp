@@ -139,8 +139,7 @@ std::size_t WindowResponse::find_lost_commands(const Nonlinear& at, double inver
                                                const Eigen::MatrixXd& local,
                                                Eigen::VectorXd residual, double encoder_step_m) {
   // A lost command changes the velocity by (u_before - u) T / m from then on. Greedy: the command
-  // that
-  // explains most of the residual, as long as that is more than noise would give.
+  // that explains most of the residual, as long as that is more than noise would give.
   constexpr double kLeastOfResidual = 0.03, kLeastOfNoise = 20.0, kMostAmplitudeError = 0.4;
   commands_ = sent_;
   lost_ = 0;

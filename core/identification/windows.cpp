@@ -128,8 +128,7 @@ std::vector<Window> pulse_windows(const AxisRecord& record, double step) {
 
 double encoder_step(const AxisRecord& record) {
   // Euclid's algorithm on the increments. Sums of steps carry rounding, so a remainder counts as
-  // zero
-  // below a thousandth of the smallest increment.
+  // zero below a thousandth of the smallest increment.
   constexpr double kLeastM = 1e-10;
   double step = 0.0;
   const Entries& e = record.entries();

@@ -15,14 +15,14 @@ struct Window {
 
 struct WindowRules {
   double skip_start = 0.28;  ///< ratio of each stroke that is left out: presliding and start
-  double skip_end = 0.06;
+  double skip_end = 0.06;    ///< the same at the end
   double longest_s = 0.5;
   double shortest_s = 0.12;
   double encoder_step_m = 0.0;
 };
 
-/// Windows of the strokes of `part` and all later parts. A window in which the smoothed position
-/// stops or reverses is cut there: presliding spoils fits across reversals.
+/// Windows of the strokes of part `first` and all later parts. A window in which the smoothed
+/// position stops or reverses is cut there: presliding spoils fits across reversals.
 std::vector<Window> stroke_windows(const AxisRecord& record, Part first, const WindowRules& rules);
 
 /// Windows of the pulses, from the start of each motion to its end.
