@@ -43,8 +43,8 @@ struct ContactResult {
   /// also changes arms and directions, which adds terms of the size of the wrench. Latched points
   /// count like any other, so the matrix does not drop where points go through.
   Mat6 stiffness = Mat6::Zero();
-  bool fallback =
-      false;  ///< opposite normals (coherence <= 0.3): `original` was used for this frame
+  /// Opposite normals (coherence <= 0.3): `original` was used for this frame.
+  bool fallback = false;
   /// `field`: the force may not grow with depth. Some point with force is deeper than the stored
   /// distances, is near the middle of a body (|gradient| < 1/2), or pushes away from the nearest
   /// exit (normal . gradient < -1/2).

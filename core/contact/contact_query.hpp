@@ -16,8 +16,8 @@ class ContactQuery {
   /// numbers. Throws too if points are weighted by areas that are missing or negative.
   ContactQuery(const voxmap::Voxmap& voxmap, pointshell::Pointshell shell,
                PointWeights weights = PointWeights::kOne);
-  ContactQuery(const ContactQuery&) =
-      delete;  // hits refer to the arrays of the shell, which a move does not relocate
+  // Hits refer to the arrays of the shell, which a move does not relocate.
+  ContactQuery(const ContactQuery&) = delete;
   ContactQuery(ContactQuery&&) = default;
   ContactQuery(voxmap::Voxmap&&, pointshell::Pointshell,
                PointWeights = PointWeights::kOne) = delete;

@@ -53,8 +53,8 @@ struct PenaltyLanes {
   alignas(64) double weight[kLanes] = {};         ///< of the weights
   alignas(64) double stiffness[21][kLanes] = {};  ///< of weight J' J: the upper triangle by rows
   alignas(64) double deepest[kLanes] = {};        ///< the largest depth of a lane
-  alignas(64) double deepest_hit[kLanes] =
-      {};  ///< index of that hit in the list minus the lane; the first of equals
+  /// Index of that hit in the list minus the lane; the first of equals.
+  alignas(64) double deepest_hit[kLanes] = {};
 };
 
 /// The same along one common direction: each hit adds the moments of its arm.
@@ -76,8 +76,8 @@ struct ForceDirection {
 struct RoughDirection {
   bool own = false, common = false;  ///< which of the two terms exist
   float mean[3] = {};                ///< s m
-  float back[3][3] =
-      {};             ///< rotation of T in W, times 1 - s and the scale of a packed normal's word
+  /// Rotation of T in W, times 1 - s and the scale of a packed normal's word.
+  float back[3][3] = {};
   float most = 0.0F;  ///< sum of all rounding errors
 };
 

@@ -160,8 +160,8 @@ bool make_query_frame(const voxmap::Voxmap& voxmap, const HitSource& source, dou
   const double edge = source.edge, reach = reach_m / edge;
   const std::array<std::int32_t, 3> base = {voxmap.base().i, voxmap.base().j, voxmap.base().k};
   f.source = source;
-  const double before_first =
-      std::ceil(reach) + 2.0;  // voxels from `first` to that of the tool's origin
+  // Voxels from `first` to that of the tool's origin.
+  const double before_first = std::ceil(reach) + 2.0;
   double far = 0.0, beyond = 0.0, largest = 0.0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     for (std::size_t column = 0; column < 3; ++column)

@@ -19,8 +19,8 @@ struct QueryFrame {
   // `first`, always positive.
   float a[3][3] = {};  ///< R / e
   float shift[3] = {};
-  float low[3] = {},
-        high[3] = {};  ///< positions outside the table are clamped to its border, which is free
+  /// Positions outside the table are clamped to its border, which is free.
+  float low[3] = {}, high[3] = {};
   std::int32_t first[3] = {};  ///< relative to the table's first voxel
   /// A coordinate is certain if it is less than this from the centre of its voxel; negative: never.
   float certain = -1.0F;
