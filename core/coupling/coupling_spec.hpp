@@ -35,8 +35,8 @@ struct CouplingSpec {
   double injected_damping_ns_per_m = 0.0;
   double injected_damping_nms_per_rad = 0.0;
   double velocity_filter_hz = 100.0;  ///< > 0; unused with a window
-  std::uint32_t velocity_window =
-      0;  ///< n of the window, 0 to kMaxVelocityWindow; 0: the first-order filter
+  /// `n` of the window, 0 to kMaxVelocityWindow; 0: the first-order filter.
+  std::uint32_t velocity_window = 0;
   /// Cut-off of a slow velocity estimate and the width of its band. The linear velocity of the
   /// damping follows the slow estimate along each axis of W, up to this distance from the fast one.
   /// The band covers differences that encoder quantisation may cause; larger motions are damped

@@ -18,8 +18,8 @@ struct PolicedSample {
   double dt_s = 0;     ///< the measured period if it is within the band, else the nominal one
   double weight = 1;   ///< fraction of the contact in the law's input; the rest is the start force
   bool valid = false;  ///< the input is valid; else the last valid one is repeated
-  bool lost =
-      false;  ///< no valid input for kGapPeriods: the contact is zero until the next valid one
+  /// No valid input for kGapPeriods: the contact is zero until the next valid one.
+  bool lost = false;
   /// The loop was suspended, or valid inputs have ended or returned: restart at the last force.
   bool gap = false;
 };

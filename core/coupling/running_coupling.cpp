@@ -202,8 +202,8 @@ Wrench RunningCoupling::run_law(const CouplingInput& input, const PolicedSample&
 
 void RunningCoupling::add_damping(Wrench& sum, const Wrench& law, CouplingOutput& out) noexcept {
   const Twist& velocity = motion_.velocity();
-  const InjectedWrench injected =
-      injected_.of(contact_, law.force, velocity);  // zero without contact force
+  // Zero without contact force.
+  const InjectedWrench injected = injected_.of(contact_, law.force, velocity);
   sum.force += injected.wrench.force, sum.torque += injected.wrench.torque;
   out.bounded = injected.bounded, out.injected_n = injected.wrench.force.stableNorm();
 }

@@ -13,8 +13,8 @@ struct SwingDevice {
   double resolution_m = 0.0;
   double max_force_n = 0.0;
   double damping_ns_per_m = 0.0, coulomb_friction_n = 0.0;  ///< dissipated by the device
-  double delay_s = 0.0,
-         force_lag_s = 0.0;  ///< from a command to its force; then a time constant
+  /// From a command to its force; then a time constant.
+  double delay_s = 0.0, force_lag_s = 0.0;
 };
 
 /// The largest swing since construction. A continued swing counts as one.

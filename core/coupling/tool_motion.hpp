@@ -17,8 +17,8 @@ struct ToolSpeedLimits {
 
 /// The displacement from one pose to the next.
 struct ToolStep {
-  bool known =
-      false;  ///< false: first pose, invalid pose, jump or gap; the displacements are then zero
+  /// False: first pose, invalid pose, jump or gap; the displacements are then zero.
+  bool known = false;
   Vec3 translation = Vec3::Zero();  ///< of the tool's origin [m], W axes
   Vec3 rotation = Vec3::Zero();     ///< rotation vector [rad], the shorter rotation, W axes
 };

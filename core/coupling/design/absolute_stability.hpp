@@ -27,7 +27,8 @@ std::string_view name_of(MonotoneProof proof) noexcept;
 
 /// Differences between the running loop and the certified one, which no multiplier covers.
 enum class CertificateGap : std::uint8_t {
-  /// Injected damping acts along the contact and during contact only; in L it always acts.
+  /// Injected damping acts along the contact and during contact only; in the loop transfer function
+  /// L (multiplier.hpp) it always acts.
   kDamperGate,
   kDamperBound,   ///< it adds no more than a ratio of the contact force
   kVelocityBand,  ///< damping blends between two velocity estimates; each alone is certified
@@ -56,8 +57,8 @@ struct ContactCertificate {
     double margin = 0.0;
   };
   std::vector<Axis> axes;  ///< translation; rotation if the device gives torque
-  double ratio_of_linear =
-      0.0;  ///< K over the stiffness at which the same loops become unstable; 0: no multiplier
+  /// K over the stiffness at which the same loops become unstable; 0: no multiplier.
+  double ratio_of_linear = 0.0;
   int loops = 0;  ///< number of loops that the multiplier covers
   Multiplier multiplier;
   std::vector<CertificateGap> gaps;

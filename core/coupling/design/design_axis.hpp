@@ -41,9 +41,9 @@ struct AxisProblem {
   /// requires
   ///     beta (1/b + arm^2/br) <= 1
   double series_ratio = 1.0;
-  double damping_force_ratio =
-      0.0;  ///< Ratio of the law's force that injected damping may add. The loop must also be
-            ///< stable with the remaining damping (`residual_damping`); 0: no bound.
+  /// Ratio of the law's force that injected damping may add. The loop must also be stable with the
+  /// remaining damping (`residual_damping`); 0: no bound.
+  double damping_force_ratio = 0.0;
   double noise_limit = 0.0;  ///< largest noise of the injected damping, as an effort
   /// Largest effort that one encoder step may make, contact and damping together; infinity: any.
   double step_limit = std::numeric_limits<double>::infinity();
@@ -67,8 +67,8 @@ struct AxisProblem {
 /// diag(|Ktt| I, |Krr| I) holds, which `coupled_stiffness` accounts for. Injected damping is
 /// dissipation and may differ between the axes.
 ///
-/// Rule H also considers each axis alone, which is an approximation: a plant that moves along and
-/// about an axis at once is not among its cases.
+/// The limit over the cases (`critical_case`) also considers each axis alone, which is an
+/// approximation: a plant that moves along and about an axis at once is not among its cases.
 std::vector<AxisProblem> axis_problems(const DesignProblem& request);
 
 /// Squared arm of the contact [m^2]: rotational over translational stiffness. It relates the effect
@@ -120,7 +120,7 @@ double passive_limit(const AxisProblem& problem, const LoopController& law);
 
 /// The stiffness that the design may certify: the limit over the margin, and at most the
 /// `quiet_stiffness`. The limit is that of rule P for a hand only known to be passive, otherwise
-/// that of rule H.
+/// that over the cases.
 double certified_stiffness(const AxisProblem& problem, const LoopController& law,
                            double enough = 0.0);
 /// The same for an already computed `critical_case`.

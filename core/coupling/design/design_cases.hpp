@@ -26,8 +26,8 @@ class InnerLimits {
 struct DesignCase : LoopCase {
   /// Minimum damping ratio of the dominant mode in contact; 0: no minimum.
   double least_damping_ratio = 0.0;
-  std::shared_ptr<InnerLimits> inner =
-      std::make_shared<InnerLimits>();  ///< of `plant`; shared by copies
+  /// Of `plant`; shared by copies.
+  std::shared_ptr<InnerLimits> inner = std::make_shared<InnerLimits>();
 };
 
 /// The slowest timing as a uniform one. Every period is (1 + jitter) T. The delay is longer by

@@ -261,9 +261,9 @@ Design design_coupling(const DesignProblem& original) {
   const std::span<const double> fractions =
       given ? std::span(&*given, 1) : std::span<const double>(kDampingForceRatios);
   std::optional<Damped> unbounded;
-  double none = 1.0, first = 0.0,
-         last = 0.0;  // displayed over requested stiffness without a bound (at most 1), and with
-                      // the first and the last tried ratio
+  // Displayed over requested stiffness without a bound (at most 1), and with the first and the last
+  // tried ratio.
+  double none = 1.0, first = 0.0, last = 0.0;
   for (const double fraction : fractions) {
     Damped bounded = with_ratio(fraction);
     last = objective(problems, bounded.evaluated.design);

@@ -27,8 +27,8 @@ struct DesignGoals {
   double cutoff_hz = 5.0;     ///< w0 / (2 pi), as in the paper
   double max_cutoff_hz = 200.0;
   double gain_margin = 2.0;  ///< >= 1
-  double force_layer_depth_m =
-      0.0;  ///< depth over which the contact force rises, for the approach speed; 0: not computed
+  /// Depth over which the contact force rises, for the approach speed; 0: not computed.
+  double force_layer_depth_m = 0.0;
   /// Of translation; stiffness is reduced for them, down to the useful minimum.
   MinDampingRatios min_damping;
   MinDampingRatios rotation_min_damping{0.0, 0.0};  ///< its damping is displayed as a torque
@@ -38,16 +38,16 @@ struct DesignGoals {
       damping_force_ratio;  ///< Of the designed specification, >= 0. Unset: the smallest candidate
                             ///< of kDampingForceRatios that keeps at least 2/3 (first) or 9/10
                             ///< (others) of the unbounded stiffness; 0 if none does.
-  bool free_cap =
-      false;  ///< the designer may cap the total contact stiffness instead of scaling all of it
+  /// The designer may cap the total contact stiffness instead of scaling all of it.
+  bool free_cap = false;
 };
 
 struct DesignProblem {
   DeviceModel device;
   OperatorRange hand;
   ContactRange contact;  ///< translation, at the hand [N/m]
-  ContactRange
-      contact_rotation;  ///< about the tool's origin [Nm/rad]; used if the device gives torque
+  /// About the tool's origin [Nm/rad]; used if the device gives torque.
+  ContactRange contact_rotation;
   DesignGoals goals;
 };
 
@@ -76,10 +76,10 @@ struct AxisDesign {
   bool passive = false;
   double passive_stiffness = 0.0;  ///< K k allowed by rule P
   double spectral_radius = 0.0;    ///< at margin * displayed, over all cases; < 1
-  double limit_cycle_bound =
-      0.0;  ///< peak-to-peak limit cycle from quantisation [m] or [rad]; 0: friction removes it
-  double damping_required =
-      0.0;  ///< device damping with which the goal would be passive, margin included
+  /// Peak-to-peak limit cycle from quantisation [m] or [rad]; 0: friction removes it.
+  double limit_cycle_bound = 0.0;
+  /// Device damping with which the goal would be passive, margin included.
+  double damping_required = 0.0;
 };
 
 /// A damping ratio of the dominant mode (`slowest_damping_ratio`) and its case.

@@ -99,8 +99,8 @@ class Fraction {
 
 Arc::Arc(double middle, double half) noexcept : middle_(middle), half_(half) {
   const double sine = std::sin(0.5 * middle), cosine = std::cos(0.5 * middle);
-  const double curve =
-      0.25 * half * half;  // half^2/2 of a second derivative that is half of sine or at most 1/4
+  // half^2/2 of a second derivative that is half of sine or at most 1/4.
+  const double curve = 0.25 * half * half;
   s_ = {2.0 * sine, cosine, curve * std::sin(std::min(0.5 * (middle + half), 1.5707963267948966))};
   c_ = {cosine, -0.5 * sine, 0.5 * curve};
   s_squared_ = times(s_, s_);

@@ -22,10 +22,10 @@ struct AxisModel {
   double coulomb_friction = 0.0;                ///< dry friction, >= 0
   double resolution = 0.0;                      ///< encoder step, >= 0
   double max_effort = 0.0;                      ///< > 0
-  double max_stiffness =
-      std::numeric_limits<double>::infinity();  ///< Largest displayed stiffness of the device, > 0.
-  double effort_bandwidth_hz =
-      std::numeric_limits<double>::infinity();  ///< first-order lag of the effort
+  /// Largest displayed stiffness of the device, > 0.
+  double max_stiffness = std::numeric_limits<double>::infinity();
+  /// First-order lag of the effort.
+  double effort_bandwidth_hz = std::numeric_limits<double>::infinity();
 };
 
 /// Timing of the loop.

@@ -98,8 +98,7 @@ Complex filter_response(double g, double damping_ratio, const BasicPhasor<Angle>
 /// adds no more than the ratio s of the law's force and takes no more than all of it. The ratio
 /// compares the part of its fundamental that is ahead of the force with that of an unbounded
 /// damper. `ratio`: response of the damper over that of the law at the frequency of the
-/// oscillation, D = x
-/// + j y.
+/// oscillation, D = x + j y.
 ///
 /// The force of the law acts over half of the period, as cos p. There the unbounded damper adds
 /// x cos p - y sin p, which is clamped between -cos p and s cos p. The clamping changes at tan p =

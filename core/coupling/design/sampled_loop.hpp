@@ -38,12 +38,12 @@ inline VelocityEstimate velocity_of(const CouplingSpec& spec) noexcept {
 struct LoopController {
   enum class Law { kShapingFilter, kSpringDamper, kDirect };
   Law law = Law::kShapingFilter;
-  double w0_rad_per_s = 0.0,
-         damping_ratio = 1.0;  ///< shaping filter: both > 0; the filter of core/coupling/pt2.hpp
-  double gain = 1.0;           ///< shaping filter and direct; K, dimensionless, of any sign
-  double stiffness = 0.0,
-         damping = 0.0;           ///< spring-damper: c and r, massless object, backward difference
-  double injected_damping = 0.0;  ///< B >= 0
+  /// Shaping filter: both > 0; the filter of core/coupling/pt2.hpp.
+  double w0_rad_per_s = 0.0, damping_ratio = 1.0;
+  double gain = 1.0;  ///< shaping filter and direct; K, dimensionless, of any sign
+  /// Spring-damper: c and r, massless object, backward difference.
+  double stiffness = 0.0, damping = 0.0;
+  double injected_damping = 0.0;           ///< B >= 0
   double velocity_filter_rad_per_s = 0.0;  ///< w_v; 0: the plain difference
   int velocity_window = 0;                 ///< n of velocity_window.hpp; 0: the first-order filter
   void use(const VelocityEstimate& v) noexcept {
@@ -88,8 +88,8 @@ double slowest_damping_ratio(const LoopPlant& plant, const LoopController& contr
 struct CriticalStiffness {
   /// Stable for all 0 < k < stiffness; 0: unstable for any k; infinity: stable for all.
   double stiffness = 0.0;
-  double frequency_rad_per_s =
-      0.0;  ///< of the oscillation at the limit; 0 if stiffness is 0 or infinite
+  /// Of the oscillation at the limit; 0 if stiffness is 0 or infinite.
+  double frequency_rad_per_s = 0.0;
 };
 
 /// Critical stiffness by the Nyquist criterion. Takes some microseconds.

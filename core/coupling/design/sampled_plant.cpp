@@ -54,8 +54,8 @@ SampledPlant sample_plant(double mass, double damping, double stiffness, double 
 
   const double delay = delay_s / period_s;
   out.whole_delay = static_cast<int>(std::floor(delay + kWholeDelay));
-  double late =
-      delay - out.whole_delay;  // fraction of the period in which the previous command still acts
+  // Fraction of the period in which the previous command still acts.
+  double late = delay - out.whole_delay;
   if (late < kWholeDelay)
     late = 0.0;
   const Matrix4d last = exp_less_one((1.0 - late) * rate);

@@ -15,15 +15,15 @@ namespace voxtouch::coupling::design {
 /// States X = [x, T v, T^2/m f]; a command u [N or Nm] enters as (T^2/m) u. Without a lag f is not
 /// a state: order 2, last row and column zero.
 struct SampledPlant {
-  Eigen::Matrix3d step_less_one =
-      Eigen::Matrix3d::Zero();  ///< X[n+1] - X[n] = step_less_one X[n] + newer ... + older ...
-  Eigen::Vector3d newer =
-      Eigen::Vector3d::Zero();  ///< ... the command of `whole_delay` samples ago
-  Eigen::Vector3d older =
-      Eigen::Vector3d::Zero();  ///< ... the command one sample earlier; zero for a whole delay
-  int whole_delay = 0;          ///< whole periods of the delay
-  int order = 2;                ///< 2, or 3 with a lag
-  double effort_unit = 1.0;     ///< T^2/m
+  /// X[n+1] - X[n] = step_less_one X[n] + newer ... + older ...
+  Eigen::Matrix3d step_less_one = Eigen::Matrix3d::Zero();
+  /// ... the command of `whole_delay` samples ago.
+  Eigen::Vector3d newer = Eigen::Vector3d::Zero();
+  /// ... the command one sample earlier; zero for a whole delay.
+  Eigen::Vector3d older = Eigen::Vector3d::Zero();
+  int whole_delay = 0;       ///< whole periods of the delay
+  int order = 2;             ///< 2, or 3 with a lag
+  double effort_unit = 1.0;  ///< T^2/m
 
   bool splits_period() const noexcept { return !older.isZero(0.0); }
 };
